@@ -1,0 +1,92 @@
+"""Pinhole cameras and the learner's stereo head."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .geometry.rigid import look_rotation, rigid_transform
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera with square pixels and no distortion.
+
+    width, height, focal, centre: px; T_world_camera: (4, 4), metres, OpenCV axes.
+    """
+
+    width: int
+    height: int
+    focal: float
+    centre: tuple[float, float]
+    T_world_camera: NDArray
+
+    def project(self, points: NDArray, T_world_points: ArrayLike = np.eye(4)) -> tuple[NDArray, NDArray]:
+        """points: (3, ...) m in a frame → image (2, ...) px and visible (...): in front and inside the image."""
+        R_camera_world = self.T_world_camera[:3, :3].T
+        rotation = R_camera_world @ T_world_points[:3, :3]
+        offset = R_camera_world @ (T_world_points[:3, 3] - self.T_world_camera[:3, 3])
+        in_camera = rotation @ points.reshape(3, -1)
+        in_camera += offset[:, None]
+        image, depth = in_camera[:2], in_camera[2]
+        visible = depth > 0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            image *= np.divide(self.focal, depth, out=depth)
+        for coordinate, centre, size in zip(image, self.centre, (self.width, self.height)):
+            coordinate += centre
+            visible &= coordinate >= 0
+            visible &= coordinate <= size
+        return image.reshape((2,) + points.shape[1:]), visible.reshape(points.shape[1:])
+
+    def ray(self, image: ArrayLike) -> NDArray:
+        """image: (..., 2) px → unit directions (..., 3) in the world."""
+        u, v = np.moveaxis(np.asarray(image, float), -1, 0)
+        in_camera = np.stack(
+            [(u - self.centre[0]) / self.focal, (v - self.centre[1]) / self.focal, np.ones_like(u)], -1
+        )
+        in_world = in_camera @ self.T_world_camera[:3, :3].T
+        return in_world / np.linalg.norm(in_world, axis=-1, keepdims=True)
+
+
+@dataclass(frozen=True)
+class StereoHead:
+    """Two equal cameras on one rigid head that turns to look: the paper's [l],[r] and [L],[R].
+
+    position: midpoint of the two centres of projection, m. `verged` cameras each look at the
+    gaze point itself; otherwise the optical axes are parallel.
+    """
+
+    position: tuple[float, float, float]
+    baseline_m: float
+    width: int
+    height: int
+    focal: float
+    centre: tuple[float, float]
+    verged: bool = False
+
+    def gaze(self, target: ArrayLike) -> tuple[Camera, Camera]:
+        """Left and right camera of the head turned towards `target` (3,) m."""
+        target, position = np.asarray(target, float), np.asarray(self.position, float)
+        right = look_rotation(target - position)[:, 0]
+        cameras = []
+        for side in (-0.5, 0.5):
+            eye = position + side * self.baseline_m * right
+            direction = target - (eye if self.verged else position)
+            T_world_camera = rigid_transform(look_rotation(direction), eye)
+            cameras.append(Camera(self.width, self.height, self.focal, self.centre, T_world_camera))
+        return cameras[0], cameras[1]
+
+
+def triangulate(left: Camera, right: Camera, points: NDArray) -> NDArray:
+    """Midpoint of the two rays nearest to each other. points: (..., 4) px [left, right] → (..., 3) m.
+
+    For the viewer of the scene only: no estimator may know a camera. NaN where the rays are parallel.
+    """
+    a, b = left.ray(points[..., :2]), right.ray(points[..., 2:])
+    o_a, o_b = left.T_world_camera[:3, 3], right.T_world_camera[:3, 3]
+    cos = (a * b).sum(-1)
+    base = o_b - o_a
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = (a @ base - cos * (b @ base)) / (1 - cos**2)
+        t = (cos * (a @ base) - b @ base) / (1 - cos**2)
+    return 0.5 * (o_a + s[..., None] * a + o_b + t[..., None] * b)

@@ -1,0 +1,180 @@
+"""Affine epipolar geometry of two images: Eqs. (1)-(3) of the paper, IROS 2001.
+
+"View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry". An affine fundamental
+matrix of the images [p], [q] is kept as f = (f13, f23, f31, f32) and f33, so that a match obeys
+f13 x_p + f23 y_p + f31 x_q + f32 y_q + f33 = 0.
+
+Points are (..., N, 2) or (..., N, 4) px. Scatter matrices and what is computed from them keep their component
+axes first and the batch last, so that long batches stay contiguous in memory. W of Eq. (2) is kept as
+its 2 x 2 blocks P = Σ p pᵀ, M = Σ p qᵀ, Q = Σ q qᵀ.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+MIN_POINTS = 5  # with four, the centred 4 x N matrix has rank 3: any images fit, E would be identically 0
+LAGUERRE_STEPS = 20  # a bound: the iteration stops by itself, after 3 or 4 steps in the shipped scenes
+CONVERGED = 1e-8  # relative to the trace of W; the steps shrink cubically, so the next one would be below 1e-15
+NEARLY_EQUAL = 1e-7  # size of the eigenvector's cofactors, relative to the cube of the trace; below, LAPACK takes over
+
+
+def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray]:
+    """Eqs. (1)-(3): the hyperplane nearest to the matches in the 4-space of [p; q].
+
+    p, q: (..., N, 2) px → f: (..., 4), unit norm, sign arbitrary; f33: (...) px.
+    Eq. (2) prints 1/n for 1/N, and the u_0 of Eq. (3) is the centroid.
+    Raises ValueError with fewer than 5 points.
+    """
+    p, q = np.broadcast_arrays(np.asarray(p, float), np.asarray(q, float))
+    require_points(p.shape[-2])
+    mean_p, p = centred(p)
+    mean_q, q = centred(q)
+    _, f = smallest_eigenpair(scatter(p, p), scatter(p, q), scatter(q, q))
+    f = np.moveaxis(f, 0, -1).reshape(p.shape[:-2] + (4,))
+    return f, -(f[..., :2] * mean_p + f[..., 2:] * mean_q).sum(-1)
+
+
+def require_points(count: int) -> None:
+    """Raise ValueError if `count` points cannot determine an evaluation function."""
+    if count < MIN_POINTS:
+        raise ValueError(f"need at least {MIN_POINTS} points, got {count}: E would be identically zero")
+
+
+def centred(points: NDArray) -> tuple[NDArray, NDArray]:
+    """points: (..., N, k) px → their mean (..., k) and the points about it (..., N, k)."""
+    mean = np.add.reduce(points, -2) / points.shape[-2]
+    return mean, points - mean[..., None, :]
+
+
+def scatter(a: NDArray, b: NDArray) -> NDArray:
+    """Σ_i a_i b_iᵀ. a: (..., N, j) or (N, j) for all, b: (..., N, k) → (j, k, G), the batch flattened to G."""
+    b = components_first(b)
+    if a.ndim == 2:  # one set of points for the whole batch: a single matrix product
+        return (a.T @ b).swapaxes(0, 1)
+    return np.einsum("jng,kng->jkg", components_first(a), b)
+
+
+def components_first(points: NDArray) -> NDArray:
+    """(..., N, k) → (k, N, G), contiguous, the batch flattened to G."""
+    return np.ascontiguousarray(points.reshape((-1,) + points.shape[-2:]).transpose(2, 1, 0))
+
+
+def smallest_eigenpair(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
+    """Smallest eigenvalue and unit eigenvector of W = [[P, M], [Mᵀ, Q]], positive semi-definite.
+
+    P, M, Q: (2, 2, ...) → λ: (...), f: (4, ...), sign arbitrary.
+
+    λ is a root of the characteristic polynomial. With f = [x; y], the lower half of (W - λ)f = 0 gives
+    y = -(Q - λ)⁻¹Mᵀx, and x is in the kernel of the Schur complement S = P - λ - M(Q - λ)⁻¹Mᵀ, which is taken
+    from its adjugate. Where the smallest two eigenvalues nearly coincide, or f has no part in [p], that
+    vanishes: those few go to LAPACK.
+    """
+    s3, s2, s1, s0, M_adj_Q = _characteristic(P, M, Q)
+    smallest = _smallest_root(s3, s2, s1, s0)
+    c, d, k = Q[0, 0] - smallest, Q[1, 1] - smallest, Q[0, 1]
+    det_Q = c * d
+    det_Q -= k * k
+    M_adj_Q -= smallest * M
+    S = np.empty((3,) + det_Q.shape)  # 00, 11, 01 of S det(Q - λ)
+    np.subtract(P[0, 0], smallest, out=S[0])
+    np.subtract(P[1, 1], smallest, out=S[1])
+    S[2] = P[0, 1]
+    S *= det_Q
+    S[:2] -= np.einsum("ij...,ij...->i...", M_adj_Q, M)
+    S[2] -= np.einsum("j...,j...->...", M_adj_Q[0], M[1])
+    size = S[0] + S[1]
+    # adj S = s xxᵀ times (1, ±1), the sign of x0 x1 chosen so that nothing cancels
+    off_diagonal = np.abs(S[2])
+    S[:2] += off_diagonal
+    x = S[1], np.copysign(S[0], -S[2])
+    f = np.empty((4,) + size.shape)
+    np.multiply(x[0], det_Q, out=f[0])
+    np.multiply(x[1], det_Q, out=f[1])
+    f[2:] = -M_adj_Q[0] * x[0]
+    f[2:] -= M_adj_Q[1] * x[1]
+    f /= np.sqrt(np.einsum("i...,i...->...", f, f))
+    weak = ~(size > NEARLY_EQUAL * s3**3)
+    if weak.any():
+        smallest[weak], f[:, weak] = _by_lapack(P, M, Q, weak)
+    return smallest, f
+
+
+def extreme_eigenvalues(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
+    """Smallest and largest eigenvalue of [[P, M], [Mᵀ, Q]], positive semi-definite, from blocks (2, 2, ...)."""
+    s3, s2, s1, s0, _ = _characteristic(P, M, Q)
+    # λ → s3 - λ mirrors the polynomial, so that the largest root becomes the smallest of another one
+    mirrored = (
+        3 * s3,
+        3 * s3 * s3 + s2,
+        s3**3 + 2 * s2 * s3 - s1,
+        s2 * s3 * s3 - s1 * s3 + s0,
+    )
+    return _smallest_root(s3, s2, s1, s0), s3 - _smallest_root(*mirrored)
+
+
+def _characteristic(P: NDArray, M: NDArray, Q: NDArray):
+    """s3, s2, s1, s0 of det(W - λ) = λ⁴ - s3 λ³ + s2 λ² - s1 λ + s0, and M adj(Q).
+
+    From det(W) = det P det Q - tr(adj(P) M adj(Q) Mᵀ) + (det M)², with P - λ for P and Q - λ for Q.
+    """
+    (a, j), (_, b) = P
+    (c, k), (_, d) = Q
+    M_adj_Q, adj_P_M = np.empty_like(M), np.empty_like(M)
+    np.subtract(M[:, 0] * d, M[:, 1] * k, out=M_adj_Q[:, 0])
+    np.subtract(M[:, 1] * c, M[:, 0] * k, out=M_adj_Q[:, 1])
+    np.subtract(M[0] * b, M[1] * j, out=adj_P_M[0])
+    np.subtract(M[1] * a, M[0] * j, out=adj_P_M[1])
+    det_P, det_Q, det_M = a * b - j * j, c * d - k * k, M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
+    trace_P, trace_Q = a + b, c + d
+    s3 = trace_P + trace_Q
+    s2 = det_P + det_Q + trace_P * trace_Q - _inner(M, M)
+    s0 = det_P * det_Q - _inner(adj_P_M, M_adj_Q) + det_M * det_M
+    adj_P_M += M_adj_Q
+    s1 = trace_P * det_Q + trace_Q * det_P - _inner(adj_P_M, M)
+    return s3, s2, s1, s0, M_adj_Q
+
+
+def _smallest_root(s3: NDArray, s2: NDArray, s1: NDArray, s0: NDArray) -> NDArray:
+    """Laguerre's iteration from 0: monotone, for all four roots are real and none is negative."""
+    value, fall, half_curve = s0, s1, s2  # f, -f', f''/2 at 0
+    tolerance = CONVERGED * s3.min(initial=np.inf)
+    minus_s1, twice_s2, thrice_s3 = -s1, 2 * s2, 3 * s3
+    root = np.zeros_like(s0)
+    for _ in range(LAGUERRE_STEPS):
+        step = 9 * fall
+        step *= fall
+        half_curve = half_curve * value
+        half_curve *= 24
+        step -= half_curve
+        np.maximum(step, 0, out=step)
+        np.sqrt(step, out=step)
+        step += fall
+        np.divide(value, step, out=step)
+        step *= 4
+        root += step
+        if step.max(initial=0) <= tolerance:
+            break
+        value = _horner(root, root - s3, s2, minus_s1, s0)
+        fall = _horner(root, thrice_s3 - 4 * root, -twice_s2, s1)
+        half_curve = _horner(root, 6 * root - thrice_s3, s2)
+    return root
+
+
+def _horner(x: NDArray, value: NDArray, *coefficients: NDArray) -> NDArray:
+    """(value x + c0) x + c1 …, in `value`'s place."""
+    for coefficient in coefficients:
+        value *= x
+        value += coefficient
+    return value
+
+
+def _inner(a: NDArray, b: NDArray) -> NDArray:
+    """Σ_ij a_ij b_ij of (2, 2, ...)."""
+    return np.einsum("ij...,ij...->...", a, b)
+
+
+def _by_lapack(P: NDArray, M: NDArray, Q: NDArray, chosen: NDArray) -> tuple[NDArray, NDArray]:
+    """The smallest eigenpair where `chosen`: (K,), (4, K)."""
+    P, M, Q = (np.moveaxis(block[:, :, chosen], -1, 0) for block in (P, M, Q))
+    values, vectors = np.linalg.eigh(np.block([[P, M], [np.swapaxes(M, 1, 2), Q]]))
+    return values[:, 0], vectors[:, :, 0].T

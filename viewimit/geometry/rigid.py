@@ -1,0 +1,52 @@
+"""Rotations and frames. `T_a_b` takes points of frame b to frame a; cameras look along +z, x right, y down."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def rotation_about_axis(axis: ArrayLike, angle: ArrayLike) -> NDArray:
+    """Rodrigues' formula. axis: (3,), normalised here; angle: (...) rad → (3, 3, ...).
+
+    The matrix axes come first so that a grid of angles stays contiguous in memory.
+    """
+    x, y, z = np.asarray(axis, float) / np.linalg.norm(axis)
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    angle = np.asarray(angle, float)
+    shape = (3, 3) + (1,) * angle.ndim
+    return (
+        np.eye(3).reshape(shape)
+        + np.sin(angle) * K.reshape(shape)
+        + (1 - np.cos(angle)) * (K @ K).reshape(shape)
+    )
+
+
+def rotation_from_rpy(rpy: ArrayLike) -> NDArray:
+    """URDF's fixed-axis roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) → (3, 3)."""
+    roll, pitch, yaw = np.asarray(rpy, float)
+    return (
+        rotation_about_axis([0, 0, 1], yaw)
+        @ rotation_about_axis([0, 1, 0], pitch)
+        @ rotation_about_axis([1, 0, 0], roll)
+    )
+
+
+def rigid_transform(rotation: ArrayLike = np.eye(3), translation: ArrayLike = (0, 0, 0)) -> NDArray:
+    """rotation: (3, 3), translation: (3,) m → (4, 4)."""
+    T = np.eye(4)
+    T[:3, :3] = rotation
+    T[:3, 3] = translation
+    return T
+
+
+def look_rotation(direction: ArrayLike, up: ArrayLike = (0, 0, 1)) -> NDArray:
+    """R_world_camera of a camera that looks along `direction` with its image upright → (3, 3).
+
+    Raises ValueError if the direction is zero or parallel to `up`.
+    """
+    forward = np.asarray(direction, float)
+    right = np.cross(forward, up)
+    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(forward), 1e-300):
+        raise ValueError(f"cannot look along {direction}: it is zero or parallel to up {up}")
+    right /= np.linalg.norm(right)
+    forward = forward / np.linalg.norm(forward)
+    return np.stack([right, np.cross(forward, right), forward], axis=1)

@@ -1,0 +1,77 @@
+"""What the learner sees: image points in four views, and which of them it sees."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+VIEWS = ("l", "r", "L", "R")  # the paper's names: demonstrator left, right; own left, right
+
+
+@dataclass(frozen=True)
+class FourViews:
+    """N body points, matched by index, in the learner's two stereo pairs.
+
+    demo: (..., N, 4) px, the demonstrator's points [l, r] as x_l, y_l, x_r, y_r.
+    own: (..., N, 4) px, the learner's own points [L, R].
+    visible: (..., N, 4) bool, seen in l, r, L, R. Coordinates of unseen points mean nothing.
+    """
+
+    demo: NDArray
+    own: NDArray
+    visible: NDArray
+
+    @classmethod
+    def from_images(cls, demo_left: ArrayLike, demo_right: ArrayLike, own_left: ArrayLike, own_right: ArrayLike):
+        """Tracked points, (..., N, 2) px a view. A point with NaN in a view was not seen there.
+
+        Raises ValueError if the views do not hold the same number of points.
+        """
+        images = [np.asarray(image, float) for image in (demo_left, demo_right, own_left, own_right)]
+        for name, image in zip(VIEWS, images):
+            if image.ndim < 2 or image.shape[-1] != 2:
+                raise ValueError(f"view {name}: need points of shape (..., N, 2), got {image.shape}")
+        counts = [image.shape[-2] for image in images]
+        if len(set(counts)) > 1:
+            found = ", ".join(f"{name}: {count}" for name, count in zip(VIEWS, counts))
+            raise ValueError(f"the views hold different numbers of points ({found}); they are matched by index")
+        images = np.broadcast_arrays(*images)
+        return cls(
+            np.concatenate(images[:2], -1),
+            np.concatenate(images[2:], -1),
+            np.stack([np.isfinite(image).all(-1) for image in images], -1),
+        )
+
+    @property
+    def demo_left(self) -> NDArray:
+        """[l]: (..., N, 2) px"""
+        return self.demo[..., :2]
+
+    @property
+    def demo_right(self) -> NDArray:
+        """[r]: (..., N, 2) px"""
+        return self.demo[..., 2:]
+
+    @property
+    def own_left(self) -> NDArray:
+        """[L]: (..., N, 2) px"""
+        return self.own[..., :2]
+
+    @property
+    def own_right(self) -> NDArray:
+        """[R]: (..., N, 2) px"""
+        return self.own[..., 2:]
+
+    @cached_property
+    def usable(self) -> NDArray:
+        """(..., N) bool: seen in all four views, as every transfer needs it."""
+        return self.visible.all(-1)
+
+    def select(self, points: NDArray) -> "FourViews":
+        """The views of some points only. points: (N,) bool or indices."""
+        return FourViews(self.demo[..., points, :], self.own[..., points, :], self.visible[..., points, :])
+
+    def with_own(self, own: NDArray) -> "FourViews":
+        """The same demonstrator beside other own images: (..., N, 4) px."""
+        return replace(self, own=own)

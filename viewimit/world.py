@@ -1,0 +1,93 @@
+"""Two arms of the same build and a stereo head: postures in, image points out.
+
+The simulated world. It knows the truth, so nothing in `transfer` or `servo` may import it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .camera import Camera
+from .geometry.rigid import rigid_transform, rotation_about_axis
+from .robot import BodyPoints, Robot
+from .scene import Base, Scene, load_robot
+from .views import FourViews
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What spoils an image: Gaussian noise in px (standard deviation a coordinate), share of points not found."""
+
+    noise_px: float = 0.0
+    missing: float = 0.0
+
+    def apply(self, points: NDArray, visible: NDArray, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
+        """points: (N, 4) px, visible: (N, 2). The draws do not depend on the settings, so that turning
+        one up enlarges the same noise and loses the same points first."""
+        noise, luck = rng.standard_normal(points.shape), rng.random(visible.shape)
+        return points + self.noise_px * noise, visible & (luck >= self.missing)
+
+
+class World:
+    """A scene set up: the two robots placed, the head's two gazes taken.
+
+    Postures are of the scene's moving joints: m arrays of angles in rad, broadcast against each
+    other, so that (θ2[:, None], θ4[None, :]) is a grid. Own images of a grid are (91, 181, N, 4).
+    """
+
+    def __init__(self, scene: Scene, points: int = 10, robot: Robot | None = None):
+        self.scene = scene
+        self.robot = robot or load_robot(scene.robot)
+        self.body: BodyPoints = scene.body_points(points)
+        head = scene.stereo_head()
+        self.demo_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_demonstrator)
+        self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
+        self.T_world_demo = _placed(scene.demonstrator)
+        self.T_world_own = _placed(scene.learner)
+
+    def joint_angles(self, theta: Sequence[ArrayLike] | NDArray) -> list:
+        """Angles of all n joints, rad: the moving ones from theta, the others at rest."""
+        angles = list(np.radians(self.scene.posture_deg))
+        for joint, angle in zip(self.scene.moving, theta, strict=True):
+            angles[joint] = angle
+        return angles
+
+    def demo_images(self, theta) -> tuple[NDArray, NDArray]:
+        """The demonstrator in [l], [r] → points (..., N, 4) px, visible (..., N, 2)."""
+        return self._images(theta, self.T_world_demo, self.demo_cameras)
+
+    def own_images(self, theta) -> tuple[NDArray, NDArray]:
+        """The learner in [L], [R] → points (..., N, 4) px, visible (..., N, 2)."""
+        return self._images(theta, self.T_world_own, self.own_cameras)
+
+    def look(self, theta_demo, theta_own) -> FourViews:
+        """All four views, undisturbed, for one posture of each arm, (m,) rad."""
+        demo, demo_visible = self.demo_images(theta_demo)
+        own, own_visible = self.own_images(theta_own)
+        return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
+
+    def points_world(self, theta, T_world_base: NDArray) -> NDArray:
+        """Body points of an arm in one posture: (N, 3) m. For the viewer of the scene."""
+        points = np.empty((len(self.body), 3))
+        for index, xyz in self.robot.place_points(self.joint_angles(theta), self.body):
+            points[index] = (T_world_base[:3, :3] @ xyz).T + T_world_base[:3, 3]
+        return points
+
+    def _images(self, theta, T_world_base: NDArray, cameras: tuple[Camera, Camera]) -> tuple[NDArray, NDArray]:
+        shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
+        points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
+        visible = np.empty((2, len(self.body)) + shape, bool)
+        for index, xyz in self.robot.place_points(self.joint_angles(theta), self.body):
+            for side, camera in enumerate(cameras):
+                image, seen = camera.project(xyz, T_world_base)
+                for row, point in enumerate(index):
+                    points[2 * side, point], points[2 * side + 1, point] = image[:, row]
+                    visible[side, point] = seen[row]
+        return np.moveaxis(points, (1, 0), (-2, -1)), np.moveaxis(visible, (1, 0), (-2, -1))
+
+
+def _placed(base: Base) -> NDArray:
+    """T_world_base"""
+    return rigid_transform(rotation_about_axis([0, 0, 1], np.radians(base.yaw_deg)), base.position)

@@ -1,0 +1,15 @@
+"""Servo laws: from what the learner saw to its next displacement.
+
+A servo knows image points and its own displacements, never a posture, a body or a camera. It has two
+methods, start(observation) -> state and step(state, observation, conflict) -> (state, displacement), both
+without side effects. `conflict(own) -> residual` tells what the residual would be of images
+(..., N, 4) that the servo predicts; the transfer behind it needs no motion to be asked.
+"""
+
+from .broyden import Broyden
+from .gradient import PAPER, RETUNED, Gradient
+from .observation import Observation
+
+SERVOS = {"gradient": Gradient(PAPER), "gradient-retuned": Gradient(RETUNED), "broyden": Broyden()}
+
+__all__ = ["SERVOS", "Broyden", "Gradient", "Observation"]

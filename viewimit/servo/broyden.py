@@ -1,0 +1,163 @@
+"""A servo that learns the image, not E: ŷ(θ) = y_c + J (θ - c), J by Broyden's updates.
+
+The residual is a known function of images, so every candidate is judged on the images it is predicted to give.
+One probe a joint makes a first J; then the argmin of the predicted E inside a trust region is visited, the E then
+measured judges the region, and the motion itself improves J (Broyden 1965). The best posture visited is
+the centre c; the arm never drives back to it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import conflict as evaluate
+from .observation import Conflict, Observation
+
+PROBE = np.radians(15.0)
+FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
+DONE_STEP = np.radians(0.1)  # a motion shorter than this is not worth making
+SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mostly noise
+ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # of the search on predicted images; rad
+WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
+GAIN_LEFT = 0.01  # share of E that a step cut short by the region must still promise to count as stalled
+DAMPINGS = np.array([0.0, 1e-1, 1.0, 10.0])
+SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A posture really visited: displacement (m,) rad, own (N, 4) px, seen (N, 2) bool."""
+
+    displacement: NDArray
+    own: NDArray
+    seen: NDArray
+
+
+@dataclass(frozen=True)
+class BroydenState:
+    """jacobian: (N, 4, m) px/rad; best and last: visits; radius: rad; promised: decrease of E predicted
+    for the motion just made, None after a probe; probes: joints still to probe."""
+
+    jacobian: NDArray
+    best: Visit
+    last: Visit
+    radius: float
+    probes: tuple[int, ...]
+    promised: float | None = None
+    status: str = "moving"
+    probe: bool = False
+
+
+@dataclass(frozen=True)
+class Broyden:
+    """See the module. It has no constants to tune beyond the module's."""
+
+    def start(self, seen: Observation) -> BroydenState:
+        here = Visit(seen.displacement, seen.own, seen.seen)
+        m = len(seen.displacement)
+        return BroydenState(np.zeros(seen.own.shape + (m,)), here, here, float(FIRST_RADIUS), tuple(range(m)))
+
+    def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
+        here = Visit(seen.displacement, seen.own, seen.seen)
+        state = _judge(_learn(state, here), here, conflict)
+        if state.probes:
+            return _probe(state, seen)
+        low = np.maximum(seen.lower, state.best.displacement - state.radius)
+        high = np.minimum(seen.upper, state.best.displacement + state.radius)
+        centre = state.best.displacement
+
+        def residual_at(theta: NDArray) -> NDArray:
+            own = state.best.own + np.einsum("nkj,...j->...nk", state.jacobian, theta - centre)
+            return conflict(own)
+
+        target, promised = minimise(residual_at, centre, low, high)
+        step = target - seen.displacement
+        if np.max(np.abs(step)) < DONE_STEP:
+            bounded = state.radius < 2 * DONE_STEP and promised > GAIN_LEFT * seen.E
+            status = "stalled" if bounded else "converged"  # the region, not the model, made the step short
+            return replace(state, promised=None, status=status, probe=False), np.zeros_like(step)
+        return replace(state, promised=promised, status="moving", probe=False), step
+
+
+def _learn(state: BroydenState, here: Visit) -> BroydenState:
+    """Broyden's update from the last motion, for the points seen before and after it."""
+    moved = here.displacement - state.last.displacement
+    length = moved @ moved
+    if length == 0:
+        return replace(state, last=here)
+    both = np.repeat(here.seen & state.last.seen, 2, axis=-1)  # (N, 4)
+    surprise = np.where(both, here.own - state.last.own - state.jacobian @ moved, 0.0)
+    jacobian = state.jacobian + surprise[..., None] * moved / (length + (0.0 if state.probe else SOFT**2))
+    return replace(state, jacobian=jacobian, last=here)
+
+
+def _judge(state: BroydenState, here: Visit, conflict: Conflict) -> BroydenState:
+    """Keep the better of the best and this visit, and size the region by how true the promise was.
+
+    The best visit is judged anew on its stored images, for the demonstrator may have moved since.
+    """
+    E_best, E_here = evaluate(conflict(np.stack([state.best.own, here.own])))
+    radius = state.radius
+    if state.promised is not None:
+        ratio = (E_best - E_here) / max(state.promised, 1e-12)
+        step = np.max(np.abs(here.displacement - state.best.displacement))
+        if ratio < SHRINK_BELOW:
+            radius = max(0.4 * step, MIN_RADIUS)
+        elif ratio > GROW_ABOVE and step > 0.8 * radius:
+            radius = min(2 * radius, MAX_RADIUS)
+    best = here if E_here <= E_best else state.best
+    return replace(state, best=best, radius=float(radius))
+
+
+def _probe(state: BroydenState, seen: Observation) -> tuple[BroydenState, NDArray]:
+    """Turn one joint by 15°, towards where its limits leave more room."""
+    joint, *rest = state.probes
+    above = seen.upper[joint] - seen.displacement[joint]
+    below = seen.displacement[joint] - seen.lower[joint]
+    step = np.zeros_like(seen.displacement)
+    step[joint] = min(PROBE, above) if above >= min(PROBE, below) else -min(PROBE, below)
+    return replace(state, probes=tuple(rest), promised=None, status="moving", probe=True), step
+
+
+def minimise(
+    residual_at: Callable[[NDArray], NDArray], centre: NDArray, low: NDArray, high: NDArray
+) -> tuple[NDArray, float]:
+    """argmin over the box [low, high] of E of residual_at(θ): (..., m) → (..., N, 4), and how far below E(centre).
+
+    Levenberg-Marquardt; each round asks for all damped candidates and their difference quotients in one batch.
+    """
+    m = len(centre)
+    reach = 0.5 * np.concatenate([np.eye(m) * (high - centre), np.eye(m) * (low - centre)])
+    candidates = np.clip(centre + np.concatenate([np.zeros((1, m)), reach]), low, high)
+    best, best_E, first_E = centre, np.inf, None
+    for _ in range(ROUNDS):
+        inward = np.where(candidates + DIFFERENCE > high, -DIFFERENCE, DIFFERENCE)
+        offsets = np.concatenate([np.zeros((len(candidates), 1, m)), inward[:, :, None] * np.eye(m)], axis=1)
+        e = residual_at(candidates[:, None] + offsets)
+        E = evaluate(e[:, 0])
+        first_E = E[0] if first_E is None else first_E  # the first candidate is the centre
+        k = int(np.argmin(E))
+        if not E[k] < best_E * (1 - WORTHWHILE):
+            break
+        best, best_E = candidates[k], E[k]
+        flat = e[k].reshape(m + 1, -1)
+        J = (flat[1:] - flat[0]) / inward[k][:, None]
+        gradient, hessian = J @ flat[0], J @ J.T
+        free = ~(((best <= low) & (gradient > 0)) | ((best >= high) & (gradient < 0)))
+        if not free.any():
+            break
+        candidates = np.clip(best - _damped_steps(gradient, hessian, free), low, high)
+        if np.max(np.abs(candidates - best)) < SHORT:
+            break
+    return best, float(first_E - best_E)
+
+
+def _damped_steps(gradient: NDArray, hessian: NDArray, free: NDArray) -> NDArray:
+    """(H + λ diag H)⁻¹ g over the free joints, for every damping λ → (len(DAMPINGS), m)."""
+    H, g = hessian[np.ix_(free, free)], gradient[free]
+    diagonal = np.diag(np.diag(H) + 1e-12 * max(np.trace(H), 1e-300))
+    steps = np.zeros((len(DAMPINGS), len(gradient)))
+    steps[:, free] = np.linalg.solve(H + (DAMPINGS[:, None, None] + 1e-9) * diagonal, g[None, :, None])[..., 0]
+    return steps

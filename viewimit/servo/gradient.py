@@ -1,0 +1,98 @@
+"""The paper's servo law, Section 4: E descends along a gradient learned from the learner's own motions.
+
+ΔE = Ĵ u is fitted by recursive least squares with forgetting, and u = -K Ĵᵀ E, Eq. (13) with the transpose
+that its print lacks (Ĵ is a row, u a column). As printed in Section 5.3, K = 0.005 and ρ = 0.95 are read in degrees and px².
+
+The paper gives no initial P, no bound of the step and no excitation: where Ĵ has found no slope, or the gain
+has vanished with E, the arm stands still. `RETUNED` names values with which it mostly arrives.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .observation import Conflict, Observation
+
+REST_WINDOW = 30  # motions without progress after which the law counts as resting
+REST_SHARE = 0.01  # of the largest E: where resting is called converged, above it stalled
+
+
+@dataclass(frozen=True)
+class Constants:
+    """gain: K = gain·I, degrees/px² per px²/degree; forgetting: ρ; jacobian: Ĵ_0, px²/degree, repeated for more
+    joints; covariance: P_0 = covariance·I; max_step_deg, dither_deg: bound and excitation of a step."""
+
+    gain: float
+    forgetting: float
+    jacobian: tuple[float, ...]
+    covariance: float
+    max_step_deg: float
+    dither_deg: float
+
+
+# Sec. 5.3 and Eq. (14); P_0 is not given there
+PAPER = Constants(0.5e-2, 0.95, (-1.0, 1.0), covariance=1.0, max_step_deg=np.inf, dither_deg=0.0)
+RETUNED = Constants(0.5, 0.95, (-1.0, 1.0), covariance=1e3, max_step_deg=2.0, dither_deg=0.2)
+
+
+@dataclass(frozen=True)
+class GradientState:
+    """jacobian: (m,) px²/degree; covariance: (m, m); then what was seen last, and the progress."""
+
+    jacobian: NDArray
+    covariance: NDArray
+    displacement: NDArray
+    E: float
+    best_E: float
+    worst_E: float
+    since_best: int = 0
+    status: str = "moving"
+    probe: bool = False
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """The law with its constants. `seed` drives the dither only."""
+
+    constants: Constants = PAPER
+    seed: int = 0
+
+    def start(self, seen: Observation) -> GradientState:
+        m = len(seen.displacement)
+        c = self.constants
+        return GradientState(
+            np.resize(c.jacobian, m), c.covariance * np.eye(m), seen.displacement, seen.E, seen.E, seen.E
+        )
+
+    def step(self, state: GradientState, seen: Observation, conflict: Conflict) -> tuple[GradientState, NDArray]:
+        moved = np.degrees(seen.displacement - state.displacement)
+        jacobian, P = self._learn(state, moved, seen.E - state.E)
+        u = self._bounded(-self.constants.gain * jacobian * seen.E)
+        dither = self.constants.dither_deg * np.random.default_rng([self.seed, seen.motion]).standard_normal(len(u))
+        progress = seen.E < 0.99 * state.best_E
+        since_best = 0 if progress else state.since_best + 1
+        worst = max(state.worst_E, seen.E)
+        status = "moving"
+        if since_best >= REST_WINDOW:
+            status = "converged" if seen.E <= REST_SHARE * worst else "stalled"
+        best = seen.E if progress else state.best_E
+        state = GradientState(jacobian, P, seen.displacement, seen.E, best, worst, since_best, status)
+        if status == "converged":
+            return state, np.zeros_like(u)
+        low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
+        inside = np.clip(np.radians(u), low, high)  # the dither comes after, to excite a joint that leans on its limit
+        return state, np.clip(inside + np.radians(dither), low, high)
+
+    def _learn(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:
+        """Weighted recursive least squares, ρ the forgetting factor."""
+        J, P, rho = state.jacobian, state.covariance, self.constants.forgetting
+        if not np.any(u):
+            return J, P
+        Pu = P @ u
+        J = J + (dE - J @ u) * Pu / (rho + u @ Pu)
+        return J, (P - np.outer(Pu, Pu) / (rho + u @ Pu)) / rho
+
+    def _bounded(self, u: NDArray) -> NDArray:
+        length = np.linalg.norm(u)
+        return u * min(1.0, self.constants.max_step_deg / length) if length > 0 else u

@@ -1,0 +1,265 @@
+"""The loop of the paper as a session that can be posed, stepped, undone and scrubbed. No page in here.
+
+    posture → four views → transfer → recovered points → residual e → E → servo → next posture
+
+Every pass leaves one immutable Snapshot, which panels, plots, exports and tests all read.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .evaluation import conflict, residual
+from .geometry.affine import MIN_POINTS
+from .scene import Scene, load_scene
+from .servo import SERVOS, Observation
+from .transfer import TRANSFERS
+from .views import FourViews
+from .world import Disturbance, World
+
+DEMO_LOOK, OWN_LOOK = 0, 1  # streams of the seed: the demonstrator is looked at once, the own body at every motion
+MAX_HISTORY = 10_000  # motions a session keeps, a bound of its memory
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """All that a run depends on: with equal settings it repeats itself to the last bit.
+
+    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    """
+
+    scene: str = "panda"
+    points: int = 10
+    demonstrator_deg: tuple[float, ...] | None = None
+    start_deg: tuple[float, ...] | None = None
+    transfer: str = "epipolar"
+    servo: str = "broyden"
+    noise_px: float = 0.0
+    missing: float = 0.0
+    seed: int = 7
+
+    def __post_init__(self):
+        _require_choice("transfer", self.transfer, TRANSFERS)
+        _require_choice("servo", self.servo, SERVOS)
+        _require_range("noise_px", self.noise_px, 0, 20)
+        _require_range("missing", self.missing, 0, 1)
+        if self.seed < 0:
+            raise ValueError(f"seed must not be negative, got {self.seed}")
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One pass of the loop. Arrays are of all N points; those not usable are NaN in recovered and residual.
+
+    theta, theta_demo: (m,) rad, the truth, for viewers only; views: what the learner saw;
+    usable: (N,) bool, seen in all four views; transfer: None with too few of them, E then NaN;
+    recovered, e: (N, 4) px in [L, R]; moved: (m,) rad, the motion that led here; probe: it was a probe;
+    status: ready, moving, converged, stalled, stopped.
+    """
+
+    settings: Settings
+    motion: int
+    look: int
+    theta: NDArray
+    theta_demo: NDArray
+    views: FourViews
+    usable: NDArray
+    transfer: Any
+    recovered: NDArray
+    e: NDArray
+    E: float
+    moved: NDArray
+    probe: bool
+    status: str
+    servo_state: Any
+
+
+class Session:
+    """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
+
+    Raises ValueError, with the session as it was, for settings that cannot be.
+    """
+
+    def __init__(self, settings: Settings | None = None):
+        self.world: World
+        self.history: list[Snapshot]
+        self.cursor: int
+        self.begin(settings or Settings())
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """The present, or the moment of history that the cursor is on."""
+        return self.history[self.cursor]
+
+    @property
+    def settings(self) -> Settings:
+        return self.snapshot.settings
+
+    @property
+    def scene(self) -> Scene:
+        return self.world.scene
+
+    def step(self) -> bool:
+        """One pass: ask the servo, move, look. False if the servo rests or the arm must hold still.
+
+        From a moment in the past the later history is dropped.
+        """
+        now = self.snapshot
+        if now.transfer is None:  # too few points: hold still and look again
+            self._replace(self.observe(now.theta, now, look=now.look + 1, status="stopped"))
+            return False
+        if now.motion >= MAX_HISTORY:
+            self._replace(replace(now, status="stopped"))
+            return False
+        servo, seen = SERVOS[now.settings.servo], self._observation(now)
+        state = servo.start(seen) if now.servo_state is None else now.servo_state
+        state, displacement = servo.step(state, seen, self._conflict(now))
+        if not np.any(displacement):
+            status = "stalled" if state.status == "moving" else state.status
+            self._replace(replace(now, servo_state=state, status=status))
+            return False
+        theta = np.clip(now.theta + displacement, self.scene.lower, self.scene.upper)
+        after = self.observe(theta, now, motion=now.motion + 1, look=now.look + 1, status=state.status)
+        after = replace(after, moved=theta - now.theta, probe=state.probe, servo_state=state)
+        self.history[self.cursor + 1 :] = [after]
+        self.cursor += 1
+        return True
+
+    def observe(self, theta: NDArray, like: Snapshot, settings: Settings | None = None, **changes) -> Snapshot:
+        """What would be seen, recovered and evaluated at `theta`, (m,) rad: nothing moves, nothing is kept."""
+        settings = settings or like.settings
+        views = self._look(theta, like.theta_demo, settings, changes.get("look", like.look))
+        usable = views.usable
+        recovered = np.full_like(views.own, np.nan)
+        transfer, E = None, np.nan
+        if usable.sum() >= MIN_POINTS:
+            transfer = TRANSFERS[settings.transfer](views.select(usable))
+            recovered[usable] = transfer.recover(views.demo_left[usable], views.demo_right[usable])
+            E = float(conflict(residual(transfer, views.select(usable))))
+        else:
+            changes["status"] = "stopped"
+        e = views.own - recovered
+        return replace(
+            like,
+            settings=settings,
+            theta=theta,
+            views=views,
+            usable=usable,
+            transfer=transfer,
+            recovered=recovered,
+            e=e,
+            E=E,
+            **changes,
+        )
+
+    def change(self, **fields) -> None:
+        """New settings from here on. A new scene, layout or start begins anew; all else re-observes the present.
+
+        A new servo starts learning afresh, where the arm now stands.
+        """
+        settings = msgspec.structs.replace(self.settings, **fields)
+        if any(getattr(settings, name) != getattr(self.settings, name) for name in ("scene", "points", "start_deg")):
+            self.begin(settings)
+            return
+        now = self.snapshot
+        if settings.servo != now.settings.servo:
+            now = replace(now, servo_state=None)
+        self.pose(np.radians(settings.demonstrator_deg), settings, now)
+
+    def pose(self, theta_demo: ArrayLike, settings: Settings | None = None, now: Snapshot | None = None) -> None:
+        """Move the demonstrator to theta_demo, (m,) rad, at any time; the learner looks again."""
+        now, settings = now or self.snapshot, settings or self.settings
+        theta_demo = self.scene.require_posture(theta_demo, "demonstrator's")
+        settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(theta_demo))
+        status = "ready" if now.motion == 0 else "moving"
+        now = replace(now, theta_demo=theta_demo)
+        self._replace(self.observe(now.theta, now, settings, status=status))
+
+    def undo(self) -> bool:
+        """One motion back; the later ones stay until the next step."""
+        return self.scrub(self.cursor - 1)
+
+    def scrub(self, motion: int) -> bool:
+        """Show the moment after that many motions. False if there is none."""
+        if not 0 <= motion < len(self.history):
+            return False
+        self.cursor = motion
+        return True
+
+    def reset(self) -> None:
+        """Back to the start, with the settings as they are now."""
+        self.begin(self.settings)
+
+    def begin(self, settings: Settings) -> None:
+        """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
+        scene = load_scene(settings.scene)
+        rest = np.array(scene.posture_deg)[scene.moving]
+        demo = scene.require_posture(np.radians(_given(settings.demonstrator_deg, rest)), "demonstrator's")
+        start = scene.require_posture(np.radians(_given(settings.start_deg, scene.start_deg)), "learner's start")
+        settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(demo), start_deg=_degrees(start))
+        world, empty = World(scene, settings.points), np.empty((0, 4))
+        nothing = FourViews(empty, empty, np.empty((0, 4), bool))
+        blank = Snapshot(
+            settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, empty, empty, np.nan,
+            np.zeros_like(start), False, "ready", None,
+        )  # fmt: skip
+        self.world, self._demo_look = world, None
+        self.history, self.cursor = [self.observe(start, blank)], 0
+
+    def _look(self, theta: NDArray, theta_demo: NDArray, settings: Settings, look: int) -> FourViews:
+        """The own body is looked at anew; the demonstrator only when it or its disturbance has changed."""
+        disturbance = Disturbance(settings.noise_px, settings.missing)
+        key = theta_demo.tobytes(), disturbance, settings.seed
+        if self._demo_look is None or self._demo_look[0] != key:
+            rng = np.random.default_rng([settings.seed, DEMO_LOOK])
+            self._demo_look = key, disturbance.apply(*self.world.demo_images(theta_demo), rng)
+        demo, demo_visible = self._demo_look[1]
+        rng = np.random.default_rng([settings.seed, OWN_LOOK, look])
+        own, own_visible = disturbance.apply(*self.world.own_images(theta), rng)
+        return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
+
+    def _replace(self, snapshot: Snapshot) -> None:
+        self.history[self.cursor :] = [snapshot]
+
+    def _observation(self, now: Snapshot) -> Observation:
+        start = np.radians(now.settings.start_deg)
+        return Observation(
+            own=now.views.own,
+            seen=now.views.visible[:, 2:],
+            E=now.E,
+            displacement=now.theta - start,
+            lower=self.scene.lower - start,
+            upper=self.scene.upper - start,
+            motion=now.motion,
+        )
+
+    def _conflict(self, now: Snapshot) -> Callable[[NDArray], NDArray]:
+        """Residuals that own images (..., N, 4) would have against the demonstrator as now seen."""
+        views, fit = now.views.select(now.usable), TRANSFERS[now.settings.transfer]
+
+        def predicted(own: NDArray) -> NDArray:
+            imagined = views.with_own(own[..., now.usable, :])
+            return residual(fit(imagined), imagined)
+
+        return predicted
+
+
+def _given(value, default):
+    return default if value is None else value
+
+
+def _degrees(theta: NDArray) -> tuple[float, ...]:
+    return tuple(float(angle) for angle in np.round(np.degrees(theta), 9))
+
+
+def _require_choice(name: str, value: str, choices) -> None:
+    if value not in choices:
+        raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
+
+
+def _require_range(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name} must be between {low:g} and {high:g}, got {value:g}")

@@ -81,10 +81,9 @@ class Robot:
             angle = angle.reshape((1,) * (dims - angle.ndim) + angle.shape)
             turn = rotation_about_axis(self.joints[i - 1].axis, angle)
             rotation = np.einsum("ij,jk...->ik...", origin[:3, :3], turn)
-            offset = origin[:3, 3].reshape((3, 1) + (1,) * dims)
             beyond, groups = groups, {}
             for index, xyz in beyond.values():
-                _gather(groups, index, np.einsum("ij...,jk...->ik...", rotation, xyz) + offset)
+                _gather(groups, index, _carried(rotation, origin[:3, 3], xyz))
         return list(groups.values())
 
     @classmethod
@@ -114,6 +113,16 @@ class Robot:
             merged.append(Joint(joint["name"], T, joint["axis"], joint["lower"], joint["upper"]))
             T = np.eye(4)
         return cls(path.stem, tuple(merged))
+
+
+def _carried(rotation: NDArray, offset: NDArray, xyz: NDArray) -> NDArray:
+    """rotation: (3, 3, ...), offset: (3,), xyz: (3, k, ...) → (3, k, ...)."""
+    if rotation.size == 9:  # a joint at rest: one product for the whole grid
+        moved = (rotation.reshape(3, 3) @ xyz.reshape(3, -1)).reshape(xyz.shape)
+    else:
+        moved = np.einsum("ij...,jk...->ik...", rotation, xyz)
+    moved += offset.reshape((3,) + (1,) * (xyz.ndim - 1))
+    return moved
 
 
 def _gather(groups: dict, index: NDArray, xyz: NDArray) -> None:

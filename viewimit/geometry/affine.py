@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 MIN_POINTS = 5  # with four, the centred 4 x N matrix has rank 3: any images fit, E would be identically 0
 LAGUERRE_STEPS = 20  # a bound: the iteration stops by itself, after 3 or 4 steps in the shipped scenes
-CONVERGED = 1e-8  # relative to the trace of W; the steps shrink cubically, so the next one would be below 1e-15
-NEARLY_EQUAL = 1e-7  # size of the eigenvector's cofactors, relative to the cube of the trace; below, LAPACK takes over
+CONVERGED = 1e-6  # last step, relative to the trace of W; the steps shrink cubically, and the next would be rounding
+TINY = np.finfo(float).tiny
+NEARLY_EQUAL = 4e-6  # size of the eigenvector's cofactors, relative to the trace³, below which LAPACK takes over: 1e-9 in f
 
 
 def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray]:
@@ -92,7 +93,8 @@ def smallest_eigenpair(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDA
     np.multiply(x[1], det_Q, out=f[1])
     f[2:] = -M_adj_Q[0] * x[0]
     f[2:] -= M_adj_Q[1] * x[1]
-    f /= np.sqrt(np.einsum("i...,i...->...", f, f))
+    with np.errstate(invalid="ignore"):
+        f /= np.sqrt(np.einsum("i...,i...->...", f, f))
     weak = ~(size > NEARLY_EQUAL * s3**3)
     if weak.any():
         smallest[weak], f[:, weak] = _by_lapack(P, M, Q, weak)
@@ -136,36 +138,31 @@ def _characteristic(P: NDArray, M: NDArray, Q: NDArray):
 
 def _smallest_root(s3: NDArray, s2: NDArray, s1: NDArray, s0: NDArray) -> NDArray:
     """Laguerre's iteration from 0: monotone, for all four roots are real and none is negative."""
-    value, fall, half_curve = s0, s1, s2  # f, -f', f''/2 at 0
+    value, slope, half_curve = s0, -s1, s2  # f, f', f''/2 at 0
     tolerance = CONVERGED * s3.min(initial=np.inf)
-    minus_s1, twice_s2, thrice_s3 = -s1, 2 * s2, 3 * s3
     root = np.zeros_like(s0)
     for _ in range(LAGUERRE_STEPS):
-        step = 9 * fall
-        step *= fall
-        half_curve = half_curve * value
-        half_curve *= 24
-        step -= half_curve
-        np.maximum(step, 0, out=step)
+        step = half_curve * value  # 4 f / (-f' + √(9 f'² - 12 f f''))
+        step *= -24
+        step += 9 * (slope * slope)
+        np.maximum(step, TINY, out=step)  # nothing to divide by at a double root at 0, where f is 0 too
         np.sqrt(step, out=step)
-        step += fall
+        step -= slope
         np.divide(value, step, out=step)
         step *= 4
         root += step
         if step.max(initial=0) <= tolerance:
             break
-        value = _horner(root, root - s3, s2, minus_s1, s0)
-        fall = _horner(root, thrice_s3 - 4 * root, -twice_s2, s1)
-        half_curve = _horner(root, 6 * root - thrice_s3, s2)
+        b3 = root - s3  # divided by (λ - root) again and again, the remainders are f, f', f''/2
+        b2 = b3 * root + s2
+        b1 = b2 * root - s1
+        value = b1 * root + s0
+        b3 += root
+        b2 += b3 * root
+        slope = b2 * root + b1
+        b3 += root
+        half_curve = b3 * root + b2
     return root
-
-
-def _horner(x: NDArray, value: NDArray, *coefficients: NDArray) -> NDArray:
-    """(value x + c0) x + c1 …, in `value`'s place."""
-    for coefficient in coefficients:
-        value *= x
-        value += coefficient
-    return value
 
 
 def _inner(a: NDArray, b: NDArray) -> NDArray:

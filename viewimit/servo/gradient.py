@@ -1,7 +1,8 @@
 """The paper's servo law, Section 4: E descends along a gradient learned from the learner's own motions.
 
 ΔE = Ĵ u is fitted by recursive least squares with forgetting, and u = -K Ĵᵀ E, Eq. (13) with the transpose
-that its print lacks (Ĵ is a row, u a column). As printed in Section 5.3, K = 0.005 and ρ = 0.95 are read in degrees and px².
+that its print lacks (Ĵ is a row, u a column). K = 0.005 and ρ = 0.95, as printed in Section 5.3, are read in
+degrees and px².
 
 The paper gives no initial P, no bound of the step and no excitation: where Ĵ has found no slope, or the gain
 has vanished with E, the arm stands still. `RETUNED` names values with which it mostly arrives.

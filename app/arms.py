@@ -1,0 +1,89 @@
+"""The two arms in 3-D: meshes once on the server, poses a client.
+
+A mesh hangs under nested frames /robot/arm/j1/…/ji on the server's scene. Each page adds frames of the same
+names on its own scene; they shadow the shared ones, and the shared meshes follow them.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import ClientHandle, ViserServer
+
+from viewimit.scene import Scene, load_robot, robot_names
+from viewimit.world import World
+
+from . import meshes
+from .theme import half_white
+from .wire import joint_quaternion, push_orientation, quaternion
+
+ARMS = ("learner", "demonstrator")
+
+
+def robot_root(scene: Scene, arm: str) -> str:
+    """The node that carries an arm's base."""
+    return f"/{_slug(scene.robot)}/{arm}"
+
+
+def link_name(scene: Scene, arm: str, link: int) -> str:
+    """The node that moves with a link; 0 is the base."""
+    return robot_root(scene, arm) + "".join(f"/j{i}" for i in range(1, link + 1))
+
+
+def share_meshes(server: ViserServer) -> None:
+    """Put every shipped robot's links on the server's scene, hidden until a page shows its arms."""
+    for robot in robot_names():
+        joints = load_robot(robot).joints
+        for arm in ARMS:
+            name = f"/{robot}/{arm}"
+            server.scene.add_frame(name, show_axes=False, visible=False)
+            for link in range(len(joints) + 1):
+                if link > 0:
+                    name += f"/j{link}"
+                    server.scene.add_frame(name, show_axes=False)
+                mesh = meshes.link_meshes(robot)[link]
+                server.scene.add_mesh_simple(
+                    f"{name}/mesh", mesh.vertices, mesh.faces, color=half_white(arm), side="double"
+                )
+
+
+class Arm:
+    """One arm of one page: its shadowing frames, turned at every draw."""
+
+    def __init__(self, client: ClientHandle, world: World, arm: str, T_world_base: NDArray):
+        self._client = client
+        self._joints = world.robot.joints
+        self._root = robot_root(world.scene, arm)
+        self._frame = client.scene.add_frame(
+            self._root, show_axes=False, wxyz=quaternion(T_world_base[:3, :3]), position=T_world_base[:3, 3]
+        )
+        self._rest = [quaternion(joint.T_parent_joint[:3, :3]) for joint in self._joints]
+        self._axes = [joint.axis / np.linalg.norm(joint.axis) for joint in self._joints]
+        self._names = [link_name(world.scene, arm, i + 1) for i in range(len(self._joints))]
+        self._angles = [float(angle) for angle in world.joint_angles(np.zeros(len(world.scene.moving)))]
+        for i, joint in enumerate(self._joints):
+            client.scene.add_frame(
+                self._names[i], show_axes=False, wxyz=self._turned(i), position=joint.T_parent_joint[:3, 3]
+            )
+
+    def draw(self, angles) -> None:
+        """angles: of all joints, rad. Only joints that turned are sent."""
+        for i, angle in enumerate(angles):
+            if float(angle) != self._angles[i]:
+                self._angles[i] = float(angle)
+                push_orientation(self._client, self._names[i], self._turned(i))
+
+    def remove(self) -> None:
+        """Give the name back to the shared, hidden arm."""
+        self._frame.remove()
+
+    def _turned(self, i: int) -> tuple[float, float, float, float]:
+        return joint_quaternion(self._rest[i], self._axes[i], self._angles[i])
+
+
+def skeleton_frames(world: World, theta, T_world_base: NDArray) -> NDArray:
+    """T_world_link of every link for one posture, (n + 1, 4, 4)."""
+    return T_world_base @ world.robot.link_frames([float(a) for a in world.joint_angles(theta)])
+
+
+def _slug(robot: str) -> str:
+    """A node name from a robot's name or the path of its URDF."""
+    return "".join(c if c.isalnum() else "_" for c in robot)

@@ -1,0 +1,237 @@
+"""The left panel: every control, and the inbox into which they write.
+
+viser runs callbacks on its own threads. Each does nothing but put the newest value, or an action, into the
+inbox; the scheduler's thread takes them out.
+"""
+
+import threading
+
+import numpy as np
+from viser import ClientHandle
+
+from viewimit.scene import Scene
+from viewimit.servo import SERVOS
+from viewimit.session import Settings
+from viewimit.transfer import TRANSFERS
+
+from .learner_bars import draw_learner
+from .presets import PRESETS, Preset
+
+SPEEDS = {
+    "1 in 2 s": 0.5,
+    "1 a second": 1.0,
+    "2 a second": 2.0,
+    "4 a second": 4.0,
+    "10 a second": 10.0,
+    "all it can": 0.0,
+}
+TRANSFER_NAMES = {"epipolar": "Epipolar (paper)", "linear": "Linear combination"}
+SERVO_NAMES = {
+    "gradient": "Gradient (paper)",
+    "gradient-retuned": "Gradient, retuned",
+    "broyden": "Broyden on images",
+}
+NO_POINT = "none"
+PENDING_LIMIT = 200  # actions that wait for the scheduler, per page
+KEYS = (
+    ("space", "play"),
+    ("→", "step"),
+    ("←", "undo"),
+    ("R", "reset"),
+    ("N", "next point"),
+    ("V", "view"),
+    ("H", "help"),
+)
+
+
+class Inbox:
+    """Newest value a name, and actions in order; written by viser's threads, taken by the scheduler."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._values: dict[str, object] = {}
+        self._actions: list[str] = []
+
+    def put(self, name: str, value) -> None:
+        with self._lock:
+            self._values[name] = value
+
+    def act(self, action: str) -> None:
+        with self._lock:
+            if len(self._actions) < PENDING_LIMIT:
+                self._actions.append(action)
+
+    def take(self) -> tuple[dict[str, object], list[str]]:
+        with self._lock:
+            values, actions = self._values, self._actions
+            self._values, self._actions = {}, []
+        return values, actions
+
+
+class Controls:
+    """Builds the panel in __init__; `show` writes a session's state back into it."""
+
+    def __init__(self, client: ClientHandle, inbox: Inbox, settings: Settings, scene: Scene):
+        self._client, self._inbox = client, inbox
+        gui = client.gui
+        self.preset = self._dropdown("Preset", [preset.name for preset in PRESETS], PRESETS[0].name, "preset")
+        self.lesson = gui.add_html(lesson(PRESETS[0].lesson))
+        self.play = gui.add_button("Play", icon="player-play")
+        self._on_click(self.play, "play")
+        motion = gui.add_button_group("Motion", ("Step", "Undo", "Reset"))
+
+        @motion.on_click
+        async def _(event) -> None:
+            inbox.act(str(event.target.value).lower())
+
+        self.history = gui.add_slider("History", 0, 1, 1, 0)
+        self._on_value(self.history, "history")
+        self.speed = self._dropdown("Speed", list(SPEEDS), "2 a second", "speed")
+        with gui.add_folder("Demonstrator"):
+            gui.add_html('<span class="vi-demonstrator-folder"></span>')
+            self._sliders_at = gui.add_folder(None)
+        with gui.add_folder("Learner"):
+            self.learner = gui.add_html("")
+        with gui.add_folder("Method"):
+            self.transfer = self._dropdown(
+                "Transfer", [TRANSFER_NAMES[name] for name in TRANSFERS], TRANSFER_NAMES[settings.transfer], "transfer"
+            )
+            self.servo = self._dropdown(
+                "Servo", [SERVO_NAMES[name] for name in SERVOS], SERVO_NAMES[settings.servo], "servo"
+            )
+        with gui.add_folder("Disturbances"):
+            self.noise = self._number(gui.add_slider("Noise px", 0.0, 2.0, 0.05, 0.0), "noise_px")
+            self.missing = self._number(gui.add_slider("Missing %", 0, 50, 1, 0), "missing")
+            self.seed = self._number(gui.add_number("Seed", settings.seed, min=0, max=2**31 - 1, step=1), "seed")
+        with gui.add_folder("Display", expand_by_default=False):
+            self._build_display()
+        gui.add_html(key_hints())
+        self.sliders: list = []
+        self.build_sliders(scene, settings)
+        self._hotkeys()
+
+    def build_sliders(self, scene: Scene, settings: Settings) -> None:
+        """One slider a moving joint, and the choices that depend on the scene."""
+        for slider in self.sliders:
+            slider.remove()
+        self.sliders = []
+        with self._sliders_at:
+            for k, (joint, (low, high)) in enumerate(zip(scene.moving_joints, scene.range_deg)):
+                slider = self._client.gui.add_slider(
+                    joint_symbol(joint), low, high, 0.5, settings.demonstrator_deg[k], hint="degrees"
+                )
+                self._on_value(slider, f"joint{k}")
+                self.sliders.append(slider)
+        self.points.options = [f"{count} points" for count in scene.points]
+        self.chosen.options = [NO_POINT, *(str(i) for i in range(settings.points))]
+        self.show(settings)
+
+    def show(self, settings: Settings) -> None:
+        """Set every control to what the session has; callbacks tell such writes from a person's."""
+        for slider, angle in zip(self.sliders, settings.demonstrator_deg):
+            put(slider, float(np.round(angle, 1)))
+        put(self.transfer, TRANSFER_NAMES[settings.transfer])
+        put(self.servo, SERVO_NAMES[settings.servo])
+        put(self.noise, settings.noise_px)
+        put(self.missing, round(100 * settings.missing))
+        put(self.seed, settings.seed)
+        put(self.points, f"{settings.points} points")
+
+    def show_preset(self, preset: Preset) -> None:
+        """The lesson and the speed of a preset; `show` does its settings."""
+        self.lesson.content = lesson(preset.lesson)
+        speed = next(name for name, value in SPEEDS.items() if value == preset.motions_per_second)
+        put(self.speed, speed)
+        put(self.preset, preset.name)
+
+    def show_chosen(self, point: int | None) -> None:
+        put(self.chosen, NO_POINT if point is None else str(point))
+
+    def show_history(self, cursor: int, length: int) -> None:
+        """The history slider: where the page is, out of how many motions."""
+        last = max(length - 1, 1)
+        if self.history.max != last:
+            self.history.max = last
+        put(self.history, cursor)
+
+    def show_playing(self, playing: bool) -> None:
+        label = "Pause" if playing else "Play"
+        if self.play.label != label:
+            self.play.label = label
+            self.play.icon = "player-pause" if playing else "player-play"
+
+    def show_learner(self, scene: Scene, theta, theta_demo) -> None:
+        content = draw_learner(scene, theta, theta_demo)
+        if self.learner.content != content:
+            self.learner.content = content
+
+    def _build_display(self) -> None:
+        gui = self._client.gui
+        self.chosen = self._dropdown("Point", [NO_POINT], NO_POINT, "chosen")
+        self.points = self._dropdown("Layout", ["10 points"], "10 points", "points")
+        for label, name, value in (
+            ("Rays", "rays", False),
+            ("Residuals in 3-D", "residuals", True),
+            ("Hand gizmo", "gizmo", True),
+            ("Whole frames", "whole_frames", False),
+            ("Dark", "dark", False),
+        ):
+            self._on_value(gui.add_checkbox(label, value), name)
+        fit = gui.add_button("Fit view")
+        self._on_click(fit, "view")
+
+    def _dropdown(self, label: str, options: list[str], value: str, name: str):
+        handle = self._client.gui.add_dropdown(label, options, initial_value=value)
+        self._on_value(handle, name)
+        return handle
+
+    def _number(self, handle, name: str):
+        self._on_value(handle, name)
+        return handle
+
+    def _on_value(self, handle, name: str) -> None:
+        @handle.on_update
+        async def _(event) -> None:
+            if event.client_id is not None:  # None: the page itself wrote it
+                self._inbox.put(name, event.target.value)
+
+    def _on_click(self, handle, action: str) -> None:
+        @handle.on_click
+        async def _(_event) -> None:
+            self._inbox.act(action)
+
+    def _hotkeys(self) -> None:
+        for label, hotkey, action in (
+            ("Play or pause", "space", "play"),
+            ("Step: one motion", "arrowright", "step"),
+            ("Undo: one motion back", "arrowleft", "undo"),
+            ("Reset to the start", "R", "reset"),
+            ("Choose the next point", "N", "next point"),
+            ("Fit the view", "V", "view"),
+            ("Help", "H", "help"),
+        ):
+            command = self._client.gui.add_command(label, hotkey=hotkey)
+
+            @command.on_trigger
+            async def _(_event, action=action) -> None:
+                self._inbox.act(action)
+
+
+def put(handle, value) -> None:
+    """Write a value only if it differs: nothing is sent when nothing changes."""
+    if handle.value != value:
+        handle.value = value
+
+
+def joint_symbol(joint: int) -> str:
+    """θ with a subscript"""
+    return "θ" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(joint))
+
+
+def lesson(text: str) -> str:
+    return f'<div class="vi-lesson">{text}</div>'
+
+
+def key_hints() -> str:
+    keys = "".join(f"<span><kbd>{key}</kbd> {action}</span> " for key, action in KEYS)
+    return f'<div class="vi-keys">{keys}</div>'

@@ -1,0 +1,182 @@
+"""The panel Images: the learner's four image planes and what the transfer says about them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.geometry.affine import MIN_POINTS, fit_affine_fundamental
+from viewimit.session import Snapshot
+
+from . import planes, svg
+from .metrics import draw_legend, draw_metrics
+from .planes import WIDTH, Window, Windows, image_windows
+from .silhouette import Silhouettes
+from .theme import HEAD, OBSERVED, RECOVERED, RING
+
+__all__ = ["arrow_gain", "draw_images", "image_windows"]
+
+HEIGHT = 280
+GAINS = (10, 5, 2)
+SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
+PAIRS = ((0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3))  # of the views l, r, L, R
+CAPTIONS = {"L": "own left", "R": "own right", "l": "", "r": ""}
+
+
+def draw_images(
+    snapshot: Snapshot,
+    silhouettes: Silhouettes,
+    windows: Windows,
+    chosen: int | None = None,
+    whole_frames: bool = False,
+    gain: float | None = None,
+    wide: bool = False,
+) -> str:
+    """HTML of the panel, WIDTH x HEIGHT scaled to its container.
+
+    chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic.
+    """
+    shown = windows[whole_frames]
+    gain = arrow_gain(snapshot.e) if gain is None else gain
+    images = np.concatenate([snapshot.views.demo, snapshot.views.own], 1)
+    images = np.moveaxis(images.reshape(-1, 4, 2), 1, 0)  # (l r L R, N, 2)
+    points = planes.placed(images, shown, "lrLR")
+    marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
+    lines = _epipolar_lines(snapshot, images, shown, chosen)
+    content = _bodies(snapshot, silhouettes, windows, whole_frames)
+    frame = silhouettes.world.scene.head.image
+    parts = []
+    for k, view in enumerate("lrLR"):
+        inside = content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
+        if view in "LR" and chosen is not None:
+            inside += _readout(snapshot, chosen, k - 2, shown[view], planes.BOXES[whole_frames][view])
+        parts.append(planes.plane(view, shown[view], whole_frames, frame, CAPTIONS[view] if wide else "", inside))
+    parts.append(draw_legend(whole_frames, gain, chosen))
+    parts.append(draw_metrics(snapshot, 253))
+    return (
+        f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'aria-label="The four images">{"".join(parts)}</svg></div>'
+    )
+
+
+def arrow_gain(e: NDArray) -> float:
+    """How many times longer than they are residuals (N, 4) px are drawn: 1, 2, 5 or 10."""
+    lengths = np.hypot(e[:, ::2], e[:, 1::2])
+    largest = np.nanmax(lengths) if np.isfinite(lengths).any() else np.inf
+    if largest >= SMALL:
+        return 1
+    return next((gain for gain in GAINS if gain * largest <= LONGEST), 1)
+
+
+def _bodies(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, whole: bool) -> dict[str, str]:
+    """Silhouettes and skeletons by view; in L and R also the recovered skeleton."""
+    drawn = {}
+    own, _ = planes.draw_arm(snapshot, silhouettes, windows, whole, "learner")
+    demo, origins = planes.draw_arm(snapshot, silhouettes, windows, whole, "demonstrator")
+    for view, (hulls, bones) in demo.items():
+        drawn[view] = f'<g class="vi-demo"><path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/></g>'
+    found = {"L": "", "R": ""}
+    if snapshot.transfer is not None:
+        recovered = snapshot.transfer.recover(origins[0], origins[1])
+        both = planes.placed(np.stack([recovered[:, :2], recovered[:, 2:]]), windows[whole], "LR")
+        found = {view: f'<path class="vi-bone vi-found" d="{svg.path(both[k])}"/>' for k, view in enumerate("LR")}
+    for view, (hulls, bones) in own.items():
+        drawn[view] = f'<path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/>{found[view]}'
+    return drawn
+
+
+def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
+    """Observed demonstrator points in l and r; those not seen in all four images are faint."""
+    drawn = {}
+    for k, view in enumerate("lr"):
+        used, idle = _used_and_idle(snapshot, k)
+        drawn[view] = f'<path class="vi-seen" d="{svg.diamonds(points[k, used], OBSERVED)}"/>'
+        if idle.any():
+            drawn[view] += f'<path class="vi-seen vi-idle" d="{svg.diamonds(points[k, idle], OBSERVED)}"/>'
+    return drawn
+
+
+def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
+    """Own points, recovered points and the residuals from these to those, in L and R."""
+    drawn = {}
+    for k, view in enumerate("LR"):
+        used, idle = _used_and_idle(snapshot, k + 2)
+        own = points[k, used]
+        marks = [f'<path class="vi-own" d="{svg.dots(own)}"/>']
+        if idle.any():
+            marks.append(f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>')
+        if snapshot.transfer is not None:
+            e = snapshot.e[used, 2 * k : 2 * k + 2] * windows[view].scale
+            recovered = own - e
+            tips = recovered + gain * e
+            marks.append(
+                f'<path class="vi-found" d="{svg.diamonds(recovered, RECOVERED)}"/>'
+                f'<path class="vi-e" d="{svg.segments(recovered, tips)}"/>'
+                f'<path class="vi-tip" d="{svg.arrow_tips(recovered, tips, HEAD)}"/>'
+            )
+        drawn[view] = "".join(marks)
+    return drawn
+
+
+def _used_and_idle(snapshot: Snapshot, k: int) -> tuple[NDArray, NDArray]:
+    """(N,) bool: points of view k that the transfer uses, and those only seen here."""
+    return snapshot.usable, snapshot.views.visible[:, k] & ~snapshot.usable
+
+
+def _ring(snapshot: Snapshot, points: NDArray, k: int, chosen: int | None) -> str:
+    if chosen is None or not snapshot.views.visible[chosen, k]:
+        return ""
+    x, y = points[k, chosen]
+    return f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>'
+
+
+def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, box: tuple) -> str:
+    """The chosen point's residual in this image, px, in a corner that the arm leaves free."""
+    e = snapshot.e[chosen, 2 * side : 2 * side + 2]
+    length = svg.number(float(np.hypot(*e)))
+    x, end = (6, "") if window.readout_left else (box[2] - 6, " vi-end")
+    return svg.text(x, box[3] - 8, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
+
+
+def _epipolar_lines(snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None):
+    """Lines of the chosen point by view: from the left image of the other pair, from its right one, from the partner."""
+    drawn = dict.fromkeys("lrLR", "")
+    if chosen is None or snapshot.usable.sum() < MIN_POINTS:
+        return drawn
+    used = images[:, snapshot.usable]
+    first, second = np.array(PAIRS).T
+    f, f33 = fit_affine_fundamental(used[first], used[second])
+    m = images[:, chosen]
+    seen = snapshot.views.visible[chosen]
+    # f_p·p + f_q·q + f33 = 0 is a line of p for a given q, and of q for a given p
+    into = np.concatenate([second, first])
+    source = np.concatenate([first, second])
+    normal = np.concatenate([f[:, 2:], f[:, :2]])
+    offset = np.concatenate([f33, f33]) + (np.concatenate([f[:, :2], f[:, 2:]]) * m[source]).sum(1)
+    for k, view in enumerate("lrLR"):
+        x, y, w, h, scale, *_ = windows[view]
+        for j in np.flatnonzero((into == k) & seen[source]):
+            ends = _across(normal[j], scale * (offset[j] + normal[j] @ (x, y)), w * scale, h * scale)
+            if ends:
+                drawn[view] += f'<path class="vi-line{_line_style(source[j], k)}" d="M%.1f %.1fL%.1f %.1f"/>' % ends
+    return drawn
+
+
+def _line_style(source: int, into: int) -> str:
+    if source // 2 == into // 2:
+        return " vi-partner"
+    return " vi-from-right" if source % 2 else ""
+
+
+def _across(normal: NDArray, offset: float, w: float, h: float) -> tuple[float, ...] | None:
+    """The chord of the line n·s + c = 0 in the circle around a w x h box, None if it misses."""
+    a, b = float(normal[0]), float(normal[1])
+    length = (a * a + b * b) ** 0.5
+    if length < 1e-12:
+        return None
+    a, b, c = a / length, b / length, float(offset) / length
+    x, y = w / 2, h / 2
+    distance = a * x + b * y + c
+    half = x * x + y * y - distance * distance
+    if half <= 0:
+        return None
+    x, y, half = x - a * distance, y - b * distance, half**0.5
+    return x - b * half, y + a * half, x + b * half, y - a * half

@@ -1,0 +1,62 @@
+"""Shapes of the 3-D scene: the shipped robots' links, pedestals, the head, markers of the points."""
+
+from functools import cache
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from viewimit.assets import ROOT
+
+OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)
+OCTAHEDRON_FACES = np.array(
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32
+)
+
+
+@cache
+def link_meshes(robot: str) -> dict[int, trimesh.Trimesh]:
+    """Meshes by link number (0 = base), in the link's frame; empty for a robot of the user's own."""
+    path = ROOT / "robots" / robot / f"{robot}.glb"
+    if not path.is_file():
+        return {}
+    loaded = trimesh.load(path, process=False)
+    return {int(name.removeprefix("link")): mesh for name, mesh in loaded.geometry.items()}
+
+
+def octahedron(size: float) -> tuple[NDArray, NDArray]:
+    """Vertices and faces with vertices split, so that it shades as eight facets. size: m across."""
+    vertices = OCTAHEDRON_VERTICES[OCTAHEDRON_FACES].reshape(-1, 3) * (size / 2)
+    return vertices, np.arange(24, dtype=np.uint32).reshape(8, 3)
+
+
+def turned(profile: list[tuple[float, float]], sides: int = 32) -> tuple[NDArray, NDArray]:
+    """A solid of revolution about z. profile: (radius, z) m from the bottom up; edges stay sharp."""
+    angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
+    circle = np.stack([np.cos(angles), np.sin(angles)], -1)
+    vertices, faces = [], []
+    for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
+        first = sum(map(len, vertices))
+        for r, z in ((r0, z0), (r1, z1)):
+            vertices.append(np.column_stack([circle * r, np.full(sides, z)]))
+        i, j = np.arange(sides), (np.arange(sides) + 1) % sides
+        lower, upper = first + i, first + sides + i
+        faces.append(np.column_stack([lower, first + j, upper]))
+        faces.append(np.column_stack([first + j, first + sides + j, upper]))
+    return np.concatenate(vertices).astype(np.float32), np.concatenate(faces).astype(np.uint32)
+
+
+def pedestal(height: float) -> tuple[NDArray, NDArray]:
+    """A column on a plate; its top is the origin."""
+    return turned([(0, -height), (0.2, -height), (0.2, 0.03 - height), (0.11, 0.03 - height), (0.11, 0.0), (0, 0.0)])
+
+
+def stand(height: float) -> tuple[NDArray, NDArray]:
+    """A thin post on a plate; its top is the origin."""
+    return turned([(0, -height), (0.16, -height), (0.16, 0.02 - height), (0.022, 0.02 - height), (0.022, 0), (0, 0)])
+
+
+def box(size: tuple[float, float, float]) -> tuple[NDArray, NDArray]:
+    """An axis-aligned box about the origin, its faces flat."""
+    shape = trimesh.creation.box(size)
+    vertices = shape.vertices[shape.faces].reshape(-1, 3).astype(np.float32)
+    return vertices, np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)

@@ -1,0 +1,163 @@
+"""One page: a session, its pace, its drawings. Built in viser's thread, then ticked by the scheduler alone."""
+
+import numpy as np
+from viser import ClientHandle
+
+from viewimit.session import Session, Settings, Snapshot
+
+from .controls import Controls, Inbox
+from .landscape_worker import LandscapeWorker, landscape_key
+from .pace import Pace
+from .panels import Panels
+from .scene3d import Scene3D
+from .visitor import View, Visitor
+
+WIDE = 1600  # px of window from which the page has room for more
+PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
+MESSAGE_STAYS = 6.0  # s
+
+
+class Page:
+    """tick(now) takes what the visitor did, moves the loop on, and draws what changed."""
+
+    def __init__(self, client: ClientHandle, worker: LandscapeWorker, settings: Settings):
+        self._client, self._worker = client, worker
+        self._inbox, self._view = Inbox(), View()
+        self._session = Session(settings)
+        self._pace = Pace(self._session)
+        self._message: tuple[str, float] | None = None
+        self._drawn: dict[str, tuple] = {}
+        self._last: dict[str, float] = {}
+        self._canvas, self._dragging = (0, 0), False
+        wide = client.camera.image_width >= WIDE
+        with client.atomic():
+            client.gui.main_panel.dock_left()
+            client.gui.main_panel.set_width(300 if wide else 280)
+            self._controls = Controls(client, self._inbox, self._session.settings, self._session.scene)
+            self._panels = Panels(client, wide, lambda: self._inbox.act("help"))
+            self._scene = Scene3D(client, lambda point: self._inbox.put("chosen", point))
+            self._gizmo = self._add_gizmo()
+            self._show_world()
+        elsewhere = {
+            "view": self._scene.fit_view,
+            "help": self._panels.show_help,
+            "dark": self._set_dark,
+            "hand dropped": self._drop_hand,
+            "landscape": self._panels.show_landscape,
+        }
+        self._visitor = Visitor(self._session, self._pace, self._controls, self._view, self._show_world, elsewhere)
+
+    def fail(self, error: Exception) -> None:
+        """Show a fault of this session in its own page, and hold still."""
+        self._pace.pause()
+        self._say(f"This session met an error, {error!r}. Reset begins anew.", np.inf)
+        self._panels.draw_message(self._message[0])
+
+    def tick(self, now: float) -> None:
+        values, actions = self._inbox.take()
+        try:
+            for name, value in values.items():
+                self._visitor.set(name, value)
+            for action in actions:
+                self._visitor.act(action, now)
+            if "reset" in actions:
+                self._message = None
+        except ValueError as refusal:
+            self._say(str(refusal), now + MESSAGE_STAYS)
+            self._controls.show(self._session.settings)
+        self._pace.advance(now)
+        self._draw(now)
+
+    def _draw(self, now: float) -> None:
+        present = self._session.snapshot
+        theta, moving = self._pace.theta(now)
+        if self._changed("poses", theta.tobytes(), present.theta_demo.tobytes()):
+            with self._client.atomic():
+                self._scene.draw_poses(theta, present.theta_demo)
+        if not self._due("panels", now, PANELS_EVERY):
+            return
+        self._controls.show_playing(self._pace.playing)
+        self._fit_new_canvas()
+        self._ask_for_landscape(present)
+        shown_as = self._view.chosen, tuple(self._view.show.values()), self._panels.landscape
+        if self._changed("panels", present, theta.tobytes(), *shown_as):
+            shown = self._session.observe(theta, present) if moving else present
+            with self._client.atomic():
+                self._draw_panels(shown, present)
+        if self._message and now > self._message[1]:
+            self._message = None
+        if self._message:
+            self._panels.draw_message(self._message[0])
+        else:
+            self._panels.draw_status(self._session, self._pace.playing)
+        if self._due("curves", now, CURVES_EVERY) and self._changed(
+            "curves", present, len(self._session.history), self._view.chosen, self._panels.landscape
+        ):
+            with self._client.atomic():
+                self._panels.draw_curves(self._session)
+                self._panels.draw_equations(self._session, self._view.chosen)
+                self._controls.show_history(self._session.cursor, len(self._session.history))
+
+    def _draw_panels(self, shown: Snapshot, present: Snapshot) -> None:
+        self._scene.draw(shown, self._view.chosen, self._view.show)
+        self._panels.draw_images(shown, self._view.chosen, self._view.show["whole_frames"])
+        self._panels.draw_path(self._session, shown)
+        self._controls.show_learner(self._session.scene, shown.theta, present.theta_demo)
+        self._gizmo.visible = self._view.show["gizmo"]
+        if not self._dragging:
+            self._gizmo.position = self._scene.hand_position(present.theta_demo)
+
+    def _ask_for_landscape(self, present: Snapshot) -> None:
+        if self._changed("landscape", *landscape_key(present)):
+            world, make = self._session.world, self._panels.make_landscape
+            done = lambda made: self._inbox.put("landscape", made)
+            self._worker.ask(self._client.client_id, lambda: make(world, present), done)
+
+    def _show_world(self) -> None:
+        self._scene.build(self._session.world)
+        self._panels.set_world(self._session.world, self._session.snapshot)
+        self._drawn.clear()
+
+    def _fit_new_canvas(self) -> None:
+        """Fit the view when the canvas has changed, as when the panels dock or the window is resized."""
+        size = (self._client.camera.image_width, self._client.camera.image_height)
+        if size != self._canvas and min(size) > 0:
+            self._canvas = size
+            self._scene.fit_view()
+
+    def _set_dark(self, dark) -> None:
+        self._client.gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
+
+    def _say(self, text: str, until: float) -> None:
+        self._message = text, until
+
+    def _due(self, what: str, now: float, period: float) -> bool:
+        if now - self._last.get(what, -np.inf) < 0.9 * period:  # ticks jitter
+            return False
+        self._last[what] = now
+        return True
+
+    def _changed(self, what: str, *state) -> bool:
+        """Whether this differs from what was drawn last; nothing is sent when nothing changes."""
+        before, self._drawn[what] = self._drawn.get(what), state
+        return before is None or any(a is not b and (isinstance(a, Snapshot) or a != b) for a, b in zip(before, state))
+
+    def _drop_hand(self, _) -> None:
+        self._dragging = False
+        self._drawn.pop("panels", None)
+
+    def _add_gizmo(self):
+        gizmo = self._client.scene.add_transform_controls(
+            "/demonstrator_hand", scale=0.22, disable_rotations=True, disable_sliders=True, opacity=0.7
+        )
+
+        @gizmo.on_update
+        async def _(event) -> None:
+            self._dragging = True
+            self._inbox.put("hand", np.array(event.target.position, float))
+
+        @gizmo.on_drag_end
+        async def _(_event) -> None:
+            self._inbox.put("hand dropped", True)
+
+        return gizmo

@@ -1,0 +1,136 @@
+"""The right panels and the overlays: where the drawings go; only what changed is sent."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from viser import ClientHandle
+
+from viewimit.landscape import landscape
+from viewimit.session import Session, Snapshot
+from viewimit.transfer import TRANSFERS
+from viewimit.world import World
+
+from . import landscape_worker, meshes
+from .curves import draw_curves
+from .equations import draw_equations
+from .help import help_html
+from .images import draw_images, image_windows
+from .landscape_view import LandscapePicture
+from .silhouette import Silhouettes
+from .status import describe, draw_status
+
+WIDTHS = {False: 440, True: 560}  # px of the right panels, in a wide window or not
+CARD_WIDTH = 1000  # px of the curves' card over the scene of a wide window
+
+
+@dataclass(frozen=True, eq=False)
+class MadeLandscape:
+    """What the worker hands over. E_true: px², with the learner in the demonstrator's posture."""
+
+    world: World
+    picture: LandscapePicture
+    E_true: float | None
+
+
+class Panels:
+    """Builds the panels in __init__; every draw_… writes into its element what is new.
+
+    In a wide window the equations stand under the landscape and the curves over the scene, else in tabs.
+    """
+
+    def __init__(self, client: ClientHandle, wide: bool, on_help: Callable[[], None]):
+        self._client, self._wide, self._on_help = client, wide, on_help
+        self._help = None  # the open modal
+        gui = client.gui
+        self._status = gui.add_html("")
+        upper, lower = gui.add_panel(), gui.add_panel()
+        with upper.add_tab("Images"):
+            self._images = gui.add_html("")
+        with lower.add_tab("Landscape"):
+            self._landscape, self._path = gui.add_html(""), gui.add_html("")
+            if wide:
+                self._equations = gui.add_html("")
+        if wide:
+            self._curves = gui.add_html("")
+        else:
+            with lower.add_tab("Curves"):
+                self._curves = gui.add_html("")
+            with lower.add_tab("Equations"):
+                self._equations = gui.add_html("")
+        upper.dock_right()
+        upper.set_width(WIDTHS[wide])
+        lower.dock_below(upper)
+
+    def set_world(self, world: World, snapshot: Snapshot) -> None:
+        """Prepare for another scene: silhouettes, windows of the images, an empty landscape."""
+        loaded = meshes.link_meshes(world.scene.robot)
+        self._world = world
+        self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in loaded.items()}, world)
+        self._windows = image_windows(world)
+        self.show_landscape(MadeLandscape(world, LandscapePicture(None, world.scene, snapshot), None))
+
+    def draw_images(self, snapshot: Snapshot, chosen: int | None, whole_frames: bool) -> None:
+        drawn = draw_images(snapshot, self._silhouettes, self._windows, chosen, whole_frames, wide=self._wide)
+        _put(self._images, drawn)
+
+    def draw_path(self, session: Session, shown: Snapshot) -> None:
+        moving = shown is not session.snapshot
+        theta = shown.theta if moving else None
+        _put(self._path, self.landscape.picture.draw_path(session.history, session.cursor, theta))
+
+    def draw_curves(self, session: Session) -> None:
+        joints = session.scene.moving_joints
+        if self._wide:
+            drawn = draw_curves(session.history, session.cursor, self.landscape.E_true, joints, CARD_WIDTH)
+            _put(self._curves, f'<div class="vi-card">{drawn}</div>')
+        else:
+            _put(self._curves, draw_curves(session.history, session.cursor, self.landscape.E_true, joints))
+
+    def draw_equations(self, session: Session, chosen: int | None) -> None:
+        _put(self._equations, draw_equations(session.snapshot, chosen))
+
+    def draw_status(self, session: Session, playing: bool) -> None:
+        before = session.history[max(session.cursor - 5, 0) : session.cursor]
+        _put(self._status, draw_status(*describe(session.snapshot, before, playing)))
+
+    def draw_message(self, text: str) -> None:
+        _put(self._status, draw_status("message", text))
+
+    def make_landscape(self, world: World, snapshot: Snapshot) -> MadeLandscape:
+        """E over all postures, and its picture. Runs in the worker's thread."""
+        made = landscape_worker.compute(world, snapshot)
+        E_true = None
+        if made is not None:
+            here = tuple(np.array([angle]) for angle in snapshot.theta_demo)
+            views, fit = snapshot.views, TRANSFERS[snapshot.settings.transfer]
+            E_true = float(landscape(world, fit, views.demo, views.visible[:, :2], here).E[0, 0])
+            E_true = E_true if np.isfinite(E_true) else None
+        return MadeLandscape(world, LandscapePicture(made, world.scene, snapshot), E_true)
+
+    def show_landscape(self, made: MadeLandscape) -> None:
+        """Take over a landscape, unless the scene has changed meanwhile."""
+        if made.world is self._world:
+            self.landscape = made
+            _put(self._landscape, made.picture.html)
+
+    def show_help(self) -> None:
+        """Open the help, or close it."""
+        if self._help is not None:
+            self._help.close()
+            self._help = None
+            return
+        self._help = self._client.gui.add_modal("viewimit: what is seen here")
+        with self._help:
+            self._client.gui.add_html(help_html())
+            done = self._client.gui.add_button("Close")
+
+        @done.on_click
+        async def _(_event) -> None:
+            self._on_help()
+
+
+def _put(handle, content: str) -> None:
+    """Send html only if it differs."""
+    if handle.content != content:
+        handle.content = content

@@ -1,0 +1,85 @@
+"""Presets: situations worth seeing, as data. Those that break the method say how."""
+
+from dataclasses import dataclass
+
+from viewimit.session import Settings
+
+
+@dataclass(frozen=True)
+class Preset:
+    """name: as listed; settings: all that it sets; motions_per_second: 0 is as fast as it computes."""
+
+    name: str
+    settings: Settings
+    motions_per_second: float
+    lesson: str
+
+
+PRESETS = (
+    Preset(
+        "Paper, Section 5.3",
+        Settings(start_deg=(25, -25)),
+        2,
+        "Ten points in four images: their conflict E leads the arm.",
+    ),
+    Preset(
+        "The paper's own law",
+        Settings(servo="gradient", start_deg=(30, -60)),
+        0,
+        "Eq. (13) as printed: u fades with E, and the learned gradient goes stale.",
+    ),
+    Preset(
+        "The paper's law, retuned",
+        Settings(servo="gradient-retuned", start_deg=(25, -45)),
+        0,
+        "More gain, bounded steps, a little dither: it arrives, in hundreds of motions.",
+    ),
+    Preset(
+        "Linear combination of views",
+        Settings(transfer="linear", start_deg=(75, -150)),
+        2,
+        "No lines are intersected, so none can be parallel.",
+    ),
+    Preset(
+        "Verged cameras",
+        Settings(scene="panda-verged", start_deg=(25, -45)),
+        2,
+        "Each camera looks at the gaze point itself: the affine model fails, E misleads.",
+    ),
+    Preset(
+        "Demonstrator faces the learner",
+        Settings(scene="panda-facing", start_deg=(25, -45)),
+        2,
+        "Turned by 180°, near and far swap: the affine bias grows to many degrees.",
+    ),
+    Preset(
+        "Few points",
+        Settings(points=5, start_deg=(25, -45)),
+        2,
+        "Five are the least for which E is not always zero: little is left to disagree.",
+    ),
+    Preset(
+        "Nearly coplanar points",
+        Settings(scene="panda-flat", start_deg=(25, -45)),
+        2,
+        "Points near one plane leave one coordinate to chance: watch the conditioning.",
+    ),
+    Preset(
+        "Half a pixel of noise",
+        Settings(noise_px=0.5, start_deg=(25, -45)),
+        2,
+        "The minimum itself moves by degrees: the transfer amplifies the noise.",
+    ),
+    Preset(
+        "Points get lost",
+        Settings(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
+        2,
+        "A point counts only if all four views see it; below five the arm holds still.",
+    ),
+    Preset(
+        "KUKA iiwa",
+        Settings(scene="iiwa", start_deg=(25, -25)),
+        2,
+        "Another body, the same method: nothing in it knows the robot.",
+    ),
+)

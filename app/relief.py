@@ -1,0 +1,133 @@
+"""Relief of a function over a grid: shading as the mask of one colour, and labelled contours.
+
+The shading's picture holds opacity only, so that the valley has the paper's colour in light and dark.
+"""
+
+import base64
+import io
+import itertools
+
+import numpy as np
+from contourpy import contour_generator
+from numpy.typing import NDArray
+from PIL import Image
+
+from . import svg
+from .labels import CHARACTER, LINE, Labels
+
+LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
+MOST_LEVELS = 9
+FINE = np.array([1, 1.5, 2, 3, 5, 7])
+DARKEST = 0.78
+FLOOR = 2000  # E below the largest divided by that is shaded as the valley's floor
+SPACING = 2.6  # px between vertices of a contour
+AWAY = np.radians(40)  # a label may stand off its ray by that
+_ids = itertools.count()
+
+Grid = tuple[NDArray, NDArray]
+
+
+def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
+    """E: (rows, columns) at px grid = (x of columns, y of rows); box: x, y, w, h px of the plot."""
+    E = E[::2, ::2]  # the browser interpolates
+    top = np.nanmax(E)
+    bottom = max(np.nanmin(E), top / FLOOR, 1e-12)
+    with np.errstate(invalid="ignore"):
+        height = np.log(np.maximum(E, bottom) / bottom) / max(np.log(top / bottom), 1e-9)
+    blind = np.isnan(height)
+    alpha = np.where(blind, 0, 255 * DARKEST * np.clip(height, 0, 1) ** 0.85)
+    parts = [_masked(grid, alpha, box, "vi-hills")]
+    if blind.any():
+        name = f"vi-h{next(_ids)}"
+        parts.append(
+            f'<pattern id="{name}" width="6" height="6" patternUnits="userSpaceOnUse">'
+            '<path class="vi-blind" d="M0 6L6 0"/></pattern>'
+        )
+        parts.append(_masked(grid, 255.0 * blind, box, f'" fill="url(#{name})'))
+    return "".join(parts)
+
+
+def _masked(grid: Grid, alpha: NDArray, box: tuple[float, float, float, float], fill: str) -> str:
+    """A rectangle of one colour through a grey picture whose pixels are centred on every second grid point."""
+    x, y = grid
+    buffer = io.BytesIO()
+    Image.fromarray(np.rint(alpha[::-1]).astype(np.uint8)).save(buffer, "PNG")
+    data = base64.b64encode(buffer.getvalue()).decode()
+    rows, columns = alpha.shape
+    dx, dy = 2 * (x[1] - x[0]), 2 * (y[0] - y[1])
+    top = y[2 * (rows - 1)]
+    name, place = f"vi-m{next(_ids)}", 'x="%.1f" y="%.1f" width="%.1f" height="%.1f"' % box
+    return (
+        f'<mask id="{name}" maskUnits="userSpaceOnUse" {place}><image x="{x[0] - dx / 2:.2f}" y="{top - dy / 2:.2f}"'
+        f' width="{columns * dx:.2f}" height="{rows * dy:.2f}" preserveAspectRatio="none"'
+        f' href="data:image/png;base64,{data}"/></mask><rect class="{fill}" {place} mask="url(#{name})"/>'
+    )
+
+
+def contours(grid: Grid, E: NDArray, labels: Labels, lowest: NDArray) -> str:
+    """Contours at levels 1, 2, 5 …, each labelled on two rays from `lowest` (2,) px to the plot's far corners."""
+    top = np.nanmax(E)
+    levels = [level for level in LEVELS if max(np.nanmin(E), top / FLOOR) < level < top][-MOST_LEVELS:]
+    generator = _generator(grid, E)
+    paths, texts = [], []
+    rays = _rays(labels, lowest)
+    for level in levels:
+        lines = [_thin(line) for line in generator.lines(np.log(level))]
+        paths.extend(svg.path(line) for line in lines)
+        for ray in rays:
+            texts.append(_label(lines, f"{level:g}", labels, lowest, ray))
+    return f'<path class="vi-contour" d="{"".join(paths)}"/>{"".join(texts)}'
+
+
+def fine_contours(grid: Grid, E: NDArray) -> str:
+    """Contours without labels, closer to each other."""
+    if np.isnan(E).all():
+        return ""
+    low, high = max(np.nanmin(E), np.nanmax(E) / 100, 1e-9), np.nanmax(E)
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.log10(max(high, 2 * low)) + 1)
+    levels = np.outer(decades, FINE).ravel()
+    generator = _generator(grid, E)
+    lines = [line for level in levels if low < level < high for line in generator.lines(np.log(level))]
+    return f'<path class="vi-contour" d="{"".join(svg.path(line) for line in lines)}"/>'
+
+
+def _generator(grid: Grid, E: NDArray):
+    """Of log E, which is nearly linear between grid points."""
+    with np.errstate(invalid="ignore"):
+        z = np.log(np.maximum(E, 1e-12))
+    return contour_generator(*grid, np.ma.masked_invalid(z))
+
+
+def _thin(line: NDArray) -> NDArray:
+    """Every so many vertices, the first and the last among them."""
+    steps = np.diff(line, axis=0)
+    length = np.sqrt((steps * steps).sum(1)).sum()
+    return line[svg.thinned(len(line), max(int(length / SPACING) + 1, 8))]
+
+
+def _rays(labels: Labels, lowest: NDArray) -> list[float]:
+    """Directions towards the corner farthest from `lowest`, and away from it."""
+    left, top, right, bottom = labels.bounds
+    corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)]) - lowest
+    farthest = corners[np.argmax((corners * corners).sum(1))]
+    angle = float(np.arctan2(farthest[1], farthest[0]))
+    return [angle, angle + np.pi]
+
+
+def _label(lines: list[NDArray], words: str, labels: Labels, lowest: NDArray, ray: float) -> str:
+    """On the contour where it crosses the ray, or beside that where something is in the way."""
+    if not lines:
+        return ""
+    points = np.concatenate(lines)
+    x, y = (points - lowest).T
+    off = np.abs((np.arctan2(y, x) - ray + np.pi) % (2 * np.pi) - np.pi)
+    w, h = CHARACTER * len(words) + 8, LINE + 2
+    for k in np.argsort(off)[:120:3]:
+        if off[k] > AWAY:
+            break
+        cx, cy = points[k]
+        place = cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2
+        if labels.overlap(*place) == 0:
+            labels.take(*place)
+            return svg.text(cx, cy + 4, words, "vi-2nd vi-halo vi-mid")
+    return ""

@@ -1,0 +1,53 @@
+"""One thread that steps and draws every page: a thread a session would starve viser's event loop."""
+
+import threading
+import time
+import traceback
+
+TICK = 0.05  # s: poses are drawn at 20 Hz
+
+
+class Scheduler:
+    """Pages are added when they are built and removed when their tab is gone."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._pages: list = []
+        self._running = False
+        self._thread = threading.Thread(target=self._run, name="viewimit-scheduler", daemon=True)
+
+    def start(self) -> None:
+        self._running = True
+        self._thread.start()
+
+    def stop(self) -> None:
+        self._running = False
+        self._thread.join(timeout=2.0)
+
+    def add(self, page) -> None:
+        with self._lock:
+            self._pages.append(page)
+
+    def remove(self, page) -> None:
+        with self._lock:
+            if page in self._pages:
+                self._pages.remove(page)
+
+    def _run(self) -> None:
+        next_tick = time.monotonic()
+        while self._running:
+            with self._lock:
+                pages = list(self._pages)
+            for page in pages:
+                try:
+                    page.tick(time.monotonic())
+                except Exception as error:  # one session's fault must not stop the others; its own page says so
+                    traceback.print_exc()
+                    page.fail(error)
+            next_tick += TICK
+            delay = next_tick - time.monotonic()
+            if delay > 0:
+                time.sleep(delay)
+            else:
+                next_tick = time.monotonic()  # behind: skip ticks instead of chasing them
+                time.sleep(0.001)  # viser's event loop needs a turn

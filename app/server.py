@@ -1,0 +1,120 @@
+"""The server: one viser server, one page a browser tab, one scheduler for all."""
+
+import contextlib
+import gc
+import io
+import signal
+import socket
+import threading
+import webbrowser
+
+import viser
+
+from viewimit.session import Session, Settings
+
+from . import help, learner_bars, theme
+from .landscape_worker import LandscapeWorker
+from .page import Page
+from .scene3d import share_scene
+from .scheduler import Scheduler
+
+
+PORTS_TO_TRY = 100
+
+
+class PortInUse(OSError):
+    """The port is taken; the message names the next free one."""
+
+
+def serve(
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    settings: Settings | None = None,
+    max_clients: int = 40,
+    open_browser: bool = False,
+) -> None:
+    """Serve the page until SIGINT or SIGTERM. port 0 takes a free one.
+
+    Raises ValueError for settings that cannot be, PortInUse for a port that is taken.
+    """
+    settings = settings or Settings()
+    Session(settings)  # bad settings must fail here, not in every visitor's tab
+    require_free(host, port)
+    with contextlib.redirect_stdout(io.StringIO()):  # viser prints a banner of its own
+        server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
+    app = App(server, settings, max_clients)
+    stopped = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stopped.set())
+    shown = "localhost" if host in ("0.0.0.0", "::") else host
+    url = f"http://{shown}:{server.get_port()}"
+    print(f"viewimit is listening on {url}", flush=True)
+    if open_browser:
+        webbrowser.open(url)
+    stopped.wait()
+    app.stop()
+    with contextlib.redirect_stdout(io.StringIO()):
+        server.stop()
+
+
+def require_free(host: str, port: int) -> None:
+    """Raise PortInUse if nothing can listen there."""
+    if port == 0 or _is_free(host, port):
+        return
+    following = range(port + 1, min(port + 1 + PORTS_TO_TRY, 65536))
+    free = next((other for other in following if _is_free(host, other)), None)
+    offer = f"; try --port {free}, which is free" if free else ""
+    raise PortInUse(f"port {port} on {host} is in use{offer}")
+
+
+def _is_free(host: str, port: int) -> bool:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError:
+            return False
+    return True
+
+
+class App:
+    """Pages by client id. viser's threads connect and disconnect, the scheduler draws."""
+
+    def __init__(self, server: viser.ViserServer, settings: Settings, max_clients: int):
+        self._settings, self._max_clients = settings, max_clients
+        self._pages: dict[int, Page] = {}
+        self._lock = threading.Lock()
+        self._scheduler, self._worker = Scheduler(), LandscapeWorker()
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
+        server.gui.add_html(f"<style>{theme.CSS}{learner_bars.CSS}{help.CSS}</style>")
+        share_scene(server)
+        server.on_client_connect(self._connect)
+        server.on_client_disconnect(self._disconnect)
+        self._scheduler.start()
+
+    def stop(self) -> None:
+        self._scheduler.stop()
+
+    def _connect(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            full = len(self._pages) >= self._max_clients
+            if not full:
+                self._pages[client.client_id] = None  # the seat is taken while the page is built
+        if full:
+            client.gui.add_html("<p>All seats are taken. Close a tab elsewhere, then reload this one.</p>")
+            return
+        page = Page(client, self._worker, self._settings)
+        with self._lock:
+            if client.client_id not in self._pages:  # the tab closed while its page was built
+                return
+            self._pages[client.client_id] = page
+        self._scheduler.add(page)
+
+    def _disconnect(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            page = self._pages.pop(client.client_id, None)
+        if page is not None:
+            self._scheduler.remove(page)
+            self._worker.forget(client.client_id)
+        gc.collect()  # viser's handles are reference cycles

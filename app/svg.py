@@ -1,0 +1,108 @@
+"""Text of drawings: numbers with a real minus, and paths from arrays of points."""
+
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+MINUS, MISSING = "−", "–"
+
+__all__ = ["arrow_tips", "circles", "degrees", "diamonds", "dots", "escape", "joint_symbol", "number", "path"]
+
+
+def number(value: float, digits: int = 1) -> str:
+    """A real minus, a dash for what is not a number, and no minus before a rounded zero."""
+    if not -np.inf < value < np.inf:
+        return "∞" if value == np.inf else MISSING
+    text = f"{value:.{digits}f}"
+    if text[0] == "-":
+        text = text[1:] if float(text) == 0 else MINUS + text[1:]
+    return text
+
+
+def degrees(rad: float, digits: int = 1) -> str:
+    """An angle in rad as degrees."""
+    return number(np.degrees(rad), digits) + "°"
+
+
+def joint_symbol(joint: int) -> str:
+    """θ with the joint's number, from 1, as subscript"""
+    return "θ" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(joint))
+
+
+def point_name(i: int) -> str:
+    """How the page calls body point i."""
+    return str(i)
+
+
+def path(points: NDArray) -> str:
+    """points: (k, 2) px → one open line; NaN interrupts it."""
+    broken = np.isnan(points[:, 0])
+    if not broken.any():
+        return _line(points)
+    runs = np.split(points, np.flatnonzero(broken))
+    return "".join(_line(run) for run in (run[~np.isnan(run[:, 0])] for run in runs) if len(run))
+
+
+def _line(points: NDArray) -> str:
+    return ("M%.1f %.1f" + " %.1f %.1f" * (len(points) - 1)) % tuple(points.ravel().tolist())
+
+
+def segments(start: NDArray, end: NDArray) -> str:
+    """start, end: (k, 2) px → k separate lines."""
+    return "M%.1f %.1fL%.1f %.1f" * len(start) % tuple(np.concatenate([start, end], 1).ravel().tolist())
+
+
+def dots(points: NDArray) -> str:
+    """points: (k, 2) px → filled circles, as wide as the stroke."""
+    return "M%.1f %.1fh0" * len(points) % tuple(points.ravel().tolist())
+
+
+def circles(points: NDArray, radius: float) -> str:
+    """points: (k, 2) px → circles, to be stroked."""
+    r, d = f"{radius:g}", f"{2 * radius:g}"
+    form = f"M%.1f %.1fm-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0"
+    return form * len(points) % tuple(points.ravel().tolist())
+
+
+def diamonds(points: NDArray, radius: float) -> str:
+    """points: (k, 2) px, their centres."""
+    r = f"{radius:g}"
+    form = f"M%.1f %.1fm0-{r}l{r} {r}-{r} {r}-{r}-{r}z"
+    return form * len(points) % tuple(points.ravel().tolist())
+
+
+def arrow_tips(start: NDArray, end: NDArray, size: float) -> str:
+    """Filled heads of arrows from start to end, (k, 2) px, smaller on arrows shorter than a head."""
+    along = end - start
+    length = np.sqrt((along * along).sum(1, keepdims=True))
+    along = along * (np.minimum(size, length) / np.maximum(length, 1e-9))
+    across = 0.42 * along[:, ::-1] * (-1, 1)
+    corners = np.concatenate([end, end - along + across, end - along - across], 1)
+    return "M%.1f %.1fL%.1f %.1f %.1f %.1fz" * len(end) % tuple(corners.ravel().tolist())
+
+
+def polygons(corners: NDArray) -> str:
+    """corners: (k, c, 2) px, closed; a corner in the same pixel as its predecessor is left out."""
+    pixel = np.rint(corners)
+    kept = (pixel[:, 1:] != pixel[:, :-1]).any(2)
+    form = "".join([_POLYGONS[count] for count in kept.sum(1).tolist()])
+    first = np.ones((len(kept), 1), bool)
+    return form % tuple(corners[np.concatenate([first, kept], 1)].ravel().tolist())
+
+
+_POLYGONS = ["M%.1f %.1f" + " %.1f %.1f" * count + "z" for count in range(64)]
+
+
+def text(x: float, y: float, content: str, classes: str = "") -> str:
+    """One label; content is escaped."""
+    attribute = f' class="{classes}"' if classes else ""
+    return f'<text x="{x:.1f}" y="{y:.1f}"{attribute}>{escape(content)}</text>'
+
+
+def thinned(count: int, limit: int) -> Sequence[int] | NDArray:
+    """Indices of at most `limit` of `count` items, the first and the last among them."""
+    if count <= limit:
+        return range(count)
+    return np.unique(np.linspace(0, count - 1, limit).round().astype(int))

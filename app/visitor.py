@@ -1,0 +1,159 @@
+"""What a visitor did, carried out on the session. Values come from a browser: each is checked here."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.session import Session
+
+from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
+from .hand import pose_for_hand
+from .pace import Pace
+from .presets import PRESETS
+
+
+@dataclass
+class View:
+    """How the page shows a session. chosen: a point or None; show: the switches of the folder Display."""
+
+    chosen: int | None = None
+    show: dict[str, bool] = field(
+        default_factory=lambda: {"rays": False, "residuals": True, "gizmo": True, "whole_frames": False}
+    )
+
+
+class Visitor:
+    """`set` takes a control's newest value, `act` a key or button. Both raise ValueError for what cannot be.
+
+    on_world(): the scene has changed, draw anew; elsewhere: actions of the page itself, by name.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        pace: Pace,
+        controls: Controls,
+        view: View,
+        on_world: Callable[[], None],
+        elsewhere: dict[str, Callable],
+    ):
+        self._session, self._pace, self._controls, self._view = session, pace, controls, view
+        self._on_world, self._elsewhere = on_world, elsewhere
+
+    def act(self, action: str, now: float) -> None:
+        session, pace = self._session, self._pace
+        if action == "play":
+            pace.toggle()
+        elif action == "step":
+            pace.pause()
+            pace.step(now)
+        elif action == "undo":
+            pace.pause()
+            pace.undo(now)
+            self._controls.show(session.settings)
+        elif action == "reset":
+            pace.pause()
+            session.reset()
+            pace.settle()
+            self._controls.show(session.settings)
+        elif action == "next point":
+            count = len(session.world.body)
+            self._choose(0 if self._view.chosen is None else (self._view.chosen + 1) % count)
+        else:
+            self._elsewhere[action]()
+
+    def set(self, name: str, value) -> None:
+        if name.startswith("joint"):
+            self._set_joint(int(name.removeprefix("joint")), value)
+        elif name in SETTERS:
+            self._change(**SETTERS[name](value))
+        elif name == "hand":
+            self._pose(pose_for_hand(self._session.world, value, self._session.snapshot.theta_demo))
+            self._controls.show(self._session.settings)
+        elif name == "preset":
+            self._begin(_choice(value, {preset.name: preset for preset in PRESETS}, "preset"))
+        elif name == "speed":
+            self._pace.speed = _choice(value, SPEEDS, "speed")
+        elif name == "history":
+            self._pace.pause()
+            self._session.scrub(round(_number(value)))
+            self._pace.settle()
+            self._controls.show(self._session.settings)
+        elif name == "chosen":
+            self._choose(None if value == NO_POINT else round(_number(value)))
+        elif name in self._view.show:
+            self._view.show[name] = bool(value)
+        else:
+            self._elsewhere[name](value)
+
+    def _set_joint(self, k: int, value) -> None:
+        theta = self._session.snapshot.theta_demo.copy()
+        if k < len(theta):  # a slider of the scene before may still have sent
+            theta[k] = np.radians(_number(value))
+            self._pose(theta)
+
+    def _pose(self, theta: NDArray) -> None:
+        self._session.pose(theta)
+        self._pace.wake()
+
+    def _change(self, **fields) -> None:
+        world = self._session.world
+        self._session.change(**fields)
+        self._pace.wake()
+        if self._session.world is not world:
+            self._draw_anew()
+
+    def _begin(self, preset) -> None:
+        self._pace.pause()
+        self._session.begin(preset.settings)
+        self._pace.speed = preset.motions_per_second
+        self._controls.show_preset(preset)
+        self._draw_anew()
+
+    def _draw_anew(self) -> None:
+        self._pace.settle()
+        if self._view.chosen is not None and self._view.chosen >= len(self._session.world.body):
+            self._view.chosen = None
+        self._controls.build_sliders(self._session.scene, self._session.settings)
+        self._controls.show_chosen(self._view.chosen)
+        self._on_world()
+
+    def _choose(self, point: int | None) -> None:
+        if point is not None and not 0 <= point < len(self._session.world.body):
+            raise ValueError(f"no point {point}; there are {len(self._session.world.body)}")
+        self._view.chosen = point
+        self._controls.show_chosen(point)
+
+
+def _number(value) -> float:
+    """A finite number, from whatever a browser sent."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not np.isfinite(number):
+        raise ValueError(f"{str(value)[:40]!r} is not a number")
+    return number
+
+
+def _choice(value, options: dict, what: str):
+    if not isinstance(value, str) or value not in options:
+        raise ValueError(f"no {what} {str(value)[:40]!r}")
+    return options[value]
+
+
+def _named(names: dict[str, str], what: str) -> Callable[[object], dict]:
+    keys = {name: key for key, name in names.items()}
+    return lambda value: {what: _choice(value, keys, what)}
+
+
+SETTERS: dict[str, Callable[[object], dict]] = {
+    "transfer": _named(TRANSFER_NAMES, "transfer"),
+    "servo": _named(SERVO_NAMES, "servo"),
+    "noise_px": lambda value: {"noise_px": _number(value)},
+    "missing": lambda value: {"missing": _number(value) / 100},
+    "seed": lambda value: {"seed": round(_number(value))},
+    "points": lambda value: {"points": round(_number(str(value).split()[0]))},
+}

@@ -1,0 +1,28 @@
+"""Eq. (6) from its definition."""
+
+import numpy as np
+import pytest
+
+from viewimit.evaluation import conflict, residual
+from viewimit.views import FourViews
+
+
+class Constant:
+    """A transfer that recovers the same point for all."""
+
+    def recover(self, demo_left, demo_right):
+        return np.full((len(demo_left), 4), 10.0)
+
+
+def test_residual_points_from_the_recovered_point_to_the_learners_own():
+    own = np.full((5, 4), 13.0)
+    views = FourViews(np.zeros((5, 4)), own, np.ones((5, 4), bool))
+    np.testing.assert_array_equal(residual(Constant(), views), np.full((5, 4), 3.0))
+
+
+def test_conflict_is_the_mean_over_points_and_both_views():
+    e = np.random.default_rng(0).normal(size=(3, 7, 4))
+    for k in range(3):
+        expected = sum(x @ x for image in (e[k, :, :2], e[k, :, 2:]) for x in image) / (2 * 7)
+        assert conflict(e)[k] == pytest.approx(expected)
+    assert conflict(np.full((5, 4), 3.0)) == pytest.approx(18.0)  # 3 px off in x and y, in both views

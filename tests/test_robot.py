@@ -1,0 +1,120 @@
+"""Forward kinematics against PyBullet, grids against single postures, and what a URDF may not be."""
+
+import numpy as np
+import pytest
+
+from viewimit.robot import BodyPoints, Robot
+from viewimit.scene import load_robot, load_scene
+
+ORIGINAL_URDF = {"panda": "franka_panda/panda.urdf", "iiwa": "kuka_iiwa/model.urdf"}
+
+
+@pytest.mark.parametrize("name", ORIGINAL_URDF)
+def test_link_frames_are_pybullets(name):
+    """getLinkState item 4 is the link's frame, item 0 its centre of mass. PyBullet works in single precision."""
+    p = pytest.importorskip("pybullet")
+    data = pytest.importorskip("pybullet_data")
+    path = f"{data.getDataPath()}/{ORIGINAL_URDF[name]}"
+    robot = load_robot(name)
+    client = p.connect(p.DIRECT)
+    try:
+        body = p.loadURDF(path, useFixedBase=True, physicsClientId=client)
+        infos = [p.getJointInfo(body, j, physicsClientId=client) for j in range(p.getNumJoints(body, client))]
+        arm = [info[0] for info in infos if info[2] == p.JOINT_REVOLUTE][: len(robot.joints)]
+        assert len(robot.joints) == 7
+        rng = np.random.default_rng(0)
+        for _ in range(20):
+            angles = rng.uniform(robot.lower, robot.upper)
+            for joint, angle in zip(arm, angles):
+                p.resetJointState(body, joint, angle, physicsClientId=client)
+            frames = robot.link_frames(angles)
+            for k, joint in enumerate(arm, start=1):
+                state = p.getLinkState(body, joint, computeForwardKinematics=True, physicsClientId=client)
+                np.testing.assert_allclose(frames[k][:3, 3], state[4], atol=1e-6)
+                rotation = np.reshape(p.getMatrixFromQuaternion(state[5]), (3, 3))
+                np.testing.assert_allclose(frames[k][:3, :3], rotation, atol=1e-6)
+    finally:
+        p.disconnect(client)
+
+
+@pytest.mark.parametrize("moving", [(1, 3), (0, 6), (3, 1)])
+def test_points_on_a_grid_are_those_of_each_posture(moving):
+    robot, body = load_robot("panda"), load_scene("panda").body_points(16)
+    rest = np.radians([10, 45, -20, -90, 30, 90, 45])
+    rows, columns = np.linspace(-1, 1, 4), np.linspace(-2, 0, 5)
+    angles = list(rest)
+    angles[moving[0]], angles[moving[1]] = rows[:, None], columns
+    found = np.full((len(body), 3, 4, 5), np.nan)
+    for index, xyz in robot.place_points(angles, body):
+        found[index] = np.moveaxis(np.broadcast_to(xyz, xyz.shape[:2] + (4, 5)), 1, 0)
+    for i, j in np.ndindex(4, 5):
+        posture = rest.copy()
+        posture[list(moving)] = rows[i], columns[j]
+        T = robot.link_frames(posture)[body.link]
+        expected = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
+        np.testing.assert_allclose(found[:, :, i, j], expected, atol=1e-13)
+
+
+def test_points_that_few_joints_move_are_placed_once():
+    robot = load_robot("panda")
+    body = BodyPoints(np.array([0, 2, 7]), np.zeros((3, 3)))
+    angles = [0.0, np.zeros((4, 1)), 0.0, np.zeros(5), 0.0, 0.0, 0.0]
+    shapes = {tuple(index): xyz.shape[2:] for index, xyz in robot.place_points(angles, body)}
+    assert shapes == {(0,): (1, 1), (1,): (4, 1), (2,): (4, 5)}
+
+
+def joint(name, parent, child, kind="revolute", axis="0 0 1", more=""):
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<axis xyz="{axis}"/><limit lower="-1" upper="2"/>{more}</joint>'
+    )
+
+
+def read(tmp_path, *joints, root="robot", tip=None):
+    path = tmp_path / "arm.urdf"
+    path.write_text(f"<{root}>{''.join(joints)}</{root}>")
+    return Robot.from_urdf(path, tip)
+
+
+def test_fixed_joints_are_merged_and_the_longest_chain_is_taken(tmp_path):
+    robot = read(
+        tmp_path,
+        joint("a", "base", "one"),
+        joint("bolt", "one", "plate", "fixed", more='<origin xyz="0 0 1"/>'),
+        joint("b", "plate", "two", "continuous", more='<origin xyz="1 0 0"/>'),
+        joint("finger", "one", "tip"),
+        joint("c", "two", "three", axis="0 1 0"),
+    )
+    assert [j.name for j in robot.joints] == ["a", "b", "c"]
+    np.testing.assert_allclose(robot.joints[1].T_parent_joint[:3, 3], [1, 0, 1])
+    np.testing.assert_allclose(robot.lower, [-1, -np.pi, -1])
+    np.testing.assert_allclose(robot.upper, [2, np.pi, 2])
+
+
+@pytest.mark.parametrize(
+    "joints, options, message",
+    [
+        ([joint("a", "base", "one", "fixed")], {}, "no revolute joint"),
+        ([], {}, "no revolute joint"),
+        ([joint("a", "base", "one", axis="0 0 0")], {}, "joint 'a': its axis is zero"),
+        ([joint("a", "base", "one", axis="0 zero 1")], {}, "joint 'a'.*is not numbers"),
+        ([joint("a", "base", "one", axis="0 1")], {}, "joint 'a'.*is not numbers"),
+        ([joint("a", "", "one")], {}, "joint 'a' has no <parent"),
+        ([joint("a", "base", "one")], {"tip": "hand"}, "no link 'hand'"),
+        ([joint("a", "two", "one"), joint("b", "one", "two")], {"tip": "one"}, "loop"),
+        ([joint("a", "two", "one"), joint("b", "one", "two"), joint("c", "two", "hand")], {}, "loop"),
+        ([joint("a", "base", "one")], {"root": "sdf"}, "root element is <sdf>"),
+    ],
+)
+def test_errors_name_the_file_and_the_fault(tmp_path, joints, options, message):
+    with pytest.raises(ValueError, match=rf"arm\.urdf: .*{message}"):
+        read(tmp_path, *joints, **options)
+
+
+def test_a_file_that_does_not_parse_or_is_not_there(tmp_path):
+    path = tmp_path / "arm.urdf"
+    with pytest.raises(ValueError, match=r"arm\.urdf: cannot be read"):
+        Robot.from_urdf(path)
+    path.write_text("<robot><joint></robot>")
+    with pytest.raises(ValueError, match=r"arm\.urdf: not a URDF that parses"):
+        Robot.from_urdf(path)

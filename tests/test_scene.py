@@ -1,0 +1,76 @@
+"""Scene files: the shipped ones hold together; a wrong one is refused with its file and field."""
+
+import numpy as np
+import pytest
+
+from viewimit.scene import ROOT, load_robot, load_scene, robot_names, scene_names
+from viewimit.world import World
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    """Writes a TOML file beside copies of the shipped ones."""
+    for path in (ROOT / "scenes").glob("*.toml"):
+        (tmp_path / path.name).write_text(path.read_text())
+
+    def write(text, name="mine.toml"):
+        (tmp_path / name).write_text(text)
+        return tmp_path / name
+
+    return write
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_shipped_scenes_load_and_show_their_demonstrator(name):
+    world = World(load_scene(name))
+    points, visible = world.demo_images(np.radians(world.scene.posture_deg)[world.scene.moving])
+    assert visible.all() and np.isfinite(points).all()
+
+
+def test_extends_takes_over_what_is_not_repeated(scene_file):
+    scene = load_scene(scene_file('extends = "panda"\ntitle = "Mine"\n[head]\nbaseline = 0.3\n'))
+    parent = load_scene("panda")
+    assert scene.title == "Mine" and scene.head.baseline == 0.3
+    assert scene.head.focal == parent.head.focal and scene.points == parent.points
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ('extends = "panda"\ncolour = 3\n', "unknown field `colour`"),
+        ('extends = "panda"\n[head]\nzoom = 3\n', r"unknown field `zoom` - at `\$.head`"),
+        ('extends = "panda"\n[head]\nfocal = "long"\n', r"Expected `float`, got `str` - at `\$.head.focal`"),
+        ('title = "Mine"\n', "missing required field `robot`"),
+        ('extends = "panda"\nposture_deg = [0, 45]\n', "posture_deg has 2 angles, but panda has 7 joints"),
+        ('extends = "panda"\nstart_deg = [25]\n', "moving_joints, range_deg and start_deg"),
+        ('extends = "panda"\nmoving_joints = [2, 2]\n', "moving_joints, range_deg and start_deg"),
+        ('extends = "panda"\nmoving_joints = [2, 9]\n', "no joint 9"),
+        ('extends = "panda"\nrange_deg = [[90, 0], [-180, 0]]\n', "joint 2: range_deg 90 … 0 is empty"),
+        ('extends = "panda"\nstart_deg = [25, 40]\n', "learner's start joint 4 at 40° is outside"),
+        ('extends = "panda"\nrobot = "r2d2"\n', "no robot 'r2d2'; there are iiwa, panda"),
+        ('extends = "panda"\n[points]\n3 = [[0, 0, 0, 0]]\n', "points.3 has 1 points"),
+        ('extends = "panda"\n[points]\n1 = [[8, 0, 0, 0]]\n', "points.1: links are 0 … 7"),
+        ('extends = "nowhere"\n', "extends 'nowhere', but there is no"),
+        ("title = \n", "Invalid value"),
+        ("[points\n", "Expected"),
+    ],
+)
+def test_errors_name_the_file_and_the_field(scene_file, text, message):
+    with pytest.raises(ValueError, match=rf"mine\.toml: .*{message}"):
+        load_scene(scene_file(text))
+
+
+def test_unknown_scene_robot_and_layout_say_what_there_is(tmp_path):
+    with pytest.raises(ValueError, match="no scene 'kitchen'; there are .*panda"):
+        load_scene("kitchen")
+    with pytest.raises(ValueError, match="no robot 'r2d2'; there are iiwa, panda"):
+        load_robot("r2d2")
+    with pytest.raises(ValueError, match="no layout of 11 points in this scene; it has .*10, 16, 20"):
+        load_scene("panda").body_points(11)
+    assert robot_names() == ["iiwa", "panda"]
+
+
+@pytest.mark.parametrize("theta", [[0.1], [0.1, -0.2, 0.3], [np.nan, -1.0], [2.0, -1.0]])
+def test_a_posture_must_have_its_angles_within_limits(theta):
+    with pytest.raises(ValueError, match="demonstrator's"):
+        load_scene("panda").require_posture(theta, "demonstrator's")

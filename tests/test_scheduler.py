@@ -1,0 +1,64 @@
+"""One thread for all pages: each ticks, one that fails does not stop the others."""
+
+import threading
+import time
+
+from viewimit.app.landscape_worker import LandscapeWorker
+from viewimit.app.scheduler import Scheduler
+
+
+class Counting:
+    def __init__(self, fault=None):
+        self.ticks, self.fault, self.failed, self.threads = 0, fault, [], set()
+
+    def tick(self, now):
+        self.ticks += 1
+        self.threads.add(threading.get_ident())
+        if self.fault:
+            raise self.fault
+
+    def fail(self, error):
+        self.failed.append(error)
+
+
+def wait_until(condition, seconds=5.0):
+    until = time.monotonic() + seconds
+    while not condition() and time.monotonic() < until:
+        time.sleep(0.01)
+    assert condition()
+
+
+def test_a_failing_page_is_told_and_the_others_go_on(capsys):
+    scheduler = Scheduler()
+    good, bad, fault = Counting(), Counting(RuntimeError("broken")), None
+    scheduler.add(bad)
+    scheduler.add(good)
+    scheduler.start()
+    wait_until(lambda: good.ticks >= 5)
+    fault = bad.failed[0]
+    scheduler.remove(bad)
+    wait_until(lambda: good.ticks >= 8)
+    scheduler.stop()
+    ticks = good.ticks
+    time.sleep(0.15)
+    assert good.ticks == ticks and str(fault) == "broken" and len(good.threads) == 1
+    assert "RuntimeError: broken" in capsys.readouterr().err
+
+
+def test_the_newest_wish_for_a_landscape_wins():
+    worker, gate, made = LandscapeWorker(), threading.Event(), []
+    worker.ask(0, lambda: gate.wait(5), lambda _: None)
+    for wish in range(5):
+        worker.ask(1, lambda wish=wish: wish, made.append)
+    worker.ask(2, lambda: "other", made.append)
+    gate.set()
+    wait_until(lambda: len(made) == 2)
+    assert made == [4, "other"]
+
+
+def test_a_failing_landscape_does_not_end_the_worker(capsys):
+    worker, made = LandscapeWorker(), []
+    worker.ask(0, lambda: 1 / 0, made.append)
+    worker.ask(1, lambda: "next", made.append)
+    wait_until(lambda: made == ["next"])
+    assert "ZeroDivisionError" in capsys.readouterr().err

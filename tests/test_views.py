@@ -1,0 +1,48 @@
+"""Tracked points as they come: what is seen, what is refused, what a selection keeps."""
+
+import numpy as np
+import pytest
+
+from viewimit.views import FourViews
+
+
+def images(count=6, batch=()):
+    return list(np.random.default_rng(0).uniform(0, 600, (4,) + batch + (count, 2)))
+
+
+def test_views_keep_their_points():
+    l, r, L, R = images()
+    views = FourViews.from_images(l, r, L, R)
+    for found, given in zip((views.demo_left, views.demo_right, views.own_left, views.own_right), (l, r, L, R)):
+        np.testing.assert_array_equal(found, given)
+    assert views.usable.all()
+
+
+def test_a_point_without_coordinates_was_not_seen_in_that_view():
+    l, r, L, R = images()
+    r[2, 1] = np.nan
+    R[4] = np.nan
+    views = FourViews.from_images(l, r, L, R)
+    expected = np.ones((6, 4), bool)
+    expected[2, 1] = expected[4, 3] = False
+    np.testing.assert_array_equal(views.visible, expected)
+    assert np.flatnonzero(~views.usable).tolist() == [2, 4]
+    selected = views.select(views.usable)
+    np.testing.assert_array_equal(selected.own_left, L[[0, 1, 3, 5]])
+    assert selected.usable.all()
+
+
+def test_one_demonstrator_beside_a_batch_of_own_images():
+    l, r, _, _ = images()
+    _, _, L, R = images(batch=(3,))
+    views = FourViews.from_images(l, r, L, R)
+    assert views.demo.shape == views.own.shape == (3, 6, 4)
+    assert views.with_own(views.own[0]).own.shape == (6, 4)
+
+
+def test_wrong_shapes_are_refused_with_the_view():
+    l, r, L, R = images()
+    with pytest.raises(ValueError, match="view L: need points of shape"):
+        FourViews.from_images(l, r, L[:, :1], R)
+    with pytest.raises(ValueError, match="different numbers of points.*R: 5"):
+        FourViews.from_images(l, r, L, R[:5])

@@ -1,0 +1,38 @@
+"""Quaternions pushed past viser's setters, against viser's own rotations; and the private message still exists."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import viser.transforms as vtf
+from hypothesis import given
+from hypothesis import strategies as st
+from viewimit.app.wire import joint_quaternion, quaternion
+from viser._messages import SetOrientationMessage
+
+from viewimit.geometry.rigid import rotation_about_axis, rotation_from_rpy
+
+angles = st.floats(-np.pi, np.pi)
+
+
+@given(angles, angles, angles)
+def test_quaternion_is_the_rotation(roll, pitch, yaw):
+    R = rotation_from_rpy([roll, pitch, yaw])
+    assert np.allclose(vtf.SO3(np.array(quaternion(R))).as_matrix(), R, atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", np.eye(3))
+def test_half_turns_have_no_preferred_component(axis):
+    R = rotation_about_axis(axis, np.pi)
+    assert np.allclose(np.abs(quaternion(R)), [0, *axis], atol=1e-12)
+
+
+@given(angles, angles, angles)
+def test_joint_quaternion_turns_after_the_rest_pose(roll, yaw, angle):
+    rest, axis = rotation_from_rpy([roll, 0.3, yaw]), np.array([0.6, 0.0, 0.8])
+    pushed = vtf.SO3(np.array(joint_quaternion(quaternion(rest), axis, angle))).as_matrix()
+    assert np.allclose(pushed, rest @ rotation_about_axis(axis, angle), atol=1e-12)
+
+
+def test_the_private_message_is_as_relied_upon():
+    assert [field.name for field in dataclasses.fields(SetOrientationMessage)] == ["name", "wxyz", "owner"]

@@ -17,9 +17,7 @@ def affine_views(rng, count=10, batch=(), noise=0.0):
     """Four exact affine images of one random body, or of a batch of learners' postures, px."""
     body = rng.normal(size=(count, 3)) * PX
     learners = body if batch == () else rng.normal(size=batch + (count, 3)) * PX
-    images = [
-        points @ rng.normal(size=(3, 2)) + rng.uniform(0, 300, 2) for points in (body, body, learners, learners)
-    ]
+    images = [points @ rng.normal(size=(3, 2)) + rng.uniform(0, 300, 2) for points in (body, body, learners, learners)]
     return FourViews.from_images(*(image + noise * rng.normal(size=image.shape) for image in images))
 
 
@@ -152,14 +150,15 @@ def lines_system(rng, angle):
     return f / np.linalg.norm(f, axis=0)
 
 
-@pytest.mark.parametrize("angle", [1.0, 1e-1, 3e-3, 1e-3, 1e-5])
+@pytest.mark.parametrize("angle", [1.0, 1e-1, 3e-3, 1e-3, 1e-5, 1e-7])
 def test_nearly_parallel_lines_are_solved_as_by_lstsq_and_flagged(angle):
     f = lines_system(np.random.default_rng(9), angle)
     A, B = (matrix[0] for matrix in epipolar.linear_system(f))
     expected = np.linalg.lstsq(A, -B, rcond=None)[0]
     found = epipolar.solve(f)[:, :, 0]
     cond = np.linalg.cond(A)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * cond / angle * np.abs(expected).max())
+    rounding = np.finfo(float).eps / 1e-3  # of the determinant that is still inverted, however parallel the lines are
+    np.testing.assert_allclose(found, expected, rtol=0, atol=rounding * cond * np.abs(expected).max())
     assert epipolar.condition(f)[0] == pytest.approx(cond, rel=1e-15 * cond**2 + 1e-9)
 
 

@@ -60,7 +60,7 @@ CASES = {
     "stretched": ({"points": 20}, (80, -5)),
     "verged": ({"verged": True}, (45, -90)),
     "beside": ({"yaw_deg": 90}, (10, -20)),
-    "beside, iiwa": ({"yaw_deg": 90, "scene": "iiwa"}, (45, -90)),
+    "beside, iiwa": ({"yaw_deg": 90, "scene": "iiwa"}, (10, -20)),
     "oblique": ({"yaw_deg": 135}, (45, -90)),
     "facing": ({"yaw_deg": 180}, (10, -20)),
     "facing, verged": ({"yaw_deg": 180, "verged": True}, (45, -90)),

@@ -29,9 +29,7 @@ def test_a_grid_of_angles_is_each_angle_alone():
 
 @given(st.tuples(angle, angle, angle))
 def test_rpy_is_about_fixed_axes(rpy):
-    np.testing.assert_allclose(
-        rotation_from_rpy(rpy), scipy_rotation.from_euler("xyz", rpy).as_matrix(), atol=1e-14
-    )
+    np.testing.assert_allclose(rotation_from_rpy(rpy), scipy_rotation.from_euler("xyz", rpy).as_matrix(), atol=1e-14)
 
 
 def test_rigid_transform_places_rotation_and_translation():

@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .geometry.rigid import look_rotation, rigid_transform
 
+WORLD = np.eye(4)
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -21,7 +23,7 @@ class Camera:
     centre: tuple[float, float]
     T_world_camera: NDArray
 
-    def project(self, points: NDArray, T_world_points: ArrayLike = np.eye(4)) -> tuple[NDArray, NDArray]:
+    def project(self, points: NDArray, T_world_points: NDArray = WORLD) -> tuple[NDArray, NDArray]:
         """points: (3, ...) m in a frame → image (2, ...) px and visible (...): in front and inside the image."""
         R_camera_world = self.T_world_camera[:3, :3].T
         rotation = R_camera_world @ T_world_points[:3, :3]

@@ -16,7 +16,9 @@ def loop(world: World, demo: NDArray, postures: NDArray) -> NDArray:
     return np.array([_conflict(demo, _own_image(world, posture)) for posture in postures])
 
 
-def batch(world: World, demo: NDArray, postures: NDArray, with_condition: bool = False) -> tuple[NDArray, NDArray | None]:
+def batch(
+    world: World, demo: NDArray, postures: NDArray, with_condition: bool = False
+) -> tuple[NDArray, NDArray | None]:
     """E and, if asked, cond(A), all postures at once. demo: (N, 4) px; postures: (G, m) rad → (G,), (G,).
 
     cond(A) comes from the eigenvalues of AᵀA, which are at hand and cost less than singular values.

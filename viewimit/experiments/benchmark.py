@@ -1,6 +1,6 @@
 """How fast E is: landscapes against two plain numpy baselines, and one posture as the servo asks for it.
 
-Times are CPU time of this thread, medians; on a noisy machine only their ratios mean something. BLAS must be
+Times are CPU time of this process, medians; on a noisy machine only their ratios mean something. BLAS must be
 held to one thread before numpy is loaded (OPENBLAS_NUM_THREADS=1), or its threads count as well.
 """
 
@@ -67,9 +67,9 @@ def run(scene: str = "panda", points: int = 10, full_loop: bool = False, seed: i
     condition_s = _median_s(lambda: over_grid("epipolar", True), ROUNDS)
     batch_s = _median_s(lambda: baselines.batch(world, demo, postures), SLOW_ROUNDS)
     batch_condition_s = _median_s(lambda: baselines.batch(world, demo, postures, True), SLOW_ROUNDS)
-    began = time.thread_time()
+    began = time.process_time()
     loop_E = baselines.loop(world, demo, postures[sample])
-    loop_s = (time.thread_time() - began) * len(postures) / len(sample)
+    loop_s = (time.process_time() - began) * len(postures) / len(sample)
     found = over_grid("epipolar", True)
     batch_E, batch_condition = baselines.batch(world, demo, postures, True)
     return Benchmark(
@@ -92,17 +92,17 @@ def run(scene: str = "panda", points: int = 10, full_loop: bool = False, seed: i
 def table(result: Benchmark) -> str:
     """The figures for people."""
     ours, with_condition = result.landscape_s["epipolar"], result.condition_s
-    loop_note = "all postures" if result.loop_postures == result.postures else f"{result.loop_postures} postures, scaled"
+    timed = "all postures" if result.loop_postures == result.postures else f"{result.loop_postures} postures, scaled"
 
     def row(what: str, seconds: float, against: float) -> str:
         return f"  {what:<52} {seconds * 1e3:9.1f} ms  {seconds / against:8.1f} x"
 
     lines = [
-        f"E over {result.postures} postures of {result.scene}, {result.points} points, kinematics and projection included",
-        "(CPU time of one thread, medians)",
+        f"E over {result.postures} postures of {result.scene}, {result.points} points",
+        "with kinematics and projection (CPU time on one thread, medians)",
         row("epipolar", ours, ours),
         row("numpy batch: eigh and solve", result.batch_s, ours),
-        row(f"numpy loop: eigh and lstsq ({loop_note})", result.loop_s, ours),
+        row(f"numpy loop: eigh and lstsq ({timed})", result.loop_s, ours),
         row("epipolar with cond(A)", with_condition, with_condition),
         row("numpy batch, without cond(A)", result.batch_s, with_condition),
         row("numpy batch with cond(A), eigvalsh of its AᵀA", result.batch_condition_s, with_condition),
@@ -137,13 +137,13 @@ def _fit_s(world: World, fit: Callable, demo: NDArray, postures: NDArray) -> dic
 
 
 def _median_s(work: Callable[[], object], rounds: int) -> float:
-    """CPU time of this thread, after one call to warm up."""
+    """CPU time of this process, after one call to warm up."""
     work()
     times = []
     for _ in range(rounds):
-        began = time.thread_time()
+        began = time.process_time()
         work()
-        times.append(time.thread_time() - began)
+        times.append(time.process_time() - began)
     return float(np.median(times))
 
 

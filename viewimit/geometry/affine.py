@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 MIN_POINTS = 5  # with four, the centred 4 x N matrix has rank 3: any images fit, E would be identically 0
 LAGUERRE_STEPS = 20  # a bound: the iteration stops by itself, after 3 or 4 steps in the shipped scenes
 CONVERGED = 1e-6  # last step, relative to the trace of W; the steps shrink cubically, and the next would be rounding
-TINY = np.finfo(float).tiny
-NEARLY_EQUAL = 4e-6  # size of the eigenvector's cofactors, relative to the trace³, below which LAPACK takes over: 1e-9 in f
+FLAT = 1e-10  # f' of a double root, relative to the trace³: steps stay short where f and f' are rounding errors
+NEARLY_EQUAL = 1e-5  # of the cofactors of f, relative to the trace³: below, LAPACK takes over; above, f errs by 1e-10
 
 
 def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray]:
@@ -95,7 +95,7 @@ def smallest_eigenpair(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDA
     f[2:] -= M_adj_Q[1] * x[1]
     with np.errstate(invalid="ignore"):
         f /= np.sqrt(np.einsum("i...,i...->...", f, f))
-    weak = ~(size > NEARLY_EQUAL * s3**3)
+    weak = ~(size > NEARLY_EQUAL * s3 * s3 * s3)
     if weak.any():
         smallest[weak], f[:, weak] = _by_lapack(P, M, Q, weak)
     return smallest, f
@@ -105,12 +105,8 @@ def extreme_eigenvalues(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, ND
     """Smallest and largest eigenvalue of [[P, M], [Mᵀ, Q]], positive semi-definite, from blocks (2, 2, ...)."""
     s3, s2, s1, s0, _ = _characteristic(P, M, Q)
     # λ → s3 - λ mirrors the polynomial, so that the largest root becomes the smallest of another one
-    mirrored = (
-        3 * s3,
-        3 * s3 * s3 + s2,
-        s3**3 + 2 * s2 * s3 - s1,
-        s2 * s3 * s3 - s1 * s3 + s0,
-    )
+    squared = s3 * s3
+    mirrored = 3 * s3, 3 * squared + s2, squared * s3 + 2 * s2 * s3 - s1, s2 * squared - s1 * s3 + s0
     return _smallest_root(s3, s2, s1, s0), s3 - _smallest_root(*mirrored)
 
 
@@ -140,15 +136,18 @@ def _smallest_root(s3: NDArray, s2: NDArray, s1: NDArray, s0: NDArray) -> NDArra
     """Laguerre's iteration from 0: monotone, for all four roots are real and none is negative."""
     value, slope, half_curve = s0, -s1, s2  # f, f', f''/2 at 0
     tolerance = CONVERGED * s3.min(initial=np.inf)
+    floor = FLAT * s3 * s3 * s3  # of the denominator
+    floor *= floor
     root = np.zeros_like(s0)
     for _ in range(LAGUERRE_STEPS):
         step = half_curve * value  # 4 f / (-f' + √(9 f'² - 12 f f''))
         step *= -24
         step += 9 * (slope * slope)
-        np.maximum(step, TINY, out=step)  # nothing to divide by at a double root at 0, where f is 0 too
+        np.maximum(step, floor, out=step)
         np.sqrt(step, out=step)
         step -= slope
-        np.divide(value, step, out=step)
+        with np.errstate(invalid="ignore"):  # W = 0 has no scale: NaN, which goes to LAPACK
+            np.divide(value, step, out=step)
         step *= 4
         root += step
         if step.max(initial=0) <= tolerance:

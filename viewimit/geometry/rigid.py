@@ -13,11 +13,7 @@ def rotation_about_axis(axis: ArrayLike, angle: ArrayLike) -> NDArray:
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     angle = np.asarray(angle, float)
     shape = (3, 3) + (1,) * angle.ndim
-    return (
-        np.eye(3).reshape(shape)
-        + np.sin(angle) * K.reshape(shape)
-        + (1 - np.cos(angle)) * (K @ K).reshape(shape)
-    )
+    return np.eye(3).reshape(shape) + np.sin(angle) * K.reshape(shape) + (1 - np.cos(angle)) * (K @ K).reshape(shape)
 
 
 def rotation_from_rpy(rpy: ArrayLike) -> NDArray:
@@ -30,7 +26,7 @@ def rotation_from_rpy(rpy: ArrayLike) -> NDArray:
     )
 
 
-def rigid_transform(rotation: ArrayLike = np.eye(3), translation: ArrayLike = (0, 0, 0)) -> NDArray:
+def rigid_transform(rotation: ArrayLike, translation: ArrayLike = (0, 0, 0)) -> NDArray:
     """rotation: (3, 3), translation: (3,) m → (4, 4)."""
     T = np.eye(4)
     T[:3, :3] = rotation

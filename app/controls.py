@@ -33,6 +33,7 @@ SERVO_NAMES = {
 }
 NO_POINT = "none"
 PENDING_LIMIT = 200  # actions that wait for the scheduler, per page
+HINTED = ("space", "→", "←", "H")  # keys named in the panel; the help names all
 KEYS = (
     ("space", "play"),
     ("→", "step"),
@@ -233,5 +234,5 @@ def lesson(text: str) -> str:
 
 
 def key_hints() -> str:
-    keys = "".join(f"<span><kbd>{key}</kbd> {action}</span> " for key, action in KEYS)
+    keys = "".join(f"<span><kbd>{key}</kbd> {action}</span> " for key, action in KEYS if key in HINTED)
     return f'<div class="vi-keys">{keys}</div>'

@@ -29,7 +29,7 @@ def draw_curves(
     beside = width >= SIDE_BY_SIDE
     height = CARD_HEIGHT if beside else TAB_HEIGHT
     w = (width - 28) / 2 if beside else width
-    kept = svg.thinned(len(history), LIMIT)
+    kept = svg.thinned(len(history), LIMIT, cursor)
     snapshots = [history[k] for k in kept]
     motions = np.array(kept, float)
     axis = _Axis(w, height, len(history) - 1, cursor)
@@ -65,9 +65,8 @@ class _Axis:
         ]
         parts += [f'<text class="vi-2nd vi-end" x="{LEFT - 6}" y="{y + 4:.1f}">{label}</text>' for y, label in ticks]
         y = self.bottom + 15
-        parts += [
-            f'<text class="vi-2nd vi-mid" x="{self.x(k * self.step):.1f}" y="{y}">{k * self.step}</text>' for k in range(5)
-        ]
+        for motions in range(0, 4 * self.step + 1, self.step):
+            parts.append(f'<text class="vi-2nd vi-mid" x="{self.x(motions):.1f}" y="{y}">{motions}</text>')
         parts.append(f'<text class="vi-2nd" x="{self.right + 24:.1f}" y="{y}">motions</text>')
         return "".join(parts)
 
@@ -99,8 +98,9 @@ def _draw_E(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, cursor: in
 
 
 def _draw_angles(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, cursor: int, joints: Sequence[int]) -> str:
-    own = np.degrees([snapshot.theta for snapshot in snapshots])
-    demo = np.degrees([snapshot.theta_demo for snapshot in snapshots])
+    own, demo = np.degrees(
+        [[snapshot.theta for snapshot in snapshots], [snapshot.theta_demo for snapshot in snapshots]]
+    )
     low, high = min(own.min(), demo.min()), max(own.max(), demo.max())
     step = 30 if high - low <= 110 else 60
     low, high = step * np.floor((low - 4) / step), step * np.ceil((high + 4) / step)
@@ -112,11 +112,13 @@ def _draw_angles(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, curso
     x, labels = axis.x(motions), []
     for k, joint in enumerate(joints):
         name = svg.joint_symbol(joint)
-        line = np.stack([np.append(x[:done], axis.right), y_of(demo[np.append(np.arange(done), done - 1), k])], -1)
-        if (demo[:done, k] == demo[0, k]).all():
-            line = line[[0, -1]]
+        aim = y_of(demo[:done, k])
+        if (aim == aim[0]).all():
+            line = np.array([[LEFT, aim[0]], [axis.right, aim[0]]])
+        else:
+            line = np.array([[*x[:done], axis.right], [*aim, aim[-1]]]).T
         parts.append(f'<path class="vi-line-demo" d="{svg.path(line)}"/>')
-        points = np.stack([x, y_of(own[:, k])], -1)
+        points = np.array([x, y_of(own[:, k])]).T
         parts.append(_curve(points, done, probes, "own"))
         angle = own[done - 1, k]
         labels.append((float(points[done - 1, 1]), f"{name} {svg.number(angle)}°", "vi-of-own"))

@@ -24,13 +24,21 @@ _N = r"\text{@}"
 
 def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
     """HTML. chosen: the point that Eqs. (1) and (4) are shown for, by default the one with the largest residual."""
-    if snapshot.transfer is None:
-        cards = [_card("(6)", "", _fill(_CONFLICT + rf"={_N}", [svg.MISSING]), "too few points are seen in all images")]
-    else:
+    cards = []
+    if snapshot.transfer is not None:
         point = _shown_point(snapshot, chosen)
-        cards = [_constraint(snapshot, point), _transfer(snapshot, point), _conflict(snapshot)]
-    cards.append(_law(snapshot))
-    return f'<div class="vi-eqs">{"".join(cards)}</div>'
+        cards = [_constraint(snapshot, point), _transfer(snapshot, point)]
+    return _cards(*cards, _conflict(snapshot), _law(snapshot))
+
+
+def draw_conflict(snapshot: Snapshot) -> str:
+    """HTML of Eq. (6) alone, for the room under the images of a wide window."""
+    return _cards(_conflict(snapshot))
+
+
+def draw_law(snapshot: Snapshot) -> str:
+    """HTML of the servo's law alone, for the room under the landscape of a wide window."""
+    return _cards(_law(snapshot))
 
 
 def _shown_point(snapshot: Snapshot, chosen: int | None) -> int:
@@ -41,12 +49,12 @@ def _shown_point(snapshot: Snapshot, chosen: int | None) -> int:
 
 # Eq. (6), the conflict
 
-_CONFLICT = (
-    r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_i+{}^{R}𝐞_i^{\top}\,{}^{R}𝐞_i\right)"
-)
+_CONFLICT = r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_i+{}^{R}𝐞_i^{\top}\,{}^{R}𝐞_i\right)"
 
 
 def _conflict(snapshot: Snapshot) -> str:
+    if snapshot.transfer is None:
+        return _card("(6)", "", _fill(_CONFLICT + rf"={_N}", [svg.MISSING]), "too few points are seen in all images")
     e = snapshot.e[snapshot.usable]
     left, right = (e[:, :2] ** 2).sum(), (e[:, 2:] ** 2).sum()
     numbers = [*(_short(value) for value in (left, right)), str(2 * len(e)), _short(snapshot.E)]
@@ -68,7 +76,7 @@ def _constraint(snapshot: Snapshot, point: int) -> str:
     math = _fill(
         rf"{{}}^{{lL}}𝐮_{{{_N}}}^{{\top}}\;{{}}^{{lL}}𝐟+{{}}^{{lL}}f_{{33}}={_N}={_N}",
         [name, sum_of_terms, svg.number(value, 2)],
-        "vi-wide",
+        "vi-long",
     )
     return _card("(1)", f"point {name} in l and L, px; 0 where the geometry fits", math, "")
 
@@ -124,9 +132,7 @@ def _law(snapshot: Snapshot) -> str:
 
 
 _GRADIENT = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
-_BROYDEN = (
-    r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
-)
+_BROYDEN = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 
 
 def _gradient(snapshot: Snapshot, state: GradientState) -> str:
@@ -174,6 +180,10 @@ def _E_of(snapshot: Snapshot, own: NDArray) -> float:
 
 
 # MathML
+
+
+def _cards(*cards: str) -> str:
+    return f'<div class="vi-eqs">{"".join(cards)}</div>'
 
 
 def _card(number: str, title: str, math: str, note: str) -> str:

@@ -7,7 +7,7 @@ from viewimit.geometry.affine import MIN_POINTS, fit_affine_fundamental
 from viewimit.session import Snapshot
 
 from . import planes, svg
-from .metrics import draw_legend, draw_metrics
+from .metrics import draw_legend, draw_metrics, residual_lengths
 from .planes import WIDTH, Window, Windows, image_windows
 from .silhouette import Silhouettes
 from .theme import HEAD, OBSERVED, RECOVERED, RING
@@ -17,7 +17,8 @@ __all__ = ["arrow_gain", "draw_images", "image_windows"]
 HEIGHT = 280
 GAINS = (10, 5, 2)
 SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
-PAIRS = ((0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3))  # of the views l, r, L, R
+FIRST, SECOND = np.array([(0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3)]).T  # pairs of the views l, r, L, R
+INTO, SOURCE = np.concatenate([SECOND, FIRST]), np.concatenate([FIRST, SECOND])
 CAPTIONS = {"L": "own left", "R": "own right", "l": "", "r": ""}
 
 
@@ -35,9 +36,10 @@ def draw_images(
     chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic.
     """
     shown = windows[whole_frames]
-    gain = arrow_gain(snapshot.e) if gain is None else gain
+    lengths = residual_lengths(snapshot)
+    gain = arrow_gain(lengths) if gain is None else gain
     images = np.concatenate([snapshot.views.demo, snapshot.views.own], 1)
-    images = np.moveaxis(images.reshape(-1, 4, 2), 1, 0)  # (l r L R, N, 2)
+    images = images.reshape(-1, 4, 2).transpose(1, 0, 2)  # (l r L R, N, 2)
     points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     lines = _epipolar_lines(snapshot, images, shown, chosen)
@@ -50,18 +52,17 @@ def draw_images(
             inside += _readout(snapshot, chosen, k - 2, shown[view], planes.BOXES[whole_frames][view])
         parts.append(planes.plane(view, shown[view], whole_frames, frame, CAPTIONS[view] if wide else "", inside))
     parts.append(draw_legend(whole_frames, gain, chosen))
-    parts.append(draw_metrics(snapshot, 253))
+    parts.append(draw_metrics(snapshot, lengths, 253))
     return (
         f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
         f'aria-label="The four images">{"".join(parts)}</svg></div>'
     )
 
 
-def arrow_gain(e: NDArray) -> float:
-    """How many times longer than they are residuals (N, 4) px are drawn: 1, 2, 5 or 10."""
-    lengths = np.hypot(e[:, ::2], e[:, 1::2])
-    largest = np.nanmax(lengths) if np.isfinite(lengths).any() else np.inf
-    if largest >= SMALL:
+def arrow_gain(lengths: NDArray) -> float:
+    """How many times longer than they are residuals of these lengths, px, are drawn: 1, 2, 5 or 10."""
+    largest = lengths.max(initial=0.0)
+    if lengths.size == 0 or largest >= SMALL:
         return 1
     return next((gain for gain in GAINS if gain * largest <= LONGEST), 1)
 
@@ -97,6 +98,10 @@ def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
 def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
     """Own points, recovered points and the residuals from these to those, in L and R."""
     drawn = {}
+    e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * windows["L"].scale  # (L R, k, 2)
+    recovered = points[:, snapshot.usable] - e
+    tips = recovered + gain * e
+    heads = svg.arrow_tips(recovered, tips, HEAD)
     for k, view in enumerate("LR"):
         used, idle = _used_and_idle(snapshot, k + 2)
         own = points[k, used]
@@ -104,13 +109,10 @@ def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], 
         if idle.any():
             marks.append(f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>')
         if snapshot.transfer is not None:
-            e = snapshot.e[used, 2 * k : 2 * k + 2] * windows[view].scale
-            recovered = own - e
-            tips = recovered + gain * e
             marks.append(
-                f'<path class="vi-found" d="{svg.diamonds(recovered, RECOVERED)}"/>'
-                f'<path class="vi-e" d="{svg.segments(recovered, tips)}"/>'
-                f'<path class="vi-tip" d="{svg.arrow_tips(recovered, tips, HEAD)}"/>'
+                f'<path class="vi-found" d="{svg.diamonds(recovered[k], RECOVERED)}"/>'
+                f'<path class="vi-e" d="{svg.segments(recovered[k], tips[k])}"/>'
+                f'<path class="vi-tip" d="{heads[k]}"/>'
             )
         drawn[view] = "".join(marks)
     return drawn
@@ -137,26 +139,22 @@ def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, box: tu
 
 
 def _epipolar_lines(snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None):
-    """Lines of the chosen point by view: from the left image of the other pair, from its right one, from the partner."""
+    """The chosen point's lines by view: from the left and the right image of the other pair, from the partner."""
     drawn = dict.fromkeys("lrLR", "")
     if chosen is None or snapshot.usable.sum() < MIN_POINTS:
         return drawn
     used = images[:, snapshot.usable]
-    first, second = np.array(PAIRS).T
-    f, f33 = fit_affine_fundamental(used[first], used[second])
-    m = images[:, chosen]
-    seen = snapshot.views.visible[chosen]
-    # f_p·p + f_q·q + f33 = 0 is a line of p for a given q, and of q for a given p
-    into = np.concatenate([second, first])
-    source = np.concatenate([first, second])
+    f, f33 = fit_affine_fundamental(used[FIRST], used[SECOND])
+    # f_p·p + f_q·q + f33 = 0 is a line of q for a given p, and of p for a given q
     normal = np.concatenate([f[:, 2:], f[:, :2]])
-    offset = np.concatenate([f33, f33]) + (np.concatenate([f[:, :2], f[:, 2:]]) * m[source]).sum(1)
-    for k, view in enumerate("lrLR"):
-        x, y, w, h, scale, *_ = windows[view]
-        for j in np.flatnonzero((into == k) & seen[source]):
-            ends = _across(normal[j], scale * (offset[j] + normal[j] @ (x, y)), w * scale, h * scale)
-            if ends:
-                drawn[view] += f'<path class="vi-line{_line_style(source[j], k)}" d="M%.1f %.1fL%.1f %.1f"/>' % ends
+    of_source = np.concatenate([f[:, :2], f[:, 2:]])
+    offset = np.concatenate([f33, f33]) + (of_source * images[SOURCE, chosen]).sum(1)
+    ends, crosses = _across(normal, offset, [windows["lrLR"[k]] for k in INTO.tolist()])
+    crosses &= snapshot.views.visible[chosen, SOURCE]
+    for k, source, line, shown in zip(INTO.tolist(), SOURCE.tolist(), ends.tolist(), crosses.tolist()):
+        if shown:
+            style = _line_style(source, k)
+            drawn["lrLR"[k]] += f'<path class="vi-line{style}" d="M%.1f %.1fL%.1f %.1f"/>' % tuple(line)
     return drawn
 
 
@@ -166,17 +164,16 @@ def _line_style(source: int, into: int) -> str:
     return " vi-from-right" if source % 2 else ""
 
 
-def _across(normal: NDArray, offset: float, w: float, h: float) -> tuple[float, ...] | None:
-    """The chord of the line n·s + c = 0 in the circle around a w x h box, None if it misses."""
-    a, b = float(normal[0]), float(normal[1])
-    length = (a * a + b * b) ** 0.5
-    if length < 1e-12:
-        return None
-    a, b, c = a / length, b / length, float(offset) / length
-    x, y = w / 2, h / 2
-    distance = a * x + b * y + c
-    half = x * x + y * y - distance * distance
-    if half <= 0:
-        return None
-    x, y, half = x - a * distance, y - b * distance, half**0.5
-    return x - b * half, y + a * half, x + b * half, y - a * half
+def _across(normal: NDArray, offset: NDArray, windows: list[Window]) -> tuple[NDArray, NDArray]:
+    """Chords of lines n·x + c = 0, image px, in the circles around their windows: (k, 4) px of the boxes, (k,) bool."""
+    box = np.array([window[:5] for window in windows])
+    half_size, scale = box[:, 2:4] / 2, box[:, 4:]
+    length = np.sqrt((normal * normal).sum(1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unit = normal / length[:, None]
+        distance = ((box[:, :2] + half_size) * unit).sum(1) + offset / length
+    foot = half_size - distance[:, None] * unit
+    half = (half_size * half_size).sum(1) - distance * distance
+    crosses = half > 0
+    along = np.sqrt(np.where(crosses, half, 0.0))[:, None] * unit[:, ::-1] * (-1, 1)
+    return np.concatenate([foot - along, foot + along], 1) * scale, crosses

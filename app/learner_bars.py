@@ -27,8 +27,8 @@ def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray) -> str:
 
 
 CSS = """
-.vi-bars{padding:2px 8px 4px;font-size:14px}
-.vi-bar{display:flex;align-items:center;gap:8px;height:26px}
+.vi-bars{padding:0 8px 2px;font-size:14px}
+.vi-bar{display:flex;align-items:center;gap:8px;height:22px}
 .vi-bar svg{flex:1;min-width:0;height:22px}
 .vi-bar b{color:var(--learner);min-width:58px;text-align:right;font-variant-numeric:tabular-nums}
 .vi-bar-rail{stroke:var(--rule);stroke-width:4;stroke-linecap:round}

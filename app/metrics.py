@@ -1,6 +1,9 @@
 """Legend and figures of the panel Images."""
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.typing import NDArray
 
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.session import Snapshot
@@ -9,10 +12,11 @@ from . import svg
 from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
-COLUMNS = (0, 82, 158, 280, 358)  # px
+COLUMNS = (0, 84, 160, 268, 364)  # px
 CONDITION = {"epipolar": "cond A", "linear": "σ₁/σ₃"}
 
 
+@lru_cache(256)
 def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
     """A column under l and r, or two rows under whole frames."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
@@ -38,13 +42,23 @@ def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
     return "".join(parts)
 
 
-def draw_metrics(snapshot: Snapshot, y: float) -> str:
-    """E, mean and largest |e|, the transfer's condition, points seen. y: px, of the labels."""
-    lengths = np.hypot(snapshot.e[:, ::2], snapshot.e[:, 1::2])
-    known = np.isfinite(lengths).any()
-    mean = float(np.nanmean(lengths)) if known else np.nan
-    largest = float(np.nanmax(lengths)) if known else np.nan
-    where = f" px · point {svg.point_name(int(np.nanargmax(lengths)) // 2)}" if known else ""
+def residual_lengths(snapshot: Snapshot) -> NDArray:
+    """(k, 2) px: |e| in L and in R of the points that are used; none without a transfer."""
+    if snapshot.transfer is None:
+        return np.empty((0, 2))
+    e = snapshot.e[snapshot.usable]
+    squares = e * e
+    return np.sqrt(squares[:, ::2] + squares[:, 1::2])
+
+
+def draw_metrics(snapshot: Snapshot, lengths: NDArray, y: float) -> str:
+    """E, mean and largest |e|, the transfer's condition, points seen. lengths: (k, 2) px; y: px, of the labels."""
+    known = lengths.size > 0
+    mean, largest, where = np.nan, np.nan, ""
+    if known:
+        place = int(lengths.argmax())
+        mean, largest = float(lengths.mean()), float(lengths.flat[place])
+        where = f" px · point {svg.point_name(int(np.flatnonzero(snapshot.usable)[place // 2]))}"
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)
@@ -54,7 +68,7 @@ def draw_metrics(snapshot: Snapshot, y: float) -> str:
         ("", "E", _short(snapshot.E), " px²" if known else ""),
         ("", "mean |e|", svg.number(mean), " px" if known else ""),
         ("", "largest |e|", svg.number(largest), where),
-        (level, name + word, _short(condition), ""),
+        (level, name + word, _short(condition, 100), ""),
         ("red" if few else "", "points seen", f"{used}", f" of {count}"),
     )
     return "".join(_metric(x, y, *column) for x, column in zip(COLUMNS, columns))
@@ -69,10 +83,10 @@ def gauge(condition: float) -> tuple[str, str]:
     return "", ""
 
 
-def _short(value: float) -> str:
+def _short(value: float, whole_from: float = 1000) -> str:
     if value >= 99_999.5:
         return "∞" if np.isinf(value) else f"{value:.0e}".replace("e+0", "e")
-    return svg.number(value, 1 if value < 1000 else 0)
+    return svg.number(value, 1 if value < whole_from else 0)
 
 
 def _metric(x: float, y: float, level: str, label: str, value: str, unit: str) -> str:

@@ -14,6 +14,7 @@ from .visitor import View, Visitor
 
 WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
+COVERED = {False: 60, True: 225}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
 
 
@@ -35,7 +36,7 @@ class Page:
             client.gui.main_panel.set_width(300 if wide else 280)
             self._controls = Controls(client, self._inbox, self._session.settings, self._session.scene)
             self._panels = Panels(client, wide, lambda: self._inbox.act("help"))
-            self._scene = Scene3D(client, lambda point: self._inbox.put("chosen", point))
+            self._scene = Scene3D(client, lambda point: self._inbox.put("chosen", point), COVERED[wide])
             self._gizmo = self._add_gizmo()
             self._show_world()
         elsewhere = {

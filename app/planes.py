@@ -3,13 +3,13 @@
 An arm covers a small part of its image, so that a window follows the arm's whole range instead of the frame.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.session import Snapshot
-from viewimit.views import VIEWS
 from viewimit.world import World
 
 from . import svg
@@ -96,9 +96,14 @@ def _free_corners(places: dict[str, NDArray]) -> tuple[bool, bool]:
 
 def placed(images: NDArray, windows: dict[str, Window], views: str) -> NDArray:
     """images: (views, ..., 2) px → the same in px of each view's box."""
-    shape = (len(views),) + (1,) * (images.ndim - 1)
-    corner = np.array([windows[view][:2] for view in views]).reshape(shape[:-1] + (2,))
-    return (images - corner) * np.array([windows[view].scale for view in views]).reshape(shape)
+    corner, scale = _corners_and_scales(tuple([windows[view] for view in views]))
+    shape = (len(views),) + (1,) * (images.ndim - 2)
+    return (images - corner.reshape(shape + (2,))) * scale.reshape(shape + (1,))
+
+
+@lru_cache(64)
+def _corners_and_scales(windows: tuple[Window, ...]) -> tuple[NDArray, NDArray]:
+    return np.array([window[:2] for window in windows]), np.array([window.scale for window in windows])
 
 
 def draw_arm(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, whole: bool, arm: str):
@@ -120,28 +125,34 @@ def draw_arm(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, who
     origins = silhouettes.skeleton(frames, cameras)
     hulls = placed(silhouettes.outlines(frames, cameras), windows[whole], views)
     bones = placed(origins, windows[whole], views)
-    paths = {view: (svg.polygons(hulls[k]), svg.path(bones[k])) for k, view in enumerate(views)}
+    paths = dict(zip(views, zip(svg.polygons(hulls), map(svg.path, bones))))
     silhouettes.memory[arm] = key, windows, (paths, origins)
     return paths, origins
 
 
 def plane(view: str, window: Window, whole: bool, frame: tuple[int, int], caption: str, content: str) -> str:
     """One image in its box: background, the frame's border, content that is clipped, name, locator."""
+    below, above = _plane(view, window, whole, frame, caption)
+    return f"{below}{content}{above}</svg>"
+
+
+@lru_cache(256)
+def _plane(view: str, window: Window, whole: bool, frame: tuple[int, int], caption: str) -> tuple[str, str]:
+    """What lies under the content, and over it."""
     x, y, w, h = BOXES[whole][view]
     k = window.scale
-    name_x, name_class = (5, "vi-name") if not window.locator_left else (w - 5, "vi-name vi-end")
-    parts = [
+    below = (
         f'<svg x="{x}" y="{y}" width="{w}" height="{h}"><rect class="vi-plane" x=".5" y=".5" width="{w - 1}"'
         f' height="{h - 1}" rx="4"/><rect class="vi-rule" x="{-window.x * k:.1f}" y="{-window.y * k:.1f}"'
-        f' width="{frame[0] * k:.1f}" height="{frame[1] * k:.1f}"/>',
-        content,
-        f'<text class="{name_class} vi-halo" x="{name_x}" y="15">{view}</text>',
-    ]
+        f' width="{frame[0] * k:.1f}" height="{frame[1] * k:.1f}"/>'
+    )
+    name_x, end = (w - 5, " vi-end") if window.locator_left else (5, "")
+    above = f'<text class="vi-name vi-halo{end}" x="{name_x}" y="15">{view}</text>'
     if caption and not window.locator_left:
-        parts.append(f'<text class="vi-2nd vi-halo" x="17" y="15">{caption}</text>')
+        above += f'<text class="vi-2nd vi-halo" x="17" y="15">{caption}</text>'
     if not whole and view in "LR":
-        parts.append(_locator(window, w, frame))
-    return "".join(parts) + "</svg>"
+        above += _locator(window, w, frame)
+    return below, above
 
 
 def _locator(window: Window, w: float, frame: tuple[int, int]) -> str:
@@ -155,6 +166,3 @@ def _locator(window: Window, w: float, frame: tuple[int, int]) -> str:
         f'<rect class="vi-lens" x="{x + left * k:.1f}" y="{y + top * k:.1f}" width="{(right - left) * k:.1f}"'
         f' height="{(bottom - top) * k:.1f}"/>'
     )
-
-
-assert "".join(VIEWS) == "lrLR"  # the order of stacked images here and in images.py

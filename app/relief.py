@@ -56,7 +56,8 @@ def _masked(grid: Grid, alpha: NDArray, box: tuple[float, float, float, float], 
     rows, columns = alpha.shape
     dx, dy = 2 * (x[1] - x[0]), 2 * (y[0] - y[1])
     top = y[2 * (rows - 1)]
-    name, place = f"vi-m{next(_ids)}", 'x="%.1f" y="%.1f" width="%.1f" height="%.1f"' % box
+    left, upper, w, h = box
+    name, place = f"vi-m{next(_ids)}", f'x="{left:.1f}" y="{upper:.1f}" width="{w:.1f}" height="{h:.1f}"'
     return (
         f'<mask id="{name}" maskUnits="userSpaceOnUse" {place}><image x="{x[0] - dx / 2:.2f}" y="{top - dy / 2:.2f}"'
         f' width="{columns * dx:.2f}" height="{rows * dy:.2f}" preserveAspectRatio="none"'

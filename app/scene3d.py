@@ -1,5 +1,7 @@
 """The 3-D scene of one page: arms, head, frusta, body points, residuals, rays. Truth, for the viewer only."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
@@ -18,6 +20,7 @@ PLATE = 0.17  # m from the camera to its image plate
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 FOV = np.radians(36.0)
+MARGIN = 0.93  # of the half angle that the default view fills
 AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
 
 
@@ -44,8 +47,8 @@ def share_scene(server: ViserServer) -> None:
 class Scene3D:
     """build in __init__, then draw(snapshot, …) as often as wanted; rebuild for another world."""
 
-    def __init__(self, client: ClientHandle, on_choose):
-        self._client, self._on_choose = client, on_choose
+    def __init__(self, client: ClientHandle, on_choose: Callable[[int], None], below: float):
+        self._client, self._on_choose, self._below = client, on_choose, below
         self._arms: dict[str, Arm] = {}
         self._nodes: list = []
         self._points: dict[str, list] = {}
@@ -91,10 +94,10 @@ class Scene3D:
         return skeleton_frames(self._world, theta_demo, self._bases["demonstrator"])[-1][:3, 3]
 
     def fit_view(self) -> None:
-        """The default camera, as near as the canvas allows."""
+        """The default camera, as near as the canvas allows; `below` px of it are covered by overlays."""
         camera = self._client.camera
-        aspect = camera.image_width / max(camera.image_height, 1)
-        position, target = fitted_view(self._landmarks(), aspect)
+        width, height = camera.image_width, max(camera.image_height, 1)
+        position, target = fitted_view(self._landmarks(), width / height, self._below / height)
         camera.fov = float(FOV)
         camera.position, camera.look_at = position, target
 
@@ -302,26 +305,34 @@ def corners(camera: Camera) -> NDArray:
     return np.array([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]], float)
 
 
-def fitted_view(points: NDArray, aspect: float) -> tuple[NDArray, NDArray]:
-    """Position and target of a camera from azimuth, elevation and FOV that just holds (k, 3) points.
+def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
+    """Position and target of a camera from AZIMUTH, ELEVATION and FOV that just holds (k, 3) points.
 
-    The frame's four sides are planes through the eye; along each the points give one bound, and opposite
-    bounds meet at the eye.
+    below: share of the height, from the bottom, that stays free. Each side of the frame is a plane through the
+    eye, with a slope per depth; along its normal the points give one bound, and opposite bounds meet at the eye.
     """
-    backward = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+    backward = np.array(
+        [np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)]
+    )
     right = np.cross([0, 0, 1.0], backward)
     right /= np.linalg.norm(right)
     up = np.cross(backward, right)
-    tan_y = np.tan(FOV / 2) * 0.86  # a margin for the pill below and the labels
-    tan_x = np.tan(FOV / 2) * aspect * 0.92
+    tan = np.tan(FOV / 2)
     x, y, z = points @ right, points @ up, points @ backward
-    bounds = []
-    for coordinate, tan in ((x, tan_x), (y, tan_y)):
-        high, low = np.max(coordinate + tan * z), np.min(coordinate - tan * z)
-        bounds.append(((high + low) / 2, (high - low) / (2 * tan)))
-    (centre_x, distance_x), (centre_y, distance_y) = bounds
-    position = centre_x * right + centre_y * up + max(distance_x, distance_y) * backward
-    depth = max(distance_x, distance_y) - np.mean(z)
+    eye = []
+    for coordinate, low_slope, high_slope in (
+        (x, tan * aspect * MARGIN, tan * aspect * MARGIN),
+        (y, tan * (1 - 2 * below) * MARGIN, tan * MARGIN),
+    ):
+        high, low = np.max(coordinate + high_slope * z), np.min(coordinate - low_slope * z)
+        distance = (high - low) / (high_slope + low_slope)
+        eye.append((distance, high_slope, low_slope, high, low))
+    distance = max(eye[0][0], eye[1][0])
+    centres = []  # of the room that is left where the other direction decides the distance
+    for _, high_slope, low_slope, high, low in eye:
+        centres.append((high - high_slope * distance + low + low_slope * distance) / 2)
+    position = centres[0] * right + centres[1] * up + distance * backward
+    depth = distance - np.mean(z)
     return position, position - depth * backward
 
 

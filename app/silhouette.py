@@ -1,7 +1,7 @@
 """Silhouettes of an arm in two images: the hull of each link, from the vertices that are extreme in some direction.
 
 A hull's support function is the largest projection onto a direction. Few directions, and the vertex
-that is extreme in each, give a polygon inside the hull that differs from it by less than a line's width.
+that is extreme in each, give a polygon inside the hull that lacks at most 2 px at its corners.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from viewimit.geometry.rigid import rotation_about_axis
 from viewimit.robot import Joint
 from viewimit.world import World
 
-DIRECTIONS = 14  # corners of a polygon at most
+DIRECTIONS = 12  # corners of a polygon at most
 NEAR = 0.05  # m
 KEPT = 48  # directions in 3-D in which a link's vertices are kept
 
@@ -52,7 +52,8 @@ class Silhouettes:
         vertices = self._vertices @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3]
         image = project(vertices, cameras)
         largest = (image @ _COMPASS.T).argmax(2)  # (cameras, links, DIRECTIONS)
-        return np.take_along_axis(image, largest[..., None], 2)
+        views, links = np.ogrid[: len(cameras), : len(largest[0])]
+        return image[views[..., None], links[..., None], largest]
 
     def skeleton(self, T_world_links: NDArray, cameras: tuple[Camera, ...]) -> NDArray:
         """(cameras, n + 1, 2) px: the links' origins."""

@@ -25,7 +25,10 @@ ILL = {
     "epipolar": "epipolar lines nearly parallel, E may mislead",
     "linear": "the points nearly lie in a plane, E may mislead",
 }
-DOT = '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/><circle cx="11" cy="11" r="6" fill="var(--{0})"/>'
+DOT = (
+    '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/>'
+    '<circle cx="11" cy="11" r="6" fill="var(--{0})"/>'
+)
 DIAMOND = (
     '<path d="M11 1l10 10-10 10-10-10z" fill="var(--demonstrator)" fill-opacity=".28"/>'
     '<path d="M11 4.5l6.5 6.5-6.5 6.5-6.5-6.5z" class="vi-amber"/>'
@@ -63,7 +66,7 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
     if snapshot.status == "converged":
         return "converged", f"{E} after {_motions(snapshot.motion)}; {_rest(snapshot)}."
     if snapshot.status == "stalled":
-        return "stalled", f"E stays at {_short(snapshot.E)} px² after {_motions(snapshot.motion)}; move an arm or reset."
+        return "stalled", f"{E} after {_motions(snapshot.motion)}, and it no longer falls; move an arm or reset."
     if snapshot.motion == 0:
         return "ready", f"{E}; press space, or drag the demonstrator."
     trend = _trend(snapshot, previous)

@@ -6,9 +6,8 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
+CELL = 1.4
 MINUS, MISSING = "−", "–"
-
-__all__ = ["arrow_tips", "circles", "degrees", "diamonds", "dots", "escape", "joint_symbol", "number", "path"]
 
 
 def number(value: float, digits: int = 1) -> str:
@@ -38,11 +37,11 @@ def point_name(i: int) -> str:
 
 def path(points: NDArray) -> str:
     """points: (k, 2) px → one open line; NaN interrupts it."""
-    broken = np.isnan(points[:, 0])
+    broken = np.isnan(points[:, 1])
     if not broken.any():
         return _line(points)
     runs = np.split(points, np.flatnonzero(broken))
-    return "".join(_line(run) for run in (run[~np.isnan(run[:, 0])] for run in runs) if len(run))
+    return "".join(_line(run) for run in (run[~np.isnan(run[:, 1])] for run in runs) if len(run))
 
 
 def _line(points: NDArray) -> str:
@@ -73,26 +72,39 @@ def diamonds(points: NDArray, radius: float) -> str:
     return form * len(points) % tuple(points.ravel().tolist())
 
 
-def arrow_tips(start: NDArray, end: NDArray, size: float) -> str:
-    """Filled heads of arrows from start to end, (k, 2) px, smaller on arrows shorter than a head."""
+def arrow_tips(start: NDArray, end: NDArray, size: float) -> list[str]:
+    """Filled heads of arrows from start to end, (views, k, 2) px → a path a view. Short arrows have shorter heads."""
     along = end - start
-    length = np.sqrt((along * along).sum(1, keepdims=True))
-    along = along * (np.minimum(size, length) / np.maximum(length, 1e-9))
-    across = 0.42 * along[:, ::-1] * (-1, 1)
-    corners = np.concatenate([end, end - along + across, end - along - across], 1)
-    return "M%.1f %.1fL%.1f %.1f %.1f %.1fz" * len(end) % tuple(corners.ravel().tolist())
+    length = np.sqrt((along * along).sum(2, keepdims=True))
+    along *= np.minimum(size, length) / np.maximum(length, 1e-9)
+    back, across = end - along, 0.42 * along[..., ::-1] * (-1, 1)
+    corners = np.concatenate([end, back + across, back - across], 2)
+    form = "M%.1f %.1fL%.1f %.1f %.1f %.1fz" * end.shape[1]
+    return [form % tuple(view.ravel().tolist()) for view in corners]
 
 
-def polygons(corners: NDArray) -> str:
-    """corners: (k, c, 2) px, closed; a corner in the same pixel as its predecessor is left out."""
-    pixel = np.rint(corners)
-    kept = (pixel[:, 1:] != pixel[:, :-1]).any(2)
-    form = "".join([_POLYGONS[count] for count in kept.sum(1).tolist()])
-    first = np.ones((len(kept), 1), bool)
-    return form % tuple(corners[np.concatenate([first, kept], 1)].ravel().tolist())
+def polygons(corners: NDArray) -> list[str]:
+    """corners: (views, k, c, 2) px of closed polygons → a path a view.
+
+    A corner in the same cell of CELL px as its predecessor is left out.
+    """
+    views, k, c, _ = corners.shape
+    if k == 0:
+        return [""] * views
+    corners = corners.reshape(views * k, c, 2)
+    cell = np.rint(corners * (1 / CELL))
+    kept = np.ones(corners.shape[:2], bool)
+    kept[:, 1:] = (cell[:, 1:] != cell[:, :-1]).any(2)
+    counts = kept.sum(1)
+    steps = np.rint(corners[kept] * 10)  # of 0.1 px, so that relative steps add up exactly
+    steps[1:] -= steps[:-1].copy()
+    steps[np.cumsum(counts) - counts] = np.rint(corners[:, 0] * 10)
+    forms = [_POLYGONS[count] for count in counts.tolist()]
+    form = "|".join(["".join(forms[i : i + k]) for i in range(0, views * k, k)])
+    return (form % tuple((steps * 0.1).ravel().tolist())).split("|")
 
 
-_POLYGONS = ["M%.1f %.1f" + " %.1f %.1f" * count + "z" for count in range(64)]
+_POLYGONS = ["", "M%.1f %.1fz", *("M%.1f %.1fl%.1f %.1f" + " %.1f %.1f" * count + "z" for count in range(64))]
 
 
 def text(x: float, y: float, content: str, classes: str = "") -> str:
@@ -101,8 +113,8 @@ def text(x: float, y: float, content: str, classes: str = "") -> str:
     return f'<text x="{x:.1f}" y="{y:.1f}"{attribute}>{escape(content)}</text>'
 
 
-def thinned(count: int, limit: int) -> Sequence[int] | NDArray:
-    """Indices of at most `limit` of `count` items, the first and the last among them."""
+def thinned(count: int, limit: int, keep: int = 0) -> Sequence[int] | NDArray:
+    """Indices of at most `limit` of `count` items; the first, the last and `keep` are among them."""
     if count <= limit:
         return range(count)
-    return np.unique(np.linspace(0, count - 1, limit).round().astype(int))
+    return np.unique([*np.linspace(0, count - 1, limit - 1).round().astype(int), keep])

@@ -50,7 +50,7 @@ def _variables(dark: bool) -> str:
 def _font() -> str:
     data = base64.b64encode((ROOT / "fonts" / "Inter.woff2").read_bytes()).decode()
     return (
-        '@font-face{font-family:Inter;font-weight:400 700;font-display:block;'
+        "@font-face{font-family:Inter;font-weight:400 700;font-display:block;"
         f'src:url("data:font/woff2;base64,{data}") format("woff2")}}'
     )
 
@@ -67,6 +67,7 @@ body,button,input,textarea,.mantine-Text-root,[class*=mantine-]:not(svg,svg *){
 .mantine-Paper-root[data-with-border]:has(.vi-demonstrator-folder) .mantine-Slider-bar{background:var(--demonstrator)}
 .mantine-Paper-root[data-with-border]:has(.vi-demonstrator-folder) .mantine-Slider-thumb{
   background:var(--demonstrator)!important;border-color:var(--demonstrator)!important}
+.mantine-Slider-markWrapper{display:none}
 math{font-family:"STIX Two Math","Latin Modern Math","Cambria Math","DejaVu Math TeX Gyre",
   "Noto Sans Math",math;font-size:16px;
   color:var(--ink)}
@@ -135,9 +136,10 @@ _BOXES = """
 .vi-panel{padding:6px 8px 2px;font-family:Inter,system-ui,sans-serif;font-variant-numeric:tabular-nums}
 .vi-over{height:0;position:relative;pointer-events:none}
 .vi-over>.vi-panel{position:absolute;bottom:0;left:0;right:0}
-.vi-card{position:fixed;z-index:5;left:16px;right:16px;left:calc(anchor(--cv left,16px) + 16px);
-  right:calc(anchor(--cv right,16px) + 16px);bottom:76px;padding:8px 12px 6px;border-radius:10px;background:var(--paper);
-  border:1px solid var(--rule);box-shadow:0 2px 10px #0002;max-width:1180px;margin-inline:auto;pointer-events:none}
+.vi-card{position:fixed;z-index:5;left:316px;right:576px;left:calc(anchor(--cv left,300px) + 16px);
+  right:calc(anchor(--cv right,560px) + 16px);bottom:76px;padding:4px 6px;border-radius:10px;
+  background:var(--paper);border:1px solid var(--rule);box-shadow:0 2px 10px #0002;
+  max-width:1180px;margin-inline:auto;pointer-events:none}
 .vi-status{position:fixed;z-index:6;left:300px;right:460px;left:calc(anchor(--cv left,300px) + 12px);
   right:calc(anchor(--cv right,460px) + 12px);bottom:PILLpx;margin-inline:auto;width:fit-content;
   display:flex;align-items:center;gap:9px;padding:8px 15px 8px 11px;border-radius:11px;background:var(--paper);
@@ -150,7 +152,14 @@ _BOXES = """
 .vi-eq b{color:var(--ink);font-weight:600}
 .vi-eq math{display:block;margin:1px auto;text-align:center;font-size:13.5px}
 .vi-eq .vi-wide{font-size:12px}
+.vi-eq .vi-long{font-size:11.2px}
 .vi-eq .vi-note{display:block}
+@media (min-width:1600px){
+  .vi-eqs{font-size:13px}
+  .vi-eq math{font-size:16.5px}
+  .vi-eq .vi-wide{font-size:15px}
+  .vi-eq .vi-long{font-size:14px}
+}
 """.replace("PILL", str(PILL_BOTTOM))
 
 CSS = (

@@ -28,7 +28,10 @@ SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 
 @dataclass(frozen=True)
 class Visit:
-    """A posture really visited: displacement (m,) rad, own (N, 4) px, seen (N, 2) bool."""
+    """A posture really visited: displacement (m,) rad, own (N, 4) px, seen (N, 2) bool in [L], [R].
+
+    Points not seen there are where the model expects them, NaN until they have been seen once.
+    """
 
     displacement: NDArray
     own: NDArray
@@ -55,13 +58,14 @@ class Broyden:
     """See the module. It has no constants to tune beyond the module's."""
 
     def start(self, seen: Observation) -> BroydenState:
-        here = Visit(seen.displacement, seen.own, seen.seen)
+        unknown = np.full_like(seen.own, np.nan)
+        here = Visit(seen.displacement, np.where(_by_coordinate(seen.seen), seen.own, unknown), seen.seen)
         m = len(seen.displacement)
         return BroydenState(np.zeros(seen.own.shape + (m,)), here, here, float(FIRST_RADIUS), tuple(range(m)))
 
     def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
-        here = Visit(seen.displacement, seen.own, seen.seen)
-        state = _judge(_learn(state, here), here, conflict)
+        state, here = _learn(state, seen)
+        state = _judge(state, here, conflict)
         if state.probes:
             return _probe(state, seen)
         low = np.maximum(seen.lower, state.best.displacement - state.radius)
@@ -81,16 +85,26 @@ class Broyden:
         return replace(state, promised=promised, status="moving", probe=False), step
 
 
-def _learn(state: BroydenState, here: Visit) -> BroydenState:
-    """Broyden's update from the last motion, for the points seen before and after it."""
-    moved = here.displacement - state.last.displacement
+def _learn(state: BroydenState, seen: Observation) -> tuple[BroydenState, Visit]:
+    """Broyden's update from the last motion, for the points seen before and after it; the others are completed."""
+    moved = seen.displacement - state.last.displacement
     length = moved @ moved
-    if length == 0:
-        return replace(state, last=here)
-    both = np.repeat(here.seen & state.last.seen, 2, axis=-1)  # (N, 4)
-    surprise = np.where(both, here.own - state.last.own - state.jacobian @ moved, 0.0)
-    jacobian = state.jacobian + surprise[..., None] * moved / (length + (0.0 if state.probe else SOFT**2))
-    return replace(state, jacobian=jacobian, last=here)
+    now = _by_coordinate(seen.seen)
+    expected = state.last.own + state.jacobian @ moved
+    jacobian = state.jacobian
+    if length > 0:
+        surprise = np.where(now & _by_coordinate(state.last.seen), seen.own - expected, 0.0)
+        jacobian = jacobian + surprise[..., None] * moved / (length + (0.0 if state.probe else SOFT**2))
+    here = Visit(seen.displacement, np.where(now, seen.own, expected), seen.seen)
+    best = state.best
+    behind = here.own + jacobian @ (best.displacement - here.displacement)
+    best = replace(best, own=np.where(np.isnan(best.own), behind, best.own))
+    return replace(state, jacobian=jacobian, best=best, last=here), here
+
+
+def _by_coordinate(seen: NDArray) -> NDArray:
+    """(N, 2) of [L], [R] → (N, 4) of x_L, y_L, x_R, y_R."""
+    return np.repeat(seen, 2, axis=-1)
 
 
 def _judge(state: BroydenState, here: Visit, conflict: Conflict) -> BroydenState:

@@ -5,7 +5,8 @@ that its print lacks (Ĵ is a row, u a column). K = 0.005 and ρ = 0.95, as prin
 degrees and px².
 
 The paper gives no initial P, no bound of the step and no excitation: where Ĵ has found no slope, or the gain
-has vanished with E, the arm stands still. `RETUNED` names values with which it mostly arrives.
+has vanished with E, the arm stands still. `RETUNED` names values with which it mostly arrives. Nor does the
+paper give a test of convergence, and E alone is none (its least value is not 0): this law never claims to be there.
 """
 
 from dataclasses import dataclass
@@ -15,8 +16,7 @@ from numpy.typing import NDArray
 
 from .observation import Conflict, Observation
 
-REST_WINDOW = 30  # motions without progress after which the law counts as resting
-REST_SHARE = 0.01  # of the largest E: where resting is called converged, above it stalled
+PATIENCE, PROGRESS = 30, 0.99  # motions without E falling to this share of its least, after which it has stalled
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,6 @@ class GradientState:
     displacement: NDArray
     E: float
     best_E: float
-    worst_E: float
     since_best: int = 0
     status: str = "moving"
     probe: bool = False
@@ -62,25 +61,18 @@ class Gradient:
     def start(self, seen: Observation) -> GradientState:
         m = len(seen.displacement)
         c = self.constants
-        return GradientState(
-            np.resize(c.jacobian, m), c.covariance * np.eye(m), seen.displacement, seen.E, seen.E, seen.E
-        )
+        return GradientState(np.resize(c.jacobian, m), c.covariance * np.eye(m), seen.displacement, seen.E, seen.E)
 
     def step(self, state: GradientState, seen: Observation, conflict: Conflict) -> tuple[GradientState, NDArray]:
         moved = np.degrees(seen.displacement - state.displacement)
         jacobian, P = self._learn(state, moved, seen.E - state.E)
         u = self._bounded(-self.constants.gain * jacobian * seen.E)
         dither = self.constants.dither_deg * np.random.default_rng([self.seed, seen.motion]).standard_normal(len(u))
-        progress = seen.E < 0.99 * state.best_E
+        progress = seen.E < PROGRESS * state.best_E
         since_best = 0 if progress else state.since_best + 1
-        worst = max(state.worst_E, seen.E)
-        status = "moving"
-        if since_best >= REST_WINDOW:
-            status = "converged" if seen.E <= REST_SHARE * worst else "stalled"
-        best = seen.E if progress else state.best_E
-        state = GradientState(jacobian, P, seen.displacement, seen.E, best, worst, since_best, status)
-        if status == "converged":
-            return state, np.zeros_like(u)
+        best_E = seen.E if progress else state.best_E
+        status = "stalled" if since_best >= PATIENCE else "moving"
+        state = GradientState(jacobian, P, seen.displacement, seen.E, best_E, since_best, status)
         low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
         inside = np.clip(np.radians(u), low, high)  # the dither comes after, to excite a joint that leans on its limit
         return state, np.clip(inside + np.radians(dither), low, high)

@@ -1,0 +1,437 @@
+"""The page's drawings say what the arrays say, in both themes, and stay small."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from viewimit.app import curves, equations, images, landscape_view, metrics, relief, status, svg, theme
+from viewimit.app.labels import CHARACTER, LINE
+from viewimit.app.posture_plane import PosturePlane
+from viewimit.app.silhouette import Silhouettes, project
+from viewimit.assets import ROOT
+
+from viewimit.evaluation import conflict
+from viewimit.geometry.affine import fit_affine_fundamental
+from viewimit.landscape import grid_axes, landscape
+from viewimit.session import Session, Settings
+from viewimit.transfer import TRANSFERS
+from viewimit.views import FourViews
+
+MINUS = "−"
+LINE_STYLES = ("", " vi-from-right", " vi-partner")
+MATHML = "{http://www.w3.org/1998/Math/MathML}"
+
+
+def meshes(robot):
+    loaded = trimesh.load(ROOT / "robots" / robot / f"{robot}.glb", process=False)
+    return {int(name.removeprefix("link")): mesh.vertices for name, mesh in loaded.geometry.items()}
+
+
+def stepped(motions, **settings):
+    session = Session(Settings(**{"start_deg": (25, -25), **settings}))
+    for _ in range(motions):
+        session.step()
+    return session
+
+
+def seen_as(snapshot, views):
+    """The snapshot, had the learner seen these views."""
+    usable = views.usable
+    transfer = TRANSFERS[snapshot.settings.transfer](views.select(usable))
+    recovered = np.full_like(views.own, np.nan)
+    recovered[usable] = transfer.recover(views.demo_left[usable], views.demo_right[usable])
+    e = views.own - recovered
+    return replace(
+        snapshot, views=views, usable=usable, transfer=transfer, recovered=recovered, e=e, E=float(conflict(e[usable]))
+    )
+
+
+@pytest.fixture(scope="module")
+def session():
+    return stepped(4)
+
+
+@pytest.fixture(scope="module")
+def picture(session):
+    return landscape_view.LandscapePicture(surface(session), session.scene, session.snapshot)
+
+
+def surface(session):
+    views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
+    return landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world))
+
+
+@pytest.fixture(scope="module")
+def silhouettes(session):
+    return Silhouettes(meshes("panda"), session.world)
+
+
+def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
+    silhouettes = silhouettes or Silhouettes({}, session.world)
+    windows = images.image_windows(session.world)
+    return images.draw_images(snapshot or session.snapshot, silhouettes, windows, chosen, **options)
+
+
+def parsed(html):
+    return ElementTree.fromstring(f"<root>{html}</root>")
+
+
+def planes(html):
+    """The four boxes by the name written in them."""
+    boxes = {}
+    for box in parsed(html).iter("svg"):
+        name = next((t.text for t in box.findall("text") if "vi-name" in t.get("class", "")), None)
+        if name:
+            boxes[name] = box
+    return boxes
+
+
+def path(box, classes):
+    return next(p.get("d") for p in box.iter("path") if p.get("class") == classes)
+
+
+def numbers(text):
+    return np.array([float(word) for word in re.findall(r"-?\d+\.?\d*", text)])
+
+
+def starts(d):
+    """Where each subpath of a drawing begins."""
+    return np.array([numbers(part)[:2] for part in d.split("M")[1:]])
+
+
+def affine_snapshot(session):
+    """Both bodies alike, four exact affine cameras."""
+    rng = np.random.default_rng(3)
+    points = rng.standard_normal((10, 3))
+    centres = ((360, 120), (290, 125), (365, 115), (265, 122))
+    views = [points @ (12 * rng.standard_normal((3, 2))) + centre for centre in centres]
+    return seen_as(session.snapshot, FourViews.from_images(*views))
+
+
+class TestImages:
+    @pytest.mark.parametrize("chosen", [0, 4, 9])
+    @pytest.mark.parametrize("whole", [False, True])
+    def test_epipolar_lines_of_affine_views_meet_in_the_matched_point(self, session, chosen, whole):
+        html = drawn(session, chosen, snapshot=affine_snapshot(session), whole_frames=whole)
+        for name, box in planes(html).items():
+            ring = next(c for c in box.iter("circle") if c.get("class") == "vi-ring")
+            centre = np.array([float(ring.get("cx")), float(ring.get("cy"))])
+            lines = [p for p in box.iter("path") if p.get("class", "").startswith("vi-line")]
+            assert {line.get("class") for line in lines} == {f"vi-line{style}" for style in LINE_STYLES}, name
+            for line in lines:
+                a, b = numbers(line.get("d")).reshape(2, 2)
+                off = np.cross([*(b - a), 0], [*(centre - a), 0])[2] / np.linalg.norm(b - a)
+                assert abs(off) < 0.2
+
+    def test_solid_lines_come_from_the_left_images(self, session):
+        """In [R] the line of [l] is f31 x + f32 y + … = 0 of the pair (l, R)."""
+        snapshot = session.snapshot
+        box = planes(drawn(session, 2))["R"]
+        a, b = numbers(path(box, "vi-line")).reshape(2, 2)
+        f, _ = fit_affine_fundamental(snapshot.views.demo_left, snapshot.views.own_right)
+        assert (b - a) @ f[2:] / np.linalg.norm(b - a) / np.linalg.norm(f[2:]) == pytest.approx(0, abs=2e-3)
+
+    @pytest.mark.parametrize("gain", [1, 5])
+    def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, gain):
+        for box in (planes(drawn(session, gain=gain))[name] for name in "LR"):
+            arrows = numbers(path(box, "vi-e")).reshape(-1, 4)
+            own, recovered = starts(path(box, "vi-own")), starts(path(box, "vi-found"))
+            assert arrows[:, :2] == pytest.approx(recovered, abs=0.11)
+            assert arrows[:, 2:] - arrows[:, :2] == pytest.approx(gain * (own - recovered), abs=0.11 * (1 + gain))
+
+    def test_residuals_are_drawn_to_the_windows_scale(self, session):
+        windows = images.image_windows(session.world)[False]
+        arrows = numbers(path(planes(drawn(session, gain=1))["R"], "vi-e")).reshape(-1, 4)
+        assert (arrows[:, 2:] - arrows[:, :2]) / windows["R"].scale == pytest.approx(
+            session.snapshot.e[:, 2:], abs=0.15
+        )
+
+    def test_small_residuals_are_enlarged_and_the_legend_says_so(self, session):
+        lengths = metrics.residual_lengths(session.snapshot)
+        gain = images.arrow_gain(lengths)
+        assert gain > 1 and gain * lengths.max() <= images.LONGEST
+        assert f"×{gain}" in drawn(session)
+        assert images.arrow_gain(np.array([[8.0, 1.0]])) == 1
+
+    def test_windows_hold_every_point_of_every_posture(self, session):
+        world, windows = session.world, images.image_windows(session.world)[False]
+        lower, upper = world.scene.lower, world.scene.upper
+        rng = np.random.default_rng(1)
+        for theta in rng.uniform(lower, upper, (40, 2)):
+            for names, (points, _) in (("lr", world.demo_images(theta)), ("LR", world.own_images(theta))):
+                for k, name in enumerate(names):
+                    w = windows[name]
+                    inside = (points[:, 2 * k : 2 * k + 2] - (w.x, w.y)) / (w.w, w.h)
+                    assert (inside > 0).all() and (inside < 1).all()
+        assert windows["L"].scale == windows["R"].scale and windows["l"].scale == windows["r"].scale
+
+    def test_metrics_are_those_of_the_residuals(self, session):
+        e = session.snapshot.e.reshape(-1, 2)
+        text = " ".join(parsed(drawn(session)).itertext())
+        for value in (np.linalg.norm(e, axis=1).mean(), np.linalg.norm(e, axis=1).max(), session.snapshot.E):
+            assert f"{value:.1f}" in text
+
+    def test_too_few_points_leave_frames_points_and_dashes(self):
+        session = stepped(0, missing=0.5)
+        assert session.snapshot.transfer is None
+        html = drawn(session, 1)
+        text = " ".join(parsed(html).itertext())
+        assert text.count(svg.MISSING) >= 4 and "nan" not in html and f"{session.snapshot.usable.sum()}" in text
+        assert "vi-e" not in {p.get("class") for p in planes(html)["L"].iter("path")}
+
+    def test_conditions_are_told_by_shape_and_word(self, session):
+        for condition, shape, word in ((39.9, None, ""), (40, "vi-amber", "high"), (200, "vi-red", "too high")):
+            transfer = replace(session.snapshot.transfer, measure_condition=lambda c=condition: np.array(c))
+            snapshot = replace(session.snapshot, transfer=transfer)
+            row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot), 0)
+            assert shape is None or shape in row
+            assert word in row and (word or "high" not in row)
+
+
+class TestSilhouettes:
+    def test_frames_are_the_robots(self, session, silhouettes):
+        world, theta = session.world, np.array([0.3, -1.1])
+        expected = world.T_world_own @ world.robot.link_frames(world.joint_angles(theta))
+        assert silhouettes.link_frames(theta, world.T_world_own) == pytest.approx(expected, abs=1e-12)
+
+    def test_projection_is_the_cameras(self, session):
+        points = np.random.default_rng(0).uniform(-0.2, 0.2, (5, 3)) + [1, -0.7, 1]
+        cameras = session.world.own_cameras
+        for image, camera in zip(project(points, cameras), cameras):
+            assert image == pytest.approx(camera.project(points.T)[0].T)
+
+    def test_a_hull_reaches_as_far_as_its_mesh(self, session, silhouettes):
+        """In every direction the polygon's support is that of all vertices, to 2.5 px."""
+        world = session.world
+        frames = silhouettes.link_frames(session.snapshot.theta, world.T_world_own)
+        hulls = silhouettes.outlines(frames, world.own_cameras)
+        angles = np.linspace(0, 2 * np.pi, 50)
+        directions = np.stack([np.cos(angles), np.sin(angles)])
+        for link, vertices in meshes("panda").items():
+            placed = vertices @ frames[link, :3, :3].T + frames[link, :3, 3]
+            for side, image in enumerate(project(placed, world.own_cameras)):
+                short = (image @ directions).max(0) - (hulls[side, link] @ directions).max(0)
+                assert -1e-9 < short.min() and short.max() < 2.5
+
+    def test_without_meshes_the_skeleton_is_drawn(self, session):
+        assert "vi-bone" in drawn(session)
+
+    def test_polygons_are_closed_and_keep_their_corners(self):
+        square = np.array([[[[0, 0], [10.04, 0], [10.04, 0], [10.04, 20.26], [0, 20.26]]]])
+        steps = numbers(svg.polygons(square)[0]).reshape(-1, 2)
+        assert np.cumsum(steps, 0) == pytest.approx(square[0, 0, [0, 1, 3, 4]], abs=0.051)
+
+
+class TestLandscape:
+    def test_contour_labels_equal_their_levels(self, session, picture):
+        made, plane = surface(session), PosturePlane(session.scene)
+        labels = [t for t in parsed(picture.html).iter("text") if t.get("class") == "vi-2nd vi-halo vi-mid"]
+        assert len(labels) >= 8
+        x, y = plane.grid(made.axes)
+        for label in labels:
+            column = np.interp(float(label.get("x")), x, np.arange(len(x)))
+            row = np.interp(-(float(label.get("y")) - 4), -y, np.arange(len(y)))
+            assert bilinear(np.log(made.E), row, column) == pytest.approx(np.log(float(label.text)), abs=0.04)
+
+    @pytest.mark.parametrize("demonstrator", [(45, -90), (70, -60), (30, -140), (80, -20)])
+    def test_labels_do_not_cover_each_other(self, demonstrator):
+        session = stepped(0, demonstrator_deg=demonstrator, transfer="linear")
+        made = landscape_view.LandscapePicture(surface(session), session.scene, session.snapshot)
+        over = made.draw_path(session.history, 0)
+        texts = [t for t in parsed(made.html + over).iter("text") if "vi-halo" in t.get("class", "")]
+        boxes = []
+        for t in texts:
+            x, y, half = float(t.get("x")), float(t.get("y")) - 10, 0.45 * CHARACTER * len(t.text)
+            left = x - half if "vi-mid" in t.get("class") else x
+            boxes.append((left, y, left + 2 * half, y + LINE - 3))
+        for i, (a, b, c, d) in enumerate(boxes):
+            for left, top, right, bottom in boxes[:i]:
+                assert c < left or right < a or d < top or bottom < b, (texts[i].text, [t.text for t in texts[:i]])
+
+    def test_path_runs_through_the_postures(self, session, picture):
+        plane = PosturePlane(session.scene)
+        over = parsed(picture.draw_path(session.history, session.cursor))
+        line = next(p.get("d") for p in over.iter("path") if p.get("class") == "vi-line-own")
+        expected = plane.place(np.degrees([snapshot.theta for snapshot in session.history]))
+        assert numbers(line).reshape(-1, 2) == pytest.approx(expected, abs=0.06)
+
+    def test_long_paths_are_thinned_and_keep_their_ends(self, session, picture):
+        history = long_history(session, 3000)
+        over = parsed(picture.draw_path(history, 2999))
+        line = numbers(next(p.get("d") for p in over.iter("path") if p.get("class") == "vi-line-own")).reshape(-1, 2)
+        ends = PosturePlane(session.scene).place(np.degrees([history[0].theta, history[-1].theta]))
+        assert len(line) <= landscape_view.PATH_LIMIT
+        assert line[[0, -1]] == pytest.approx(ends, abs=0.06)
+
+    def test_what_cannot_be_drawn_says_why(self, session):
+        waiting = landscape_view.LandscapePicture(None, session.scene, session.snapshot)
+        assert "computing" in waiting.html and "−90°" in waiting.html
+        blind = replace(surface(session), E=np.full((91, 181), np.nan))
+        assert "nowhere" in landscape_view.LandscapePicture(blind, session.scene, session.snapshot).html
+
+    def test_postures_without_enough_points_are_hatched_not_valleys(self, session):
+        made = surface(session)
+        E = made.E.copy()
+        E[:20] = np.nan
+        html = relief.shading(PosturePlane(session.scene).grid(made.axes), E, (0, 0, 380, 190))
+        assert "pattern" in html and html.count("<mask") == 2
+
+
+class TestCurves:
+    def test_points_stand_at_E_on_a_log_axis(self, session):
+        root = parsed(curves.draw_curves(session.history, session.cursor, 1.59, (2, 4)))
+        line = next(p.get("d") for p in root.iter("path") if p.get("class") == "vi-line-E")
+        y = numbers(line).reshape(-1, 2)[:, 1]
+        E = np.log([snapshot.E for snapshot in session.history])
+        slope = (y[-1] - y[0]) / (E[-1] - E[0])
+        assert slope < 0 and y == pytest.approx(y[0] + slope * (E - E[0]), abs=0.2)
+
+    def test_long_curves_are_thinned_and_keep_their_ends(self, session):
+        history = long_history(session, 3000)
+        html = curves.draw_curves(history, 2999, None, (2, 4))
+        line = next(p.get("d") for p in parsed(html).iter("path") if p.get("class") == "vi-line-E")
+        x = numbers(line).reshape(-1, 2)[:, 0]
+        assert len(x) <= curves.LIMIT and x[0] == curves.LEFT
+        assert x[-1] == pytest.approx(curves.LEFT + (424 - curves.RIGHT - curves.LEFT) * 2999 / 4000, abs=0.06)
+        assert len(html.encode()) < 12_000
+
+    def test_the_cursors_motion_is_never_thinned_away(self, session):
+        history = long_history(session, 3000)
+        text = "".join(parsed(curves.draw_curves(history, 1234, None, (2, 4))).itertext())
+        assert f"E {history[1234].E:.1f}" in text
+
+    def test_unknown_E_interrupts_the_line(self, session):
+        history = [*session.history[:2], replace(session.history[2], E=np.nan), *session.history[3:]]
+        root = parsed(curves.draw_curves(history, 4, None, (2, 4)))
+        line = next(p.get("d") for p in root.iter("path") if p.get("class") == "vi-line-E")
+        assert line.count("M") == 2 and "nan" not in line
+
+    @pytest.mark.parametrize(("last", "end"), [(0, 8), (8, 8), (9, 16), (17, 20), (41, 80), (2000, 2000), (2001, 4000)])
+    def test_the_axis_ends_at_nice_numbers(self, last, end):
+        assert 4 * curves._x_step(last) == end
+
+
+class TestEquations:
+    def test_the_sums_over_L_and_R_make_E(self, session):
+        words = " ".join(parsed(equations.draw_conflict(session.snapshot)).itertext())
+        left, right, count, E = (float(word) for word in re.findall(r"\d+\.?\d*", words)[-4:])
+        assert (left + right) / count == pytest.approx(session.snapshot.E, abs=0.02) == pytest.approx(E, abs=0.02)
+
+    def test_the_constraint_holds_for_affine_views(self, session):
+        html = equations.draw_equations(affine_snapshot(session), 3)
+        first = next(parsed(html).iter(f"{MATHML}math"))
+        assert list(first.iter(f"{MATHML}mn"))[-1].text == "0.00"
+
+    def test_the_gradient_law_shows_the_motion_that_it_made(self):
+        session = stepped(3, servo="gradient", start_deg=(30, -60))
+        html = equations.draw_law(session.snapshot)
+        for angle in np.degrees(session.snapshot.moved):
+            assert f"{angle:.2f}°".replace("-", MINUS) in html
+        assert "fall" not in html
+
+    @pytest.mark.parametrize("transfer", ["epipolar", "linear"])
+    def test_the_broyden_law_shows_promise_and_fact(self, transfer):
+        session = stepped(3, transfer=transfer)
+        best = session.snapshot.servo_state.best
+        before = next(s for s in session.history if np.array_equal(s.views.own, best.own))
+        promised, measured = re.findall(r"<b>([\d.]+)</b>", equations.draw_law(session.snapshot))
+        assert float(promised) == pytest.approx(session.snapshot.servo_state.promised, rel=0.01)
+        assert float(measured) == pytest.approx(before.E - session.snapshot.E, rel=0.01)
+
+    def test_other_servos_leave_their_equation_out(self, session):
+        assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)
+
+
+class TestStatus:
+    def test_the_diagnosis_knows_no_posture(self, session):
+        hidden = replace(session.snapshot, theta=np.full(2, np.nan), theta_demo=np.full(2, np.nan))
+        assert status.describe(hidden, session.history[:-1]) == status.describe(session.snapshot, session.history[:-1])
+
+    def test_states(self, session):
+        now = session.snapshot
+        ill = replace(now.transfer, measure_condition=lambda: np.array(63.0))
+        assert status.describe(stepped(0).snapshot)[0] == "ready"
+        assert status.describe(now)[0] == "moving"
+        assert status.describe(now, playing=False)[0] == "paused"
+        assert status.describe(replace(now, status="converged"))[0] == "converged"
+        assert status.describe(replace(now, status="stalled"))[0] == "stalled"
+        assert status.describe(replace(now, transfer=ill))[0] == "ill-conditioned"
+        state, sentence = status.describe(stepped(0, missing=0.5).snapshot)
+        assert state == "stopped" and "at least 5 non-coplanar points are needed" in sentence
+
+    def test_the_trend_is_the_geometric_mean(self, session):
+        E = (100.0, 50.0, 25.0)
+        history = [replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E)]
+        assert f"{MINUS}50 % a motion" in status.describe(history[-1], history[:-1])[1]
+
+
+@pytest.fixture(scope="module")
+def drawings(session, silhouettes, picture):
+    few = stepped(0, missing=0.5)
+    return [
+        drawn(session, 4, silhouettes),
+        drawn(session, None, silhouettes, whole_frames=True, wide=True),
+        drawn(few, 1),
+        picture.html,
+        picture.draw_path(session.history, session.cursor),
+        picture.draw_path(session.history, 1, np.array([0.5, -0.6])),
+        curves.draw_curves(session.history, 2, 1.6, (2, 4), 980),
+        curves.draw_curves(few.history, 0, None, (2, 4)),
+        equations.draw_equations(session.snapshot),
+        equations.draw_equations(few.snapshot),
+        *(status.draw_status(state, "x") for state in status.TITLES),
+    ]
+
+
+class TestEverything:
+    def test_is_valid_xml(self, drawings):
+        for drawing in drawings:
+            parsed(drawing)
+
+    def test_names_no_colour(self, drawings):
+        for drawing in [*drawings, theme._DRAWINGS]:
+            without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
+            assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
+
+    def test_names_only_roles_that_exist(self, drawings):
+        used = {name for drawing in [*drawings, theme.CSS] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
+        assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES)
+
+    def test_has_both_schemes_of_every_role(self):
+        for role, colours in theme.ROLES.items():
+            assert all(f"--{role}:{colour};" in theme.CSS for colour in colours)
+
+    def test_writes_a_real_minus(self, drawings):
+        for drawing in drawings:
+            assert not re.search(r"-\d", "".join(parsed(drawing).itertext()))
+
+    def test_escapes_what_people_write(self):
+        hostile = '<img src=x onerror="1">&'
+        assert "<img" not in status.draw_status("message", hostile) and "<img" not in svg.text(0, 0, hostile)
+        assert parsed(status.draw_status("message", hostile))
+
+    @pytest.mark.parametrize("scene", ["panda", "iiwa", "panda-facing"])
+    def test_is_small(self, scene):
+        session = stepped(3, scene=scene)
+        shapes = Silhouettes(meshes(session.scene.robot), session.world)
+        made = landscape_view.LandscapePicture(surface(session), session.scene, session.snapshot)
+        assert len(drawn(session, 3, shapes).encode()) < 12_000
+        assert len(made.html.encode()) < 24_000
+        assert len(made.draw_path(session.history, session.cursor).encode()) < 4_000
+        assert len(equations.draw_equations(session.snapshot).encode()) < 8_000
+
+
+def long_history(session, count):
+    theta = np.stack([np.linspace(0.1, 1.4, count), np.linspace(-0.2, -3.0, count)], -1)
+    E = np.geomspace(500, 2, count)
+    return [replace(session.snapshot, motion=k, theta=theta[k], E=float(E[k]), probe=False) for k in range(count)]
+
+
+def bilinear(values, row, column):
+    i, j = min(int(row), values.shape[0] - 2), min(int(column), values.shape[1] - 2)
+    a, b = row - i, column - j
+    top = (1 - b) * values[i, j] + b * values[i, j + 1]
+    return (1 - a) * top + a * ((1 - b) * values[i + 1, j] + b * values[i + 1, j + 1])

@@ -1,0 +1,281 @@
+"""The page in a real browser: what a visitor sees and does. Software rendering, so everything waits patiently."""
+
+import io
+import re
+import time
+from urllib.parse import urlparse
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from viewimit.app.controls import SERVO_NAMES, TRANSFER_NAMES
+from viewimit.app.presets import PRESETS
+
+pytestmark = pytest.mark.browser
+
+SIZES = {"small": (1280, 720), "large": (1920, 1080)}
+PAUSE = 0.12  # s between widgets: the browser throttles messages at 50 ms and keeps only the latest
+
+
+def open_page(browser, url: str, size: str = "small"):
+    width, height = SIZES[size]
+    page = browser.new_page(viewport={"width": width, "height": height})
+    page.problems, page.requested, page.frames_received = [], [], []
+    page.on("pageerror", lambda error: page.problems.append(str(error)))
+    page.on("console", lambda m: page.problems.append(m.text) if m.type == "error" else None)
+    page.on("request", lambda request: page.requested.append(request.url))
+    page.on("websocket", lambda ws: ws.on("framereceived", lambda data: page.frames_received.append(data)))
+    page.goto(url)
+    page.wait_for_selector(".vi-status", timeout=30_000)
+    page.wait_for_function("document.querySelectorAll('.vi-contour').length > 0", timeout=20_000)
+    return page
+
+
+@pytest.fixture
+def page(browser, server):
+    page = open_page(browser, server)
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+def status(page) -> str:
+    return page.inner_text(".vi-status")
+
+
+def wait_for_status(page, pattern: str, seconds: float = 40.0) -> str:
+    until = time.monotonic() + seconds
+    while not re.search(pattern, status(page)):
+        assert time.monotonic() < until, f"still {status(page)!r}, waiting for {pattern!r}"
+        page.wait_for_timeout(100)
+    return status(page)
+
+
+def posture(page) -> list[float]:
+    """The learner's read-out, degrees."""
+    return [float(text.replace("−", "-").rstrip("°")) for text in page.locator(".vi-bar b").all_inner_texts()]
+
+
+def set_number(page, label: str, value) -> None:
+    """Type into the number box beside a slider's label."""
+    box = page.get_by_role("textbox", name=label, exact=True)
+    if box.count() == 0:
+        row = page.locator("label", has_text=re.compile(f"^{re.escape(label)}$")).locator("xpath=../..")
+        box = row.locator("input[type=text], input[inputmode]")
+    box.first.fill(str(value))
+    box.first.press("Enter")
+    page.wait_for_timeout(1000 * PAUSE)
+
+
+def choose(page, label: str, option: str) -> None:
+    """Take an option of a dropdown."""
+    row = page.locator("label", has_text=re.compile(f"^{re.escape(label)}$")).locator("xpath=../..")
+    row.locator("input").first.click()
+    page.get_by_role("option", name=option, exact=True).click()
+    page.wait_for_timeout(1000 * PAUSE)
+
+
+def press(page, key: str) -> None:
+    page.keyboard.press(key)
+    page.wait_for_timeout(1000 * PAUSE)
+
+
+def canvas_colours(page) -> int:
+    picture = Image.open(io.BytesIO(page.locator("canvas").first.screenshot())).convert("RGB")
+    return len(np.unique(np.asarray(picture).reshape(-1, 3), axis=0))
+
+
+def test_a_new_visitor_sees_everything(page):
+    assert "Ready" in status(page)
+    assert canvas_colours(page) > 500
+    names = page.locator(".vi-name").all_text_contents()
+    assert sorted(names) == sorted(["l", "r", "L", "R"])
+    assert posture(page) == [25, -25]
+    assert page.get_by_role("tab").all_inner_texts() == ["Images", "Landscape", "Curves", "Equations"]
+
+
+def test_playing_converges_and_says_so(page):
+    press(page, "Space")
+    wait_for_status(page, "Moving")
+    text = wait_for_status(page, "Converged")
+    assert float(re.search(r"E ([\d.]+) px²", text)[1]) < 2
+    assert np.abs(np.array(posture(page)) - [45, -90]).max() < 2
+
+
+def test_step_undo_reset_by_button_and_key(page):
+    start = posture(page)
+    press(page, "ArrowRight")
+    page.wait_for_timeout(1500)
+    assert posture(page) == [40, -25]  # the first probe: joint 2 by 15°
+    press(page, "ArrowLeft")
+    page.wait_for_timeout(1500)
+    assert posture(page) == start
+    for label in ("Step", "Step"):
+        page.get_by_text(label, exact=True).click()
+        page.wait_for_timeout(900)
+    assert posture(page) == [40, -10]
+    page.get_by_text("Undo", exact=True).click()
+    page.wait_for_timeout(900)
+    assert posture(page) == [40, -25]
+    press(page, "r")
+    page.wait_for_timeout(600)
+    assert posture(page) == start and "Ready" in status(page)
+
+
+def test_the_demonstrator_may_move_while_the_loop_runs(page):
+    press(page, "Space")
+    wait_for_status(page, "Converged")
+    set_number(page, "θ₂", 70)
+    wait_for_status(page, "Moving")
+    page.wait_for_function("document.body.innerText.includes('demonstrator (70°')")
+    wait_for_status(page, "Converged")
+    assert np.abs(np.array(posture(page)) - [70, -90]).max() < 5
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+def test_every_preset_runs(page, preset):
+    choose(page, "Preset", preset.name)
+    page.wait_for_function(f"document.body.innerText.includes({preset.lesson!r})")
+    press(page, "Space")
+    page.wait_for_function("document.querySelector('.vi-status').innerText.match(/E [\\d.]+ px²|points? (is|are)/)")
+    page.wait_for_timeout(2500)
+    assert canvas_colours(page) > 500
+    assert "error" not in status(page).lower()
+
+
+def test_every_method_can_be_chosen(page):
+    for name in TRANSFER_NAMES.values():
+        choose(page, "Transfer", name)
+    for name in SERVO_NAMES.values():
+        choose(page, "Servo", name)
+        press(page, "ArrowRight")
+        page.wait_for_timeout(700)
+        assert "error" not in status(page).lower()
+
+
+def test_too_few_points_hold_the_arm_still_and_say_so(page):
+    set_number(page, "Missing %", 50)
+    wait_for_status(page, "Stopped · (only|no)")
+    before = posture(page)
+    press(page, "ArrowRight")
+    page.wait_for_timeout(700)
+    assert posture(page) == before
+    set_number(page, "Missing %", 0)
+    wait_for_status(page, "Ready|Moving|Paused")
+
+
+def test_noise_and_seed_repeat(page):
+    def E():
+        return page.locator(".vi-big").first.text_content()
+
+    page.wait_for_timeout(300)
+    clean = E()
+    set_number(page, "Noise px", 0.5)
+    page.wait_for_timeout(500)
+    noisy = E()
+    set_number(page, "Seed", 8)
+    page.wait_for_timeout(500)
+    other = E()
+    set_number(page, "Seed", 7)
+    page.wait_for_timeout(500)
+    assert E() == noisy and len({clean, noisy, other}) == 3
+
+
+def test_display_switches(page):
+    page.get_by_text("Display", exact=True).click()
+    page.wait_for_timeout(500)
+    for label in ("Rays", "Residuals in 3-D", "Hand gizmo", "Whole frames", "Dark"):
+        page.get_by_label(label, exact=True).click()
+        page.wait_for_timeout(400)
+    assert page.evaluate("document.documentElement.getAttribute('data-mantine-color-scheme')") == "dark"
+    choose(page, "Layout", "16 points")
+    page.wait_for_function("document.body.innerText.includes('of 16')")
+    choose(page, "Point", "12")
+    page.wait_for_function("document.body.innerText.includes('12: ')")
+    assert page.locator(".vi-ring").count() == 4
+
+
+def test_keys_choose_points_and_show_the_help(page):
+    press(page, "n")
+    page.wait_for_function("document.querySelectorAll('.vi-ring').length == 4")
+    assert page.locator(".vi-line").count() >= 8
+    press(page, "h")
+    page.wait_for_selector(".vi-help")
+    page.wait_for_timeout(500)
+    press(page, "h")
+    page.wait_for_selector(".vi-help", state="detached")
+
+
+def test_history_can_be_scrubbed(page):
+    press(page, "Space")
+    wait_for_status(page, "Converged")
+    end = posture(page)
+    set_number(page, "History", 1)
+    page.wait_for_timeout(900)
+    assert posture(page) == [40, -25] != end
+    set_number(page, "History", 2)
+    page.wait_for_timeout(900)
+    assert posture(page) == [40, -10]
+
+
+def test_nothing_is_sent_when_nothing_changes(page):
+    page.wait_for_timeout(2500)
+    page.frames_received.clear()
+    page.wait_for_timeout(2000)
+    assert page.frames_received == []
+
+
+def test_nothing_leaves_the_machine(page):
+    press(page, "Space")
+    wait_for_status(page, "Converged")
+    hosts = {urlparse(url).hostname for url in page.requested if not url.startswith(("data:", "blob:"))}
+    assert hosts == {"127.0.0.1"}
+
+
+def test_two_tabs_are_two_sessions(browser, server, page):
+    other = open_page(browser, server)
+    set_number(other, "θ₂", 80)
+    press(other, "ArrowRight")
+    other.wait_for_timeout(900)
+    assert posture(other) == [40, -25] and posture(page) == [25, -25]
+    assert "demonstrator (45°" in page.inner_text("body") and "demonstrator (80°" in other.inner_text("body")
+    other.close()
+
+
+def test_a_reloaded_tab_is_served_again(page):
+    press(page, "ArrowRight")
+    page.reload()
+    page.wait_for_selector(".vi-status", timeout=30_000)
+    page.wait_for_function("document.querySelectorAll('.vi-contour').length > 0", timeout=20_000)
+    assert posture(page) == [25, -25]
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize("size", SIZES)
+def test_layout_has_no_overlap(browser, server, size, dark, tmp_path):
+    page = open_page(browser, server, size)
+    if dark:
+        page.get_by_text("Display", exact=True).click()
+        page.get_by_label("Dark", exact=True).click()
+        page.get_by_text("Display", exact=True).click()
+    press(page, "n")
+    press(page, "Space")
+    wait_for_status(page, "Converged")
+    page.wait_for_timeout(800)
+    page.screenshot(path=tmp_path / f"{size}_{'dark' if dark else 'light'}.png")
+    width, height = SIZES[size]
+    pill = page.locator(".vi-status").bounding_box()
+    canvas = page.locator("canvas").first.bounding_box()
+    assert canvas["x"] <= pill["x"] and pill["x"] + pill["width"] <= canvas["x"] + canvas["width"]
+    assert pill["y"] + pill["height"] <= height
+    if size == "large":
+        card = page.locator(".vi-card").bounding_box()
+        assert card["y"] + card["height"] <= pill["y"]
+    for selector in (".vi-keys", ".vi-panel >> nth=0"):
+        box = page.locator(selector).first.bounding_box()
+        assert box["y"] + box["height"] <= height + 1, selector
+    texts = page.locator(".vi-panel svg").first.locator("text")
+    assert texts.count() > 8
+    assert page.problems == []
+    page.close()

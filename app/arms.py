@@ -64,6 +64,18 @@ class Arm:
                 self._names[i], show_axes=False, wxyz=self._turned(i), position=joint.T_parent_joint[:3, 3]
             )
 
+        if not meshes.link_meshes(world.scene.robot):
+            self._add_bones(world.scene, arm)
+
+    def _add_bones(self, scene: Scene, arm: str) -> None:
+        """A robot of the user's own has no meshes here: rods between its joints stand for it."""
+        for i, joint in enumerate(self._joints):
+            end = joint.T_parent_joint[:3, 3]
+            if np.linalg.norm(end) > 0.01:
+                vertices, faces = meshes.bone(end)
+                name = f"{link_name(scene, arm, i)}/rod"
+                self._client.scene.add_mesh_simple(name, vertices, faces, color=half_white(arm), side="double")
+
     def draw(self, angles) -> None:
         """angles: of all joints, rad. Only joints that turned are sent."""
         for i, angle in enumerate(angles):

@@ -11,11 +11,11 @@ from viser import ClientHandle
 
 from viewimit.scene import Scene
 from viewimit.servo import SERVOS
-from viewimit.session import Settings
+from viewimit.session import Session, Settings
 from viewimit.transfer import TRANSFERS
 
 from .learner_bars import draw_learner
-from .presets import PRESETS, Preset
+from .presets import Preset
 
 SPEEDS = {
     "1 in 2 s": 0.5,
@@ -72,11 +72,13 @@ class Inbox:
 class Controls:
     """Builds the panel in __init__; `show` writes a session's state back into it."""
 
-    def __init__(self, client: ClientHandle, inbox: Inbox, settings: Settings, scene: Scene):
+    def __init__(self, client: ClientHandle, inbox: Inbox, presets: dict[str, Preset], session: Session):
         self._client, self._inbox = client, inbox
+        settings, scene = session.settings, session.scene
         gui = client.gui
-        self.preset = self._dropdown("Preset", [preset.name for preset in PRESETS], PRESETS[0].name, "preset")
-        self.lesson = gui.add_html(lesson(PRESETS[0].lesson))
+        begun = next(iter(presets.values()))
+        self.preset = self._dropdown("Preset", list(presets), begun.name, "preset")
+        self.lesson = gui.add_html(lesson(begun.lesson))
         self.play = gui.add_button("Play", icon="player-play")
         self._on_click(self.play, "play")
         motion = gui.add_button_group("Motion", ("Step", "Undo", "Reset"))

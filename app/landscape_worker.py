@@ -13,7 +13,7 @@ from viewimit.world import World
 def landscape_key(snapshot: Snapshot) -> tuple:
     """Everything that E over the postures depends on."""
     s = snapshot.settings
-    return s.scene, s.points, s.transfer, s.demonstrator_deg, s.noise_px, s.missing, s.seed
+    return s.scene, s.robot, s.points, s.transfer, s.demonstrator_deg, s.noise_px, s.missing, s.seed
 
 
 def compute(world: World, snapshot: Snapshot) -> Landscape | None:

@@ -9,6 +9,7 @@ from .controls import Controls, Inbox
 from .landscape_worker import LandscapeWorker, landscape_key
 from .pace import Pace
 from .panels import Panels
+from .presets import presets_from
 from .scene3d import Scene3D
 from .visitor import View, Visitor
 
@@ -30,11 +31,12 @@ class Page:
         self._drawn: dict[str, tuple] = {}
         self._last: dict[str, float] = {}
         self._canvas, self._dragging = (0, 0), False
+        presets = presets_from(settings)
         wide = client.camera.image_width >= WIDE
         with client.atomic():
             client.gui.main_panel.dock_left()
             client.gui.main_panel.set_width(300 if wide else 280)
-            self._controls = Controls(client, self._inbox, self._session.settings, self._session.scene)
+            self._controls = Controls(client, self._inbox, presets, self._session)
             self._panels = Panels(client, wide, lambda: self._inbox.act("help"))
             self._scene = Scene3D(client, lambda point: self._inbox.put("chosen", point), COVERED[wide])
             self._gizmo = self._add_gizmo()
@@ -46,7 +48,9 @@ class Page:
             "hand dropped": self._drop_hand,
             "landscape": self._panels.show_landscape,
         }
-        self._visitor = Visitor(self._session, self._pace, self._controls, self._view, self._show_world, elsewhere)
+        self._visitor = Visitor(
+            self._session, self._pace, self._controls, self._view, presets, self._show_world, elsewhere
+        )
 
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
@@ -128,6 +132,7 @@ class Page:
 
     def _set_dark(self, dark) -> None:
         self._client.gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
+        self._scene.set_dark(bool(dark))
 
     def _say(self, text: str, until: float) -> None:
         self._message = text, until

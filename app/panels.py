@@ -13,7 +13,7 @@ from viewimit.world import World
 
 from . import landscape_worker, meshes
 from .curves import draw_curves
-from .equations import draw_equations
+from .equations import draw_conflict, draw_equations, draw_law
 from .help import help_html
 from .images import draw_images, image_windows
 from .landscape_view import LandscapePicture
@@ -21,7 +21,7 @@ from .silhouette import Silhouettes
 from .status import describe, draw_status
 
 WIDTHS = {False: 440, True: 560}  # px of the right panels, in a wide window or not
-CARD_WIDTH = 1000  # px of the curves' card over the scene of a wide window
+CARD_WIDTH = 860  # px of the curves' card over the scene of a wide window
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,8 @@ class MadeLandscape:
 class Panels:
     """Builds the panels in __init__; every draw_… writes into its element what is new.
 
-    In a wide window the equations stand under the landscape and the curves over the scene, else in tabs.
+    In a wide window the curves stand over the scene instead of in a tab, and Eq. (6) and the servo's law under
+    the drawings that they belong to.
     """
 
     def __init__(self, client: ClientHandle, wide: bool, on_help: Callable[[], None]):
@@ -47,17 +48,17 @@ class Panels:
         upper, lower = gui.add_panel(), gui.add_panel()
         with upper.add_tab("Images"):
             self._images = gui.add_html("")
+            self._conflict = gui.add_html("", visible=wide)
         with lower.add_tab("Landscape"):
             self._landscape, self._path = gui.add_html(""), gui.add_html("")
-            if wide:
-                self._equations = gui.add_html("")
+            self._law = gui.add_html("", visible=wide)
         if wide:
             self._curves = gui.add_html("")
         else:
             with lower.add_tab("Curves"):
                 self._curves = gui.add_html("")
-            with lower.add_tab("Equations"):
-                self._equations = gui.add_html("")
+        with lower.add_tab("Equations"):
+            self._equations = gui.add_html("")
         upper.dock_right()
         upper.set_width(WIDTHS[wide])
         lower.dock_below(upper)
@@ -89,6 +90,9 @@ class Panels:
 
     def draw_equations(self, session: Session, chosen: int | None) -> None:
         _put(self._equations, draw_equations(session.snapshot, chosen))
+        if self._wide:
+            _put(self._conflict, draw_conflict(session.snapshot))
+            _put(self._law, draw_law(session.snapshot))
 
     def draw_status(self, session: Session, playing: bool) -> None:
         before = session.history[max(session.cursor - 5, 0) : session.cursor]

@@ -18,7 +18,7 @@ class Preset:
 PRESETS = (
     Preset(
         "Paper, Section 5.3",
-        Settings(start_deg=(25, -25)),
+        Settings(),
         2,
         "Ten points in four images: their conflict E leads the arm.",
     ),
@@ -83,3 +83,11 @@ PRESETS = (
         "Another body, the same method: nothing in it knows the robot.",
     ),
 )
+
+AS_STARTED = "As started"
+
+
+def presets_from(asked: Settings) -> dict[str, Preset]:
+    """By name, the one to begin with first: what the command line asked for, if no preset is that."""
+    begun = next((preset for preset in PRESETS if preset.settings == asked), Preset(AS_STARTED, asked, 2, ""))
+    return {preset.name: preset for preset in (begun, *PRESETS)}

@@ -18,7 +18,6 @@ from .page import Page
 from .scene3d import share_scene
 from .scheduler import Scheduler
 
-
 PORTS_TO_TRY = 100
 
 

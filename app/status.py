@@ -59,6 +59,8 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
         return "stopped", f"{E} after {MAX_HISTORY} motions, the most that are kept; reset to go on."
     condition = float(snapshot.transfer.condition)
     gauge = f"{CONDITION.get(snapshot.settings.transfer, 'condition')} {_short(condition, 0)}"
+    if snapshot.flatness >= RED > condition:
+        return "ill-conditioned", f"σ₁/σ₃ {_short(snapshot.flatness, 0)}: {ILL['linear']}; {E}."
     if condition >= RED:
         return "ill-conditioned", f"{gauge}, far too high: {ILL[snapshot.settings.transfer]}; {E}."
     if condition >= AMBER:
@@ -97,7 +99,7 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 
 def _rest(snapshot: Snapshot) -> str:
     if snapshot.settings.servo == "broyden":
-        return "the next step would be below 0.1°"
+        return "next step under 0.1°"
     return "E no longer falls"
 
 

@@ -11,7 +11,7 @@ from viewimit.session import Session
 from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
 from .hand import pose_for_hand
 from .pace import Pace
-from .presets import PRESETS
+from .presets import Preset
 
 
 @dataclass
@@ -36,11 +36,12 @@ class Visitor:
         pace: Pace,
         controls: Controls,
         view: View,
+        presets: dict[str, Preset],
         on_world: Callable[[], None],
         elsewhere: dict[str, Callable],
     ):
         self._session, self._pace, self._controls, self._view = session, pace, controls, view
-        self._on_world, self._elsewhere = on_world, elsewhere
+        self._presets, self._on_world, self._elsewhere = presets, on_world, elsewhere
 
     def act(self, action: str, now: float) -> None:
         session, pace = self._session, self._pace
@@ -73,7 +74,7 @@ class Visitor:
             self._pose(pose_for_hand(self._session.world, value, self._session.snapshot.theta_demo))
             self._controls.show(self._session.settings)
         elif name == "preset":
-            self._begin(_choice(value, {preset.name: preset for preset in PRESETS}, "preset"))
+            self._begin(_choice(value, self._presets, "preset"))
         elif name == "speed":
             self._pace.speed = _choice(value, SPEEDS, "speed")
         elif name == "history":

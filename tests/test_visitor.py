@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from viewimit.app.controls import SERVO_NAMES, TRANSFER_NAMES, Inbox
 from viewimit.app.pace import Pace
-from viewimit.app.presets import PRESETS
+from viewimit.app.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.visitor import View, Visitor
 
 from viewimit.servo import SERVOS
@@ -23,7 +23,9 @@ class QuietControls:
 def page():
     session = Session(Settings(start_deg=(25, -25)))
     pace, view, drawn = Pace(session), View(), []
-    visitor = Visitor(session, pace, QuietControls(), view, lambda: drawn.append("world"), {})
+    visitor = Visitor(
+        session, pace, QuietControls(), view, presets_from(Settings(seed=99)), lambda: drawn.append("world"), {}
+    )
     return session, pace, view, visitor, drawn
 
 
@@ -76,6 +78,14 @@ def test_every_preset_begins_and_moves_or_says_why_not(page, preset):
     assert drawn and session.snapshot.motion == 0 and pace.speed == preset.motions_per_second
     moved = [session.step() for _ in range(6)]
     assert any(moved) or session.snapshot.status == "stopped"
+
+
+def test_what_the_command_line_asked_for_is_a_preset_of_its_own(page):
+    session, _, _, visitor, _ = page
+    visitor.set("preset", PRESETS[1].name)
+    visitor.set("preset", AS_STARTED)
+    assert session.settings.seed == 99
+    assert list(presets_from(PRESETS[2].settings)) == [PRESETS[2].name, *(p.name for p in PRESETS if p != PRESETS[2])]
 
 
 def test_joints_move_the_demonstrator_alone(page):

@@ -1,1 +1,70 @@
-"""viewimit"""
+"""View-based imitation: a learner imitates a demonstrator from image points alone.
+
+After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry", IROS 2001.
+
+    Session, Settings, Snapshot     the loop: posture → views → transfer → E → servo → next posture
+    FourViews                       image points in [l], [r], [L], [R], simulated or your own
+    TRANSFERS, SERVOS               estimators and servo laws by name
+    residual, conflict              e and E, Eq. (6)
+    fit_affine_fundamental          Eqs. (1)-(3)
+    World, load_scene               the simulated world, from a scene file
+    Landscape                       E over a grid of postures; made by viewimit.landscape.landscape
+
+The names are loaded when first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from .evaluation import conflict, residual
+    from .geometry.affine import fit_affine_fundamental
+    from .landscape import Landscape
+    from .scene import load_scene
+    from .servo import SERVOS
+    from .session import Session, Settings, Snapshot
+    from .transfer import TRANSFERS
+    from .views import FourViews
+    from .world import World
+
+_MODULES = {
+    "FourViews": ".views",
+    "Landscape": ".landscape",
+    "SERVOS": ".servo",
+    "Session": ".session",
+    "Settings": ".session",
+    "Snapshot": ".session",
+    "TRANSFERS": ".transfer",
+    "World": ".world",
+    "conflict": ".evaluation",
+    "fit_affine_fundamental": ".geometry.affine",
+    "load_scene": ".scene",
+    "residual": ".evaluation",
+}
+
+__all__ = [
+    "SERVOS",
+    "TRANSFERS",
+    "FourViews",
+    "Landscape",
+    "Session",
+    "Settings",
+    "Snapshot",
+    "World",
+    "conflict",
+    "fit_affine_fundamental",
+    "load_scene",
+    "residual",
+]
+
+
+def __getattr__(name: str):
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_MODULES[name], __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -11,6 +11,7 @@ from .camera import StereoHead
 from .robot import BodyPoints, Robot
 
 Vector = tuple[float, float, float]
+ROUNDING_DEG = 0.01  # URDFs round π
 
 
 class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -36,7 +37,7 @@ class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A scene file. Joints are numbered from 1, angles are in degrees, lengths in metres.
 
-    robot: a robot of assets/robots or the path of a URDF; moving_joints: those that imitate;
+    robot: a robot of assets/robots or the path of a URDF, from the scene file; moving_joints: those that imitate;
     range_deg: their limits here; posture_deg: all joints at rest, the moving ones as the
     demonstrator starts; start_deg: the learner's moving joints at the start;
     points: layouts by their number of points, each [link, x, y, z] on the body.
@@ -104,16 +105,21 @@ def robot_names() -> list[str]:
     return sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir())
 
 
-def load_scene(name: str | Path = "panda") -> Scene:
+def load_scene(name: str | Path = "panda", robot: str | Path | None = None) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated.
 
+    robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
     Raises ValueError that names the file and the field.
     """
     path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
     if not path.is_file():
         raise ValueError(f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml file")
+    if robot is not None:
+        load_robot(robot)  # its own faults are not the scene's
     try:
         scene = msgspec.convert(_read(path), Scene)
+        robot = str(robot) if robot is not None else _beside(path, scene.robot)
+        scene = msgspec.structs.replace(scene, robot=robot)
         _check(scene)
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from None
@@ -134,6 +140,7 @@ def load_robot(name: str | Path) -> Robot:
 
 def _read(path: Path) -> dict:
     fields = msgspec.toml.decode(path.read_bytes())
+    _require_finite(fields)
     if "extends" not in fields:
         return fields
     parent = fields.pop("extends")
@@ -141,6 +148,20 @@ def _read(path: Path) -> dict:
     if not beside.is_file():
         raise ValueError(f"extends {parent!r}, but there is no {beside}")
     return _merge(_read(beside), fields)
+
+
+def _beside(path: Path, robot: str) -> str:
+    """A URDF is named relative to the scene file."""
+    return str(path.parent / robot) if robot.lower().endswith(".urdf") else robot
+
+
+def _require_finite(value, name: str = "") -> None:
+    """TOML can say nan and inf."""
+    if isinstance(value, float) and not np.isfinite(value):
+        raise ValueError(f"{name} is {value}, not a finite number")
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, item in items:
+        _require_finite(item, f"{name}.{key}".lstrip("."))
 
 
 def _merge(below: dict, above: dict) -> dict:
@@ -164,6 +185,12 @@ def _check(scene: Scene) -> None:
             raise ValueError(f"{robot.name} has no joint {joint}; its joints are 1 … {n}")
         if not low < high:
             raise ValueError(f"joint {joint}: range_deg {low:g} … {high:g} is empty")
+        turns = np.degrees((robot.joints[joint - 1].lower, robot.joints[joint - 1].upper))
+        if low < turns[0] - ROUNDING_DEG or high > turns[1] + ROUNDING_DEG:
+            raise ValueError(
+                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot.name} turns, "
+                f"{turns[0]:.4g} … {turns[1]:.4g}"
+            )
     for count, layout in scene.points.items():
         if count != str(len(layout)):
             raise ValueError(f"points.{count} has {len(layout)} points")

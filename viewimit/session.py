@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .evaluation import conflict, residual
-from .geometry.affine import MIN_POINTS
+from .geometry.affine import MIN_POINTS, flatness
 from .scene import Scene, load_scene
 from .servo import SERVOS, Observation
 from .transfer import TRANSFERS
@@ -22,6 +22,7 @@ from .views import FourViews
 from .world import Disturbance, World
 
 DEMO_LOOK, OWN_LOOK = 0, 1  # streams of the seed: the demonstrator is looked at once, the own body at every motion
+BEGIN_ANEW = ("scene", "robot", "points", "start_deg")  # settings that change body, camera or start
 MAX_HISTORY = 10_000  # motions a session keeps, a bound of its memory
 
 
@@ -29,9 +30,11 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """All that a run depends on: with equal settings it repeats itself to the last bit.
 
     demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    robot: a name or the path of a URDF, in place of the scene's.
     """
 
     scene: str = "panda"
+    robot: str | None = None
     points: int = 10
     demonstrator_deg: tuple[float, ...] | None = None
     start_deg: tuple[float, ...] | None = None
@@ -56,7 +59,8 @@ class Snapshot:
 
     theta, theta_demo: (m,) rad, the truth, for viewers only; views: what the learner saw;
     usable: (N,) bool, seen in all four views; transfer: None with too few of them, E then NaN;
-    recovered, e: (N, 4) px in [L, R]; moved: (m,) rad, the motion that led here; probe: it was a probe;
+    flatness: σ1/σ3 of the demonstrator's usable points in [l, r]; recovered, e: (N, 4) px in [L, R];
+    moved: (m,) rad, the motion that led here; probe: it was a probe;
     status: ready, moving, converged, stalled, stopped.
     """
 
@@ -68,6 +72,7 @@ class Snapshot:
     views: FourViews
     usable: NDArray
     transfer: Any
+    flatness: float
     recovered: NDArray
     e: NDArray
     E: float
@@ -109,8 +114,10 @@ class Session:
         """
         now = self.snapshot
         if now.transfer is None:  # too few points: hold still and look again
-            self._replace(self.observe(now.theta, now, look=now.look + 1, status="stopped"))
-            return False
+            now = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
+            self._replace(now)
+            if now.transfer is None:
+                return False
         if now.motion >= MAX_HISTORY:
             self._replace(replace(now, status="stopped"))
             return False
@@ -134,11 +141,12 @@ class Session:
         views = self._look(theta, like.theta_demo, settings, changes.get("look", like.look))
         usable = views.usable
         recovered = np.full_like(views.own, np.nan)
-        transfer, E = None, np.nan
+        transfer, E, shape = None, np.nan, np.inf
         if usable.sum() >= MIN_POINTS:
             transfer = TRANSFERS[settings.transfer](views.select(usable))
             recovered[usable] = transfer.recover(views.demo_left[usable], views.demo_right[usable])
             E = float(conflict(residual(transfer, views.select(usable))))
+            shape = flatness(views.demo[usable])
         else:
             changes["status"] = "stopped"
         e = views.own - recovered
@@ -149,6 +157,7 @@ class Session:
             views=views,
             usable=usable,
             transfer=transfer,
+            flatness=shape,
             recovered=recovered,
             e=e,
             E=E,
@@ -161,7 +170,7 @@ class Session:
         A new servo starts learning afresh, where the arm now stands.
         """
         settings = msgspec.structs.replace(self.settings, **fields)
-        if any(getattr(settings, name) != getattr(self.settings, name) for name in ("scene", "points", "start_deg")):
+        if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):
             self.begin(settings)
             return
         now = self.snapshot
@@ -174,9 +183,8 @@ class Session:
         now, settings = now or self.snapshot, settings or self.settings
         theta_demo = self.scene.require_posture(theta_demo, "demonstrator's")
         settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(theta_demo))
-        status = "ready" if now.motion == 0 else "moving"
         now = replace(now, theta_demo=theta_demo)
-        self._replace(self.observe(now.theta, now, settings, status=status))
+        self._replace(self.observe(now.theta, now, settings, status=_awake(now)))
 
     def undo(self) -> bool:
         """One motion back; the later ones stay until the next step."""
@@ -195,7 +203,7 @@ class Session:
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
-        scene = load_scene(settings.scene)
+        scene = load_scene(settings.scene, settings.robot)
         rest = np.array(scene.posture_deg)[scene.moving]
         demo = scene.require_posture(np.radians(_given(settings.demonstrator_deg, rest)), "demonstrator's")
         start = scene.require_posture(np.radians(_given(settings.start_deg, scene.start_deg)), "learner's start")
@@ -203,7 +211,7 @@ class Session:
         world, empty = World(scene, settings.points), np.empty((0, 4))
         nothing = FourViews(empty, empty, np.empty((0, 4), bool))
         blank = Snapshot(
-            settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, empty, empty, np.nan,
+            settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
             np.zeros_like(start), False, "ready", None,
         )  # fmt: skip
         self.world, self._demo_look = world, None
@@ -245,6 +253,10 @@ class Session:
             return residual(fit(imagined), imagined)
 
         return predicted
+
+
+def _awake(now: Snapshot) -> str:
+    return "ready" if now.motion == 0 else "moving"
 
 
 def _given(value, default):

@@ -16,7 +16,7 @@ WITHIN_DEG = (1.0, 3.0)
 @dataclass(frozen=True)
 class Success:
     """Over `starts` runs: shares that ended within 1° and 3° of the transfer's own minimum (largest joint error),
-    shares that came within 1° and 3° of it at some time, motions made, shares of claims and of false claims (beyond 3°)."""
+    shares that came so near at some time, motions made, shares of claims and of false claims (beyond 3°)."""
 
     transfer: str
     servo: str

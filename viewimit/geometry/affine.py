@@ -47,6 +47,15 @@ def centred(points: NDArray) -> tuple[NDArray, NDArray]:
     return mean, points - mean[..., None, :]
 
 
+def flatness(stereo: NDArray) -> float:
+    """σ1/σ3 of centred stereo points (N, 4) px: their affine shape's condition, inf if they lie in a plane.
+
+    Coplanar points leave every fundamental matrix undetermined, which neither E nor cond(A) shows.
+    """
+    sigma = np.linalg.svd(centred(stereo)[1], compute_uv=False)
+    return float(sigma[0] / sigma[2]) if sigma[2] > sigma[0] * np.finfo(float).eps * len(stereo) else np.inf
+
+
 def scatter(a: NDArray, b: NDArray) -> NDArray:
     """Σ_i a_i b_iᵀ. a: (..., N, j) or (N, j) for all, b: (..., N, k) → (j, k, G), the batch flattened to G."""
     b = components_first(b)

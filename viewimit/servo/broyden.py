@@ -58,8 +58,7 @@ class Broyden:
     """See the module. It has no constants to tune beyond the module's."""
 
     def start(self, seen: Observation) -> BroydenState:
-        unknown = np.full_like(seen.own, np.nan)
-        here = Visit(seen.displacement, np.where(_by_coordinate(seen.seen), seen.own, unknown), seen.seen)
+        here = Visit(seen.displacement, np.where(_by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
         m = len(seen.displacement)
         return BroydenState(np.zeros(seen.own.shape + (m,)), here, here, float(FIRST_RADIUS), tuple(range(m)))
 

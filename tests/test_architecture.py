@@ -1,0 +1,137 @@
+"""Who may import whom, read from the source; and what `import viewimit` loads."""
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import viewimit
+
+ROOT = Path(__file__).parent.parent
+ORDER = (  # each imports only what stands above it, or itself
+    "assets",
+    "geometry",
+    "camera",
+    "robot",
+    "views",
+    "scene",
+    "world",
+    "physics",
+    "transfer",
+    "evaluation",
+    "landscape",
+    "servo",
+    "session",
+    "experiments",
+    "app",
+    "commands",
+    "cli",
+)
+ESTIMATORS_SEE = {"transfer": {"geometry", "views"}, "servo": {"evaluation"}}  # image points, nothing of the world
+SOURCES = sorted([*ROOT.glob("viewimit/**/*.py"), *ROOT.glob("app/*.py"), *ROOT.glob("assets/*.py")])
+
+
+def module_of(path):
+    """viewimit.geometry.rigid, of its file; app/ and assets/ install inside the package."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = parts if parts[0] == "viewimit" else ("viewimit", *parts)
+    return parts[:-1] if parts[-1] == "__init__" else parts
+
+
+def imports_of(path):
+    """(module as a tuple, AST node) of everything that a file imports, at any depth."""
+    here = module_of(path) if path.name == "__init__.py" else module_of(path)[:-1]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield tuple(alias.name.split(".")), node
+        elif isinstance(node, ast.ImportFrom):
+            base = here[: len(here) - node.level + 1] if node.level else ()
+            base += tuple(node.module.split(".")) if node.module else ()
+            if base == ("viewimit",):  # from . import geometry
+                for alias in node.names:
+                    yield (*base, alias.name), node
+            else:
+                yield base, node
+
+
+def parts_imported(path):
+    """Parts of viewimit, such as geometry, that a file imports."""
+    return {module[1] for module, _ in imports_of(path) if module[0] == "viewimit" and len(module) > 1}
+
+
+def in_part(part):
+    return [path for path in SOURCES if module_of(path)[1:2] == (part,)]
+
+
+def test_the_reader_of_imports_sees_them_all():
+    assert parts_imported(ROOT / "viewimit/session.py") == {
+        "evaluation", "geometry", "scene", "servo", "transfer", "views", "world",
+    }  # fmt: skip
+    assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
+
+
+def test_every_part_has_its_place():
+    parts = {module_of(path)[1] for path in SOURCES if len(module_of(path)) > 1}
+    assert parts <= set(ORDER)
+
+
+@pytest.mark.parametrize("part", ORDER)
+def test_parts_import_only_what_stands_above_them(part):
+    above = set(ORDER[: ORDER.index(part) + 1])
+    for path in in_part(part):
+        assert parts_imported(path) - {"__version__"} <= above, path
+
+
+@pytest.mark.parametrize("part", ESTIMATORS_SEE)
+def test_estimators_and_servos_know_image_points_only(part):
+    for path in in_part(part):
+        assert parts_imported(path) <= ESTIMATORS_SEE[part] | {part}, path
+
+
+def test_the_page_is_imported_by_serve_alone_and_only_when_called():
+    for path in SOURCES:
+        if module_of(path)[1:2] == ("app",):
+            continue
+        for module, node in imports_of(path):
+            if module[:2] == ("viewimit", "app"):
+                assert module_of(path) == ("viewimit", "commands", "serve")
+                assert node.col_offset > 0, "at the top of the module"
+
+
+@pytest.mark.parametrize("package, parts", [("viser", {"app"}), ("pybullet", {"physics"}), ("pybullet_data", set())])
+def test_a_heavy_package_is_imported_where_it_belongs(package, parts):
+    users = {module_of(path)[1] for path in SOURCES for module, _ in imports_of(path) if module[0] == package}
+    assert users - {"assets"} <= parts  # assets/build_robots.py makes the shipped files and is not part of the package
+
+
+def loaded_by(code):
+    listing = f"{code}\nimport sys\nprint(*sys.modules)"
+    command = [sys.executable, "-I", "-c", listing]
+    return set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_import_viewimit_loads_next_to_nothing():
+    assert not loaded_by("import viewimit") & {"numpy", "viser", "pybullet", "trimesh", "matplotlib"}
+
+
+def test_the_library_and_the_commands_load_neither_viser_nor_pybullet():
+    everything = f"import viewimit\nfor name in viewimit.__all__: getattr(viewimit, name)\n{COMMANDS}"
+    assert not loaded_by(everything) & {"viser", "pybullet", "trimesh", "matplotlib"}
+
+
+COMMANDS = (
+    "import viewimit.commands.serve, viewimit.commands.imitate, viewimit.commands.landscape, viewimit.commands.bench"
+)
+
+
+def test_public_names_exist_and_are_documented():
+    for name in viewimit.__all__:
+        assert getattr(viewimit, name) is not None
+        assert re.search(rf"\b{name}\b", viewimit.__doc__), f"{name} is missing from the docstring"
+    assert set(viewimit.__all__) <= set(dir(viewimit))
+    with pytest.raises(AttributeError, match="no attribute 'imitate_everything'"):
+        viewimit.imitate_everything  # noqa: B018

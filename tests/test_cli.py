@@ -1,0 +1,283 @@
+"""The command line: one JSON object, exit statuses, and every bad input named without a traceback."""
+
+import csv
+import importlib.util
+import json
+import re
+import socket
+import subprocess
+import sys
+import urllib.request
+
+import numpy as np
+import pytest
+from viewimit.assets import ROOT
+
+import viewimit
+from viewimit.cli import main
+from viewimit.experiments import benchmark
+from viewimit.landscape import landscape
+from viewimit.scene import load_scene
+from viewimit.servo import SERVOS
+from viewimit.session import Session, Settings
+from viewimit.transfer import TRANSFERS
+from viewimit.world import World
+
+PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
+
+
+@pytest.fixture
+def ask(capsys):
+    """Runs a command → exit status, standard output, standard error."""
+
+    def run(*words):
+        try:
+            status = main([str(word) for word in words])
+        except SystemExit as exit:  # argparse
+            status = exit.code
+        return status, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def ask_json(ask):
+    def run(*words):
+        status, out, _ = ask(*words, "--json")
+        assert out.count("\n") == 1
+        return status, json.loads(out)
+
+    return run
+
+
+def test_imitate_tells_the_run_of_the_session(ask_json):
+    status, told = ask_json(
+        "imitate", "--demonstrator", "40,-80", "--start", "60,-130", "--transfer", "linear", "--servo", "broyden"
+    )
+    session = Session(Settings(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
+    while session.step():
+        pass
+    last = session.snapshot
+    assert status == 0 and told["converged"] is True
+    assert told["demonstrator_deg"] == pytest.approx([40, -80])
+    assert told["final_deg"] == np.degrees(last.theta).tolist()
+    assert told["error_deg"] == pytest.approx(np.abs(np.degrees(last.theta) - (40, -80)).max())
+    assert told["E"] == last.E and told["motions"] == last.motion == len(told["history"]) - 1
+    for told_moment, moment in zip(told["history"], session.history):
+        assert told_moment["theta_deg"] == np.degrees(moment.theta).tolist()
+        assert (told_moment["E"], told_moment["probe"]) == (moment.E, moment.probe)
+
+
+def test_imitate_repeats_itself_from_its_seed(ask):
+    noisy = ("imitate", "--noise-px", 0.5, "--missing", 0.05, "--json", "--max-motions", 30)
+    first, again, other = ask(*noisy, "--seed", 1), ask(*noisy, "--seed", 1), ask(*noisy, "--seed", 2)
+    assert first[1] == again[1] != other[1]
+
+
+def test_a_run_that_does_not_converge_says_so_and_exits_with_1(ask):
+    status, out, err = ask("imitate", "--servo", "gradient", "--max-motions", 5, "--json")
+    told = json.loads(out)
+    assert status == 1 and told["motions"] == 5 and told["converged"] is False
+    assert "not converged after 5 motions" in err
+
+
+def test_too_few_points_exit_with_1_and_null(ask):
+    status, out, err = ask("imitate", "--missing", 1, "--json")
+    told = json.loads(out)
+    assert status == 1 and told["E"] is None and told["motions"] == 0
+    assert "too few points" in err
+    status, out, err = ask("landscape", "--missing", 1, "--json")
+    assert status == 1 and json.loads(out)["minimum_deg"] == [None, None] and "too few points" in err
+
+
+def test_points_lost_at_one_look_may_be_found_at_the_next(ask_json):
+    seed, held = next(found for found in map(held_up, range(50)) if found[1] > 0)
+    _, told = ask_json("imitate", "--missing", 0.1, "--seed", seed, "--max-motions", held + 1)
+    assert told["motions"] == held + 1
+
+
+def held_up(seed):
+    """seed, and after how many motions the arm first holds still for want of points; 0 if never."""
+    session = Session(Settings(missing=0.1, seed=seed))
+    while session.snapshot.transfer is not None and session.step():
+        pass
+    return seed, session.snapshot.motion if session.snapshot.transfer is None else 0
+
+
+@pytest.mark.parametrize("transfer, expected", [("epipolar", (1.585, 1.587, 803)), ("linear", (1.58, 1.58, 456))])
+def test_landscape_prints_the_table_of_the_scene(ask_json, transfer, expected):
+    status, told = ask_json("landscape", "--demonstrator", "45,-90", "--transfer", transfer)
+    assert status == 0
+    assert told["minimum_deg"] == pytest.approx([46, -90]) and told["local_minima"] == [told["minimum_deg"]]
+    assert told["basin_fraction"] == 1
+    digits = 3 if transfer == "epipolar" else 2
+    assert (round(told["E_min"], digits), round(told["E_at_demonstrator"], digits), round(told["E_max"])) == expected
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    world = World(load_scene("iiwa"))
+    axes = np.radians(np.linspace(0, 90, 10)), np.radians(np.linspace(-120, 0, 13))
+    demo, seen = world.demo_images(np.radians((45, -90)))
+    return landscape(world, TRANSFERS["linear"], demo, seen, axes)
+
+
+def test_landscape_writes_its_data(ask, tmp_path, coarse):
+    command = ("landscape", "--robot", "iiwa", "--transfer", "linear", "--step-deg", 10, "--out")
+    assert ask(*command, tmp_path / "a.npz")[0] == 0
+    with np.load(tmp_path / "a.npz") as data:
+        np.testing.assert_allclose(data["E"], coarse.E)
+        np.testing.assert_allclose(data["theta2_deg"], np.linspace(0, 90, 10))
+        np.testing.assert_allclose(data["theta4_deg"], np.linspace(-120, 0, 13))
+    assert ask(*command, tmp_path / "a.csv")[0] == 0
+    with (tmp_path / "a.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["theta2_deg", "theta4_deg", "E_px2"]
+    np.testing.assert_allclose([float(row["E_px2"]) for row in rows], coarse.E.ravel())
+    assert (float(rows[14]["theta2_deg"]), float(rows[14]["theta4_deg"])) == (10, -110)
+
+
+@pytest.mark.parametrize("name, magic", [("a.png", b"\x89PNG"), ("a.svg", b"<?xml")])
+def test_landscape_draws_itself(ask, tmp_path, name, magic):
+    pytest.importorskip("matplotlib")
+    status, out, err = ask("landscape", "--step-deg", 10, "--json", "--out", tmp_path / name)
+    assert status == 0 and json.loads(out) and name in err
+    assert (tmp_path / name).read_bytes().startswith(magic)
+
+
+def test_a_picture_without_matplotlib_says_what_to_install(ask, tmp_path, monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    status, _, err = ask("landscape", "--out", tmp_path / "a.png")
+    assert status == 2 and "--out" in err and "pip install matplotlib" in err
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """A directory with files that are wrong, each in its own way, as the current one."""
+    (tmp_path / "broken.urdf").write_text("<robot><joint")
+    (tmp_path / "six.urdf").write_text(
+        PANDA.replace('<joint name="panda_joint6" type="revolute"', '<joint name="panda_joint6" type="fixed"')
+    )
+    (tmp_path / "stiff.urdf").write_text(PANDA.replace('lower="-1.8326" upper="1.8326"', 'lower="0" upper="1"'))
+    (tmp_path / "panda.toml").write_text((ROOT / "scenes/panda.toml").read_text())
+    (tmp_path / "broken.toml").write_text("title = \n")
+    (tmp_path / "nan.toml").write_text('extends = "panda"\n[head]\nbaseline = nan\n')
+    (tmp_path / "lost.toml").write_text('extends = "panda"\nrobot = "lost.urdf"\n')
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        ("imitate --robot r2d2", "--robot: no robot 'r2d2'; there are iiwa, panda"),
+        ("imitate --robot lost.urdf", "--robot: lost.urdf: cannot be read: No such file"),
+        ("imitate --robot broken.urdf", "--robot: broken.urdf: not a URDF that parses: .*line 1"),
+        ("imitate --robot six.urdf", "--robot: .*panda.toml: posture_deg has 7 angles, but six has 6 joints"),
+        ("imitate --robot stiff.urdf", "--robot: .*joint 2: range_deg 0 … 90 is more than stiff turns, 0 … 57"),
+        ("imitate --scene panda --robot iiwa", "--robot: .*joint 4: range_deg -180 … 0 is more than iiwa turns"),
+        ("imitate --scene moon", "--scene: no scene 'moon'; there are .*panda"),
+        ("imitate --scene broken.toml", "--scene: broken.toml: .*line 1"),
+        ("imitate --scene nan.toml", "--scene: nan.toml: head.baseline is nan"),
+        ("imitate --scene lost.toml", "--scene: lost.toml: lost.urdf: cannot be read"),
+        ("imitate --points 11", "--points: no layout of 11 points in this scene; it has .*10, 16, 20"),
+        ("imitate --demonstrator 45,20", "--demonstrator: its joint 4 at 20° is outside its limits -180° … 0°"),
+        ("imitate --start -5,-20", "--start: its joint 2 at -5° is outside its limits 0° … 90°"),
+        ("imitate --start nan,-20", "--start: its joint 2 at nan° is outside"),
+        ("imitate --start 1,-2,3", "--start: its posture needs 2 angles, of joints 2, 4, got 3"),
+        ("imitate --start 45,left", "--start: needs degrees separated by commas"),
+        ("imitate --transfer magic", "--transfer: no transfer 'magic'; there are epipolar, linear"),
+        ("imitate --servo magic", "--servo: no servo 'magic'; there are gradient"),
+        ("imitate --noise-px nan", "--noise-px: noise_px must be between 0 and 20, got nan"),
+        ("imitate --noise-px much", "--noise-px: invalid float value: 'much'"),
+        ("imitate --missing 1.2", "--missing: missing must be between 0 and 1, got 1.2"),
+        ("imitate --seed -1", "--seed: seed must not be negative, got -1"),
+        ("imitate --seed 1.5", "--seed: invalid int value: '1.5'"),
+        ("imitate --max-motions -1", "--max-motions: must be between 0 and 10000, got -1"),
+        ("imitate --colour red", "unrecognized arguments: --colour red"),
+        ("landscape --step-deg nan", "--step-deg: must be between 0.1 and 45, got nan"),
+        ("landscape --out a.pdf", "--out: a.pdf: unknown extension '.pdf'; there are .npz, .csv, .png, .svg"),
+        ("landscape --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
+        ("landscape --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
+        ("bench --scene moon", "--scene.*: no scene 'moon'"),
+        ("bench --points 11", "--points.*: no layout of 11 points"),
+        ("serve --port 99999", "--port: must be between 0 and 65535, got 99999"),
+        ("serve --scene moon", "--scene: no scene 'moon'"),
+        ("serve --max-clients 0", "--max-clients: must be between 1 and 10000, got 0"),
+        ("--scene moon", "viewimit serve: --scene: no scene 'moon'"),
+        ("imitat", "invalid choice: 'imitat'"),
+    ],
+)
+def test_bad_input_is_named_and_exits_with_2(ask, files, words, message):
+    status, out, err = ask(*words.split())
+    assert status == 2 and out == "" and "Traceback" not in err
+    assert re.search(message, err), err
+
+
+def test_a_port_in_use_names_the_next_free_one(ask):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        status, out, err = ask("serve", "--port", port)
+    assert status == 2 and out == ""
+    assert f"port {port}" in err and "in use" in err and re.search(r"--port \d+", err)
+
+
+def test_a_robot_is_a_scene_of_its_name_or_a_urdf_beside_the_scene(ask_json, files):
+    (files / "own.urdf").write_text(PANDA)
+    shipped, own = ask_json("imitate"), ask_json("imitate", "--robot", "own.urdf")
+    assert shipped == own
+    (files / "elsewhere").mkdir()
+    (files / "own.urdf").rename(files / "elsewhere/beside.urdf")
+    (files / "elsewhere/panda.toml").write_text((files / "panda.toml").read_text())
+    (files / "elsewhere/own.toml").write_text('extends = "panda"\nrobot = "beside.urdf"\n')
+    assert ask_json("imitate", "--scene", "elsewhere/own.toml") == shipped
+    _, iiwa = ask_json("landscape", "--robot", "iiwa", "--step-deg", 10)
+    assert iiwa["grid"] == [10, 13]
+
+
+def test_reports_for_people_carry_the_same_figures(ask, ask_json):
+    _, told = ask_json("imitate")
+    status, out, err = ask("imitate")
+    assert status == 0 and err == ""
+    assert f"after {told['motions']} motions, converged" in out and f"{told['E']:.4g} px²" in out
+
+
+def test_bench_prints_one_object(ask_json, monkeypatch):
+    monkeypatch.setattr(benchmark, "ROUNDS", 1)
+    monkeypatch.setattr(benchmark, "SLOW_ROUNDS", 1)
+    status, told = ask_json("bench", "speed", "--scene", "iiwa")
+    assert status == 0 and list(told) == ["speed"] and told["speed"]["postures"] == 91 * 121
+    status, told = ask_json("bench", "success", "--max-motions", 3)
+    assert status == 0 and list(told) == ["success"]
+    assert [(row["transfer"], row["servo"]) for row in told["success"]] == [(t, s) for t in TRANSFERS for s in SERVOS]
+    assert all(row["starts"] == 130 and row["motions_95"] <= 3 for row in told["success"])
+
+
+def test_version(ask):
+    assert ask("--version")[:2] == (0, f"viewimit {viewimit.__version__}\n")
+
+
+def in_a_new_process(*words):
+    return subprocess.run([sys.executable, "-I", *words], capture_output=True, text=True, timeout=60)
+
+
+def test_linear_algebra_is_held_to_one_thread_before_numpy_is_loaded(monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    code = (
+        "import os, sys, builtins\n"
+        "load = builtins.__import__\n"
+        "def watch(name, *rest, **more):\n"
+        "    if name == 'numpy' and 'numpy' not in sys.modules: print(os.environ.get('OPENBLAS_NUM_THREADS'))\n"
+        "    return load(name, *rest, **more)\n"
+        "builtins.__import__ = watch\n"
+        "from viewimit.cli import main\n"
+        "main(['imitate', '--max-motions', '0'])\n"
+    )
+    assert in_a_new_process("-c", code).stdout.splitlines()[0] == "1"
+
+
+def test_the_page_is_served_at_the_printed_address(server):
+    with urllib.request.urlopen(server, timeout=10) as answer:
+        assert answer.status == 200 and b"<html" in answer.read().lower()

@@ -1,0 +1,97 @@
+"""README says what is: its commands print what it shows, its lines are those that run, its links lead somewhere."""
+
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import viewimit
+from viewimit.cli import COMMANDS, main
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+
+
+def examples():
+    """(words, output shown) of each `$ viewimit …` line."""
+    (console,) = blocks("console")
+    for example in console.split("$ viewimit ")[1:]:
+        words, _, output = example.partition("\n")
+        yield shlex.split(words), output
+
+
+@pytest.mark.parametrize("words, shown", list(examples()), ids=lambda value: value[0])
+def test_commands_print_what_readme_shows(words, shown, capsys):
+    assert main(words) == 0
+    assert capsys.readouterr().out == shown
+
+
+def test_the_library_example_runs_and_prints_its_comments(capsys):
+    (code,) = blocks("python")
+    exec(compile(code, "README.md", "exec"), {})
+    expected = re.findall(r"^print.*  # (.*)$", code, re.MULTILINE)
+    assert len(expected) == 2
+    assert capsys.readouterr().out.splitlines() == expected
+    assert sum(bool(line.strip()) for line in code.splitlines()) <= 12  # ten lines, and two of imports
+
+
+def test_there_are_two_lines_and_ci_runs_the_second():
+    opens, tests = (block.rstrip("\n") for block in blocks("sh"))
+    assert "\n" not in opens + tests
+    assert opens.endswith("/viewimit --open") and "pip install -e ." in opens
+    assert "pip install -e '.[test]'" in tests and "tests/browser.py" in tests and tests.endswith("-m pytest")
+    script = (ROOT / ".ci/run").read_text()
+    (extraction,) = re.findall(r"^test_line=\$\((.*)\)$", script, re.MULTILINE)
+    found = subprocess.run(["bash", "-c", extraction], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert found.rstrip("\n") == tests
+    assert 'bash -euc "$test_line"' in script and "VIEWIMIT_REQUIRE_BROWSER=1" in script
+
+
+def test_ci_can_be_run():
+    assert (ROOT / ".ci/run").stat().st_mode & 0o111
+    subprocess.run(["bash", "-n", ".ci/run"], cwd=ROOT, check=True)
+
+
+def test_links_lead_somewhere():
+    prose = re.sub(r"^```.*?^```", "", README, flags=re.DOTALL | re.MULTILINE)
+    links = re.findall(r"\]\(([^)]+)\)", prose)
+    assert len(links) > 4
+    for link in links:
+        assert link.startswith("https://") or (ROOT / link).is_file(), link
+
+
+def test_every_command_is_listed():
+    for name in COMMANDS:
+        assert f"`viewimit {name}`" in README
+
+
+def test_names_of_the_glossary_exist():
+    glossary = README.partition("## Glossary")[2].partition("\n## ")[0]
+    code = [row.split("|")[2] for row in glossary.splitlines() if row.startswith("| ")][1:]
+    source = "".join(path.read_text() for path in (ROOT / "viewimit").rglob("*.py"))
+    names = [name for cell in code for name in re.findall(r"`([^`]+)`", cell)]
+    assert len(names) > 20
+    for name in names:
+        last = name.partition("(")[0].rpartition(".")[2]
+        assert re.search(rf"\b{last}\b", source) or (ROOT / "viewimit" / name).is_file(), name
+
+
+def test_all_files_tell_one_version_and_one_licence():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert project["version"] == viewimit.__version__
+    assert f"\nversion: {viewimit.__version__}\n" in citation
+    assert f"## [{viewimit.__version__}]" in (ROOT / "CHANGELOG.md").read_text()
+    assert project["license"] == {"text": "MIT"} and "\nlicense: MIT\n" in citation
+    assert (ROOT / "LICENSE").read_text().startswith("MIT License")

@@ -1,0 +1,240 @@
+"""The servo laws, driven by images of our own making, and then by a world whose truth is hidden from them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from viewimit import evaluation
+from viewimit.landscape import grid_axes, landscape
+from viewimit.scene import load_scene
+from viewimit.servo import SERVOS, Broyden, Gradient, Observation
+from viewimit.servo.gradient import PAPER, RETUNED
+from viewimit.session import Session, Settings
+from viewimit.transfer import TRANSFERS
+from viewimit.world import Disturbance, World
+
+
+class LinearWorld:
+    """own(θ) = y_0 + J θ exactly, and a target image that the posture `aim` shows."""
+
+    def __init__(self, m, rng, points=6, limit=2.0):
+        self.jacobian = rng.normal(0, 100, (points, 4, m))
+        self.rest = rng.uniform(0, 240, (points, 4))
+        self.aim = rng.uniform(-0.35, 0.35, m)  # within the first trust region
+        self.limit = np.full(m, limit)
+
+    def images(self, theta):
+        return self.rest + self.jacobian @ theta
+
+    def conflict(self, own):
+        return own - self.images(self.aim)
+
+    def observe(self, theta, motion):
+        own = self.images(theta)
+        E = float(evaluation.conflict(self.conflict(own)))
+        return Observation(own, np.ones((len(own), 2), bool), E, theta, -self.limit, self.limit, motion)
+
+
+@pytest.mark.parametrize("m", [1, 2, 3, 7])
+def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_target(m):
+    world, servo = LinearWorld(m, np.random.default_rng(m)), Broyden()
+    theta = np.zeros(m)
+    state = servo.start(world.observe(theta, 0))
+    for motion in range(m + 2):
+        state, step = servo.step(state, world.observe(theta, motion), world.conflict)
+        assert state.probe == (motion < m)
+        if motion == m:
+            np.testing.assert_allclose(state.jacobian, world.jacobian, atol=1e-8)
+        theta = theta + step
+    assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
+    state, step = servo.step(state, world.observe(theta, m + 2), world.conflict)
+    assert state.status == "converged" and not step.any()
+
+
+def test_broyden_does_not_learn_from_points_that_were_not_seen():
+    world, servo = LinearWorld(2, np.random.default_rng(5)), Broyden()
+    seen = world.observe(np.zeros(2), 0)
+    state, step = servo.step(servo.start(seen), seen, world.conflict)
+    after = world.observe(step, 1)
+    hidden = after.seen.copy()
+    hidden[0, 1] = False  # the first point, in [R]
+    own = after.own.copy()
+    own[0, 2:] = 1e6
+    learned, _ = servo.step(state, replace(after, own=own, seen=hidden), world.conflict)
+    joint = int(np.argmax(np.abs(step)))
+    np.testing.assert_allclose(learned.jacobian[0, :2, joint], world.jacobian[0, :2, joint], atol=1e-8)
+    assert not learned.jacobian[0, 2:].any()
+    np.testing.assert_allclose(learned.jacobian[1:, :, joint], world.jacobian[1:, :, joint], atol=1e-8)
+
+
+def test_broyden_completes_a_posture_by_points_that_it_saw_later():
+    world, servo = LinearWorld(2, np.random.default_rng(5)), Broyden()
+    first = world.observe(np.zeros(2), 0)
+    seen = first.seen.copy()
+    seen[0, 1] = False
+    own = first.own.copy()
+    own[0, 2:] = 1e6
+    state, step = servo.step(servo.start(replace(first, own=own, seen=seen)), first, world.conflict)
+    assert not np.isnan(state.best.own).any() and np.abs(state.best.own).max() < 1e3
+    state, _ = servo.step(
+        servo.start(replace(first, own=own, seen=seen)), replace(first, own=own, seen=seen), np.nan_to_num
+    )
+    assert np.isnan(state.best.own[0, 2:]).all() and np.isnan(state.last.own[0, 2:]).all()
+
+
+@pytest.mark.parametrize("start", [-0.02, 0.02])
+def test_a_probe_in_a_narrow_range_stays_inside(start):
+    world, servo = LinearWorld(2, np.random.default_rng(3), limit=0.1), Broyden()
+    theta = np.full(2, start)
+    state = servo.start(world.observe(theta, 0))
+    for motion in range(2):
+        state, step = servo.step(state, world.observe(theta, motion), world.conflict)
+        theta = theta + step
+        assert state.probe and np.count_nonzero(step) == 1 and (np.abs(theta) <= 0.1 + 1e-12).all()
+
+
+def test_the_papers_first_step_by_hand():
+    assert (PAPER.gain, PAPER.forgetting, PAPER.jacobian) == (0.005, 0.95, (-1, 1))  # Section 5.3, Eq. (14)
+    seen = Observation(np.zeros((5, 4)), np.ones((5, 2), bool), 100.0, np.zeros(2), -np.ones(2), np.ones(2), 0)
+    servo = Gradient(PAPER)
+    _, step = servo.step(servo.start(seen), seen, None)
+    np.testing.assert_allclose(np.degrees(step), [0.5, -0.5])  # -0.005 · [-1, 1]ᵀ · 100
+
+
+@pytest.mark.parametrize("constants", [PAPER, RETUNED])
+def test_the_recursive_gradient_is_the_weighted_least_squares_one(constants):
+    """Σ ρ^(k-i) (ΔE_i - J u_i)² + ρ^k |J - J_0|² / P_0 is least at the J of step k."""
+    rng, servo, rho = np.random.default_rng(1), Gradient(constants), constants.forgetting
+    theta, E = np.zeros(2), 50.0
+
+    def seen():
+        wide = np.full(2, 9.0)
+        return Observation(np.zeros((5, 4)), np.ones((5, 2), bool), E, theta, -wide, wide, 0)
+
+    state, moves, changes = servo.start(seen()), [], []
+    for k in range(1, 16):
+        moves.append(rng.normal(0, 3, 2))
+        changes.append(rng.normal(0, 5))
+        theta, E = theta + np.radians(moves[-1]), E + changes[-1]
+        state, _ = servo.step(state, seen(), None)
+        u, dE, weight = np.array(moves), np.array(changes), rho ** np.arange(k - 1, -1, -1)
+        prior = rho**k / constants.covariance
+        normal = (u * weight[:, None]).T @ u + prior * np.eye(2)
+        right = (u * weight[:, None]).T @ dE + prior * np.array(constants.jacobian)
+        np.testing.assert_allclose(state.jacobian, np.linalg.solve(normal, right), rtol=1e-6, atol=1e-8)
+
+
+def test_the_retuned_law_bounds_its_steps():
+    seen = Observation(np.zeros((5, 4)), np.ones((5, 2), bool), 1e4, np.zeros(2), -np.ones(2), np.ones(2), 0)
+    servo = Gradient(replace(RETUNED, dither_deg=0.0))
+    _, step = servo.step(servo.start(seen), seen, None)
+    assert np.degrees(np.linalg.norm(step)) == pytest.approx(RETUNED.max_step_deg)
+
+
+def hide_truth(session):
+    """Only the images of the demonstrator stay; its posture becomes NaN."""
+    images = session.world.demo_images(session.snapshot.theta_demo)
+    session.world.demo_images = lambda theta: images
+    session.history = [replace(session.snapshot, theta_demo=np.full(2, np.nan))]
+
+
+@pytest.mark.parametrize("transfer", TRANSFERS)
+@pytest.mark.parametrize("servo", SERVOS)
+def test_no_servo_sees_the_demonstrators_posture(servo, transfer):
+    settings = Settings(servo=servo, transfer=transfer, noise_px=0.2, start_deg=(70, -140))
+    plain, poisoned = Session(settings), Session(settings)
+    hide_truth(poisoned)
+    for _ in range(12):
+        assert plain.step() == poisoned.step()
+        np.testing.assert_array_equal(plain.snapshot.theta, poisoned.snapshot.theta)
+    assert np.isnan(poisoned.snapshot.theta_demo).all() and plain.snapshot.motion > 4
+
+
+class Recorder:
+    """A servo law that remembers what it answered."""
+
+    def __init__(self, law):
+        self.law, self.answers = law, []
+
+    def start(self, seen):
+        return self.law.start(seen)
+
+    def step(self, state, seen, conflict):
+        state, displacement = self.law.step(state, seen, conflict)
+        self.answers.append((seen, displacement))
+        return state, displacement
+
+
+@pytest.mark.parametrize("junk", [0.0, 1e6, np.nan])
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("servo", SERVOS)
+def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
+    settings = Settings(servo=servo, transfer="linear", points=16, missing=0.1, seed=seed)
+    plain = Session(settings)
+    for _ in range(12):
+        plain.step()
+    apply = Disturbance.apply
+
+    def applied(self, points, visible, rng):
+        points, visible = apply(self, points, visible, rng)
+        return np.where(np.repeat(visible, 2, -1), points, junk), visible
+
+    monkeypatch.setattr(Disturbance, "apply", applied)
+    blind = Session(settings)
+    for _ in range(12):
+        blind.step()
+    assert not plain.snapshot.views.visible.all() and plain.snapshot.motion > 4
+    assert [moment.E for moment in blind.history] == [moment.E for moment in plain.history]
+    np.testing.assert_array_equal(blind.snapshot.theta, plain.snapshot.theta)
+
+
+@pytest.mark.parametrize("servo", SERVOS)
+def test_a_servo_is_told_displacements_since_the_start_not_postures(servo, monkeypatch):
+    recorder, start = Recorder(SERVOS[servo]), np.radians((70, -140))
+    monkeypatch.setitem(SERVOS, servo, recorder)
+    session = Session(Settings(servo=servo, start_deg=(70, -140)))
+    for _ in range(5):
+        session.step()
+    for moment, (seen, _) in zip(session.history, recorder.answers):
+        np.testing.assert_allclose(seen.displacement, moment.theta - start, atol=1e-12)
+        np.testing.assert_allclose(seen.lower, np.radians((0, -180)) - start)
+        np.testing.assert_allclose(seen.upper, np.radians((90, 0)) - start)
+
+
+@pytest.mark.parametrize("start", [(0, 0), (90, 0), (0, -180), (90, -180)])
+@pytest.mark.parametrize("servo", SERVOS)
+def test_joint_limits_are_kept_by_the_servo_itself(servo, start, monkeypatch):
+    recorder = Recorder(SERVOS[servo])
+    monkeypatch.setitem(SERVOS, servo, recorder)
+    session = Session(Settings(servo=servo, transfer="linear", start_deg=start, demonstrator_deg=(2, -175)))
+    for _ in range(60):
+        session.step()
+    assert len(recorder.answers) == 60
+    for seen, displacement in recorder.answers:
+        assert (seen.displacement + displacement >= seen.lower - 1e-12).all()
+        assert (seen.displacement + displacement <= seen.upper + 1e-12).all()
+
+
+def lowest(world, transfer, theta_demo):
+    """The transfer's own minimum, rad: of the 1° grid, then of a 0.02° grid about it."""
+    demo, seen = world.demo_images(theta_demo)
+    coarse = landscape(world, TRANSFERS[transfer], demo, seen, grid_axes(world)).minimum
+    near = tuple(c + np.radians(np.arange(-1, 1.001, 0.02)) for c in coarse)
+    return landscape(world, TRANSFERS[transfer], demo, seen, near).minimum
+
+
+@pytest.mark.parametrize("grid", [(4, 5), pytest.param((10, 13), marks=pytest.mark.slow)], ids=str)
+def test_broyden_reaches_the_minimum_of_the_linear_transfer_from_a_grid_of_starts(grid):
+    demonstrator = np.radians((45, -90))
+    target = np.degrees(lowest(World(load_scene("panda")), "linear", demonstrator))
+    offsets, motions = [], []
+    for first in np.linspace(0, 90, grid[0]):
+        for second in np.linspace(-180, 0, grid[1]):
+            session = Session(Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(first, second)))
+            while session.step() and session.snapshot.motion < 100:
+                pass
+            offsets.append(np.abs(np.degrees(session.snapshot.theta) - target).max())
+            motions.append(session.snapshot.motion)
+    assert np.mean(np.array(offsets) <= 1) >= 0.97
+    assert np.median(motions) <= 15

@@ -1,0 +1,69 @@
+"""The command line: degrees at this surface, radians behind it.
+
+Exit status 0: done; 1: ran, but did not reach its target; 2: bad input. With --json exactly one JSON object goes to
+standard output, and all messages to standard error.
+"""
+
+import argparse
+import importlib
+import os
+import re
+import sys
+
+from . import __version__
+from .commands import BadInput
+
+BAD_INPUT = 2
+COMMANDS = {
+    "serve": "Serve the page. The options are what a new tab begins with.",
+    "imitate": "One run of the loop, without a page.",
+    "landscape": "E over the range of the two moving joints.",
+    "bench": "How fast E is, and how often and how soon each servo arrives.",
+}
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command and return its exit status. `viewimit` alone serves the page."""
+    for name in THREADS:
+        os.environ.setdefault(name, "1")  # matrices of four rows: more threads only spin
+    argv = list(sys.argv[1:] if argv is None else argv)
+    if not argv or (argv[0].startswith("-") and argv[0] not in ("-h", "--help", "--version")):
+        argv.insert(0, "serve")
+    args = _parser(argv[0]).parse_args(_attached(argv))
+    try:
+        return args.run(args)
+    except BadInput as error:
+        print(f"viewimit {args.command}: {error}", file=sys.stderr)
+        return BAD_INPUT
+
+
+def _parser(chosen: str) -> argparse.ArgumentParser:
+    """All commands are listed, but only the chosen one is loaded, with what it needs."""
+    top = argparse.ArgumentParser(
+        prog="viewimit", description="View-based imitation. Alone: serve.", allow_abbrev=False
+    )
+    top.add_argument("--version", action="version", version=f"viewimit {__version__}")
+    commands = top.add_subparsers(dest="command", metavar="command", required=True)
+    for name, text in COMMANDS.items():
+        parser = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
+        if name == chosen:
+            module = importlib.import_module(f".commands.{name}", __package__)
+            module.add_options(parser)
+            parser.set_defaults(run=module.run)
+    return top
+
+
+def _attached(argv: list[str]) -> list[str]:
+    """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
+    joined: list[str] = []
+    for word in argv:
+        if joined and joined[-1] in ("--demonstrator", "--start") and re.match(r"-[\d.]", word):
+            joined[-1] += "=" + word
+        else:
+            joined.append(word)
+    return joined
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,74 @@
+"""viewimit imitate: one run of the loop."""
+
+import argparse
+import sys
+
+import numpy as np
+
+from ..session import MAX_HISTORY, Session
+from .options import (
+    DONE,
+    MISSED,
+    add_json_option,
+    add_run_options,
+    add_setting_options,
+    between,
+    posture,
+    print_json,
+    settings_from,
+)
+
+PATIENCE = 100  # looks in a row with too few points, after which the learner is given up
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_setting_options(parser)
+    add_run_options(parser)
+    number = between(int, 0, MAX_HISTORY)
+    parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
+    add_json_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    session = Session(settings_from(args))
+    imitate(session, args.max_motions)
+    result = outcome(session)
+    if args.json:
+        print_json(result)
+    else:
+        print(f"demonstrator  {posture(result['demonstrator_deg'])}")
+        print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
+        print(f"joint error   {result['error_deg']:.3g}° at most")
+        print(f"E             {result['E']:.4g} px²")
+    if result["converged"]:
+        return DONE
+    why = "too few points are seen in all four images" if session.snapshot.transfer is None else result["status"]
+    print(f"viewimit imitate: not converged after {result['motions']} motions: {why}", file=sys.stderr)
+    return MISSED
+
+
+def imitate(session: Session, max_motions: int) -> None:
+    """Step until the servo rests, the motions are used up, or too few points are seen for long."""
+    looks = 0
+    while session.snapshot.motion < max_motions and looks < PATIENCE:
+        moved = session.step()
+        looks = 0 if moved else looks + 1
+        if not moved and session.snapshot.status != "stopped":
+            return
+
+
+def outcome(session: Session) -> dict:
+    """`converged` is the servo's own claim; `error_deg` is the truth, the largest joint error."""
+    last = session.snapshot
+    return {
+        "final_deg": np.degrees(last.theta),
+        "demonstrator_deg": np.degrees(last.theta_demo),
+        "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
+        "E": last.E,
+        "motions": last.motion,
+        "converged": last.status == "converged",
+        "status": last.status,
+        "history": [
+            {"theta_deg": np.degrees(past.theta), "E": past.E, "probe": past.probe} for past in session.history
+        ],
+    }

@@ -1,0 +1,76 @@
+"""viewimit landscape: E over the range of the two moving joints."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from ..landscape import grid_axes, landscape
+from ..session import Session
+from ..transfer import TRANSFERS
+from . import landscape_file
+from .options import (
+    DONE,
+    MISSED,
+    add_json_option,
+    add_setting_options,
+    between,
+    naming,
+    posture,
+    print_json,
+    settings_from,
+)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_setting_options(parser)
+    parser.add_argument("--step-deg", type=between(float, 0.1, 45), default=1.0, help="of the grid (%(default)s)")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .png or .svg")
+    add_json_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    if args.out:
+        with naming("--out"):
+            landscape_file.require_format(args.out)
+    session = Session(settings_from(args))
+    now, world, fit = session.snapshot, session.world, TRANSFERS[session.settings.transfer]
+    demo, seen = now.views.demo, now.views.visible[:, :2]
+    with naming("--scene"):
+        axes = grid_axes(world, args.step_deg)
+    found = landscape(world, fit, demo, seen, axes)
+    there = landscape(world, fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))
+    if args.out:
+        with naming("--out"):
+            landscape_file.write(args.out, found, session.scene.moving_joints, now.theta_demo)
+        print(f"written to {args.out}", file=sys.stderr)
+    nowhere = bool(np.isnan(found.E).all())
+    result = {
+        "demonstrator_deg": np.degrees(now.theta_demo),
+        "transfer": session.settings.transfer,
+        "grid": found.E.shape,
+        "minimum_deg": np.degrees(found.minimum),
+        "E_min": np.nan if nowhere else np.nanmin(found.E),
+        "E_at_demonstrator": there.E[0, 0],
+        "E_max": np.nan if nowhere else np.nanmax(found.E),
+        "local_minima": np.degrees(found.local_minima()),
+        "basin_fraction": found.basin_fraction(),
+    }
+    if args.json:
+        print_json(result)
+    else:
+        _report(result)
+    if nowhere:
+        print("viewimit landscape: too few points are seen in all four images, at every posture", file=sys.stderr)
+    return MISSED if nowhere else DONE
+
+
+def _report(result: dict) -> None:
+    rows, columns = result["grid"]
+    minima, basin = len(result["local_minima"]), result["basin_fraction"]
+    print(f"E of {result['transfer']} over {rows} x {columns} postures")
+    print(f"minimum       {result['E_min']:.4g} px² at {posture(result['minimum_deg'])}")
+    print(f"demonstrator  {result['E_at_demonstrator']:.4g} px² at {posture(result['demonstrator_deg'])}")
+    print(f"largest       {result['E_max']:.4g} px²")
+    print(f"local minima  {minima}; steepest descent ends at the lowest from {basin:.1%} of the postures")

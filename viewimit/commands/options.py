@@ -1,0 +1,128 @@
+"""What the commands share: options of the scene and of a run, faults named by their option, JSON."""
+
+import argparse
+import contextlib
+import json
+import math
+from collections.abc import Callable, Iterator
+
+import msgspec
+import numpy as np
+
+from ..scene import load_scene, robot_names, scene_names
+from ..servo import SERVOS
+from ..session import Settings
+from ..transfer import TRANSFERS
+from . import BadInput
+
+DONE, MISSED = 0, 1
+
+
+def add_setting_options(parser: argparse.ArgumentParser) -> None:
+    """What is seen, and how it is transferred."""
+    defaults, scenes = Settings(), ", ".join(scene_names())
+    parser.add_argument("--scene", help=f"{scenes}, or the path of a .toml file ({defaults.scene})")
+    parser.add_argument(
+        "--robot",
+        help=f"{', '.join(robot_names())}, or the path of a .urdf file (the scene's). "
+        "A .urdf takes the place of the scene's robot, with the same bases, limits and points in its links' frames",
+    )
+    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({defaults.points})")
+    parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
+    parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
+    parser.add_argument("--noise-px", type=float, metavar="PX", help="standard deviation of image points (0)")
+    parser.add_argument("--missing", type=float, metavar="SHARE", help="of points not found in an image (0)")
+    parser.add_argument("--seed", type=int, metavar="N", help=f"of noise and missing points ({defaults.seed})")
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Where the learner starts, and how it moves."""
+    parser.add_argument("--start", type=angles, metavar="DEG,DEG", help="the learner's moving joints (the scene's)")
+    parser.add_argument("--servo", metavar="NAME", help=f"{', '.join(SERVOS)} ({Settings().servo})")
+
+
+def add_json_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def settings_from(args: argparse.Namespace) -> Settings:
+    """Settings of the options given, each checked under its own name. Raises BadInput."""
+    if args.scene is None and args.robot in scene_names():
+        args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
+    settings = Settings()
+    given = {name: vars(args).get(name) for name in ("transfer", "servo", "noise_px", "missing", "seed")}
+    for name, value in given.items():
+        if value is not None:
+            with naming("--" + name.replace("_", "-")):
+                settings = msgspec.structs.replace(settings, **{name: value})
+    with naming("--scene"):
+        scene = load_scene(args.scene or settings.scene)
+    with naming("--robot"):
+        scene = load_scene(args.scene or settings.scene, args.robot)
+    points = settings.points if args.points is None else args.points
+    with naming("--points"):
+        scene.body_points(points)
+    postures = {"demonstrator": args.demonstrator, "start": vars(args).get("start")}
+    for name, posture in postures.items():
+        if posture is not None:
+            with naming("--" + name):
+                scene.require_posture(np.radians(posture), "its")
+    return msgspec.structs.replace(
+        settings,
+        scene=args.scene or settings.scene,
+        robot=args.robot,
+        points=points,
+        demonstrator_deg=postures["demonstrator"],
+        start_deg=postures["start"],
+    )
+
+
+@contextlib.contextmanager
+def naming(option: str) -> Iterator[None]:
+    """Faults found inside are the user's, in that option."""
+    try:
+        yield
+    except (ValueError, OSError) as error:
+        named = isinstance(error, OSError) and error.filename is not None
+        raise BadInput(f"{option}: {f'{error.filename}: {error.strerror}' if named else error}") from None
+
+
+def between(convert: Callable, low: float, high: float) -> Callable:
+    """A type for argparse: a number in [low, high]."""
+
+    def number(text: str):
+        value = convert(text)
+        if not low <= value <= high:  # NaN fails too
+            raise argparse.ArgumentTypeError(f"must be between {low:g} and {high:g}, got {text}")
+        return value
+
+    return number
+
+
+def angles(text: str) -> tuple[float, ...]:
+    """A type for argparse: degrees, separated by commas."""
+    try:
+        return tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"needs degrees separated by commas, such as 45,-90, got {text!r}") from None
+
+
+def posture(theta_deg) -> str:
+    return f"({', '.join(f'{angle:.4g}°' for angle in theta_deg)})"
+
+
+def print_json(result: dict) -> None:
+    """One object on one line; what is not a number becomes null."""
+    print(json.dumps(_plain(result), allow_nan=False, ensure_ascii=False))
+
+
+def _plain(value):
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,23 @@
+"""viewimit serve: the page."""
+
+import argparse
+
+from .options import DONE, add_run_options, add_setting_options, between, naming, settings_from
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
+    parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
+    parser.add_argument("--max-clients", type=between(int, 1, 10_000), default=40, help="tabs at a time (%(default)s)")
+    parser.add_argument("--open", action="store_true", help="open the page in the default browser")
+    add_setting_options(parser)
+    add_run_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    settings = settings_from(args)
+    from ..app.server import serve  # the one place below the page that knows it
+
+    with naming("--host, --port"):
+        serve(args.host, args.port, settings, args.max_clients, open_browser=args.open)
+    return DONE

@@ -15,7 +15,7 @@ from .visitor import View, Visitor
 
 WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
-COVERED = {False: 60, True: 225}  # px at the bottom of the scene that overlays cover
+COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
 
 

@@ -44,7 +44,7 @@ class Scene3D:
             node.remove()
         if self._stage is not None:
             self._stage.remove()
-        self._world, self._nodes = world, []
+        self._world, self._nodes, self._demo_points = world, [], None
         self._stage = Stage(self._client, world, self._dark)
         self._arms = {
             "learner": Arm(self._client, world, "learner", world.T_world_own),
@@ -66,7 +66,10 @@ class Scene3D:
         """Poses at once; points on the plates, rays and residuals with them."""
         self.draw_poses(snapshot.theta, snapshot.theta_demo)
         own = self._world.points_world(snapshot.theta, self._bases["learner"])
-        demo = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
+        if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
+            points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
+            self._demo_points = snapshot.theta_demo, points
+        demo = self._demo_points[1]
         on_plates, seen = self._on_plates(snapshot)
         self._draw_rays(on_plates, seen, demo, own, chosen, show)
         self._draw_residuals(snapshot, own, show["residuals"])

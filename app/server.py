@@ -1,6 +1,7 @@
 """The server: one viser server, one page a browser tab, one scheduler for all."""
 
 import contextlib
+import errno
 import gc
 import io
 import signal
@@ -45,8 +46,7 @@ def serve(
     stopped = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopped.set())
-    shown = "localhost" if host in ("0.0.0.0", "::") else host
-    url = f"http://{shown}:{server.get_port()}"
+    url = address(host, server.get_port())
     print(f"viewimit is listening on {url}", flush=True)
     if open_browser:
         webbrowser.open(url)
@@ -57,8 +57,8 @@ def serve(
 
 
 def require_free(host: str, port: int) -> None:
-    """Raise PortInUse if nothing can listen there."""
-    if port == 0 or _is_free(host, port):
+    """Raise PortInUse if another program listens there, OSError if this machine has no such address."""
+    if _is_free(host, port):
         return
     following = range(port + 1, min(port + 1 + PORTS_TO_TRY, 65536))
     free = next((other for other in following if _is_free(host, other)), None)
@@ -67,14 +67,22 @@ def require_free(host: str, port: int) -> None:
 
 
 def _is_free(host: str, port: int) -> bool:
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    with socket.socket(family, socket.SOCK_STREAM) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, port))
-        except OSError:
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        with socket.socket(family, socket.SOCK_STREAM) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+    except OSError as error:
+        if error.errno in (errno.EADDRINUSE, errno.EACCES):
             return False
+        raise OSError(f"cannot listen on {host}: {error.strerror}") from None
     return True
+
+
+def address(host: str, port: int) -> str:
+    """What to type into a browser on this machine."""
+    shown = {"0.0.0.0": "localhost", "::": "localhost"}.get(host, f"[{host}]" if ":" in host else host)
+    return f"http://{shown}:{port}"
 
 
 class App:

@@ -39,7 +39,7 @@ def test_noise_has_its_standard_deviation_and_grows_in_place():
     points, visible = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 
     def noise(sigma):
-        return Disturbance(noise_px=sigma).apply(points, visible, np.random.default_rng(1))[0]
+        return Disturbance(noise_px=sigma).apply(points, visible, [1])[0]
 
     # the standard deviation of 20000 draws is known to 1/√40000, five times that is allowed
     assert noise(0.5).std() == pytest.approx(0.5, rel=0.025)
@@ -50,7 +50,7 @@ def test_a_larger_share_of_missing_points_loses_the_same_ones_first():
     points, visible = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 
     def seen(share):
-        return Disturbance(missing=share).apply(points, visible, np.random.default_rng(1))[1]
+        return Disturbance(missing=share).apply(points, visible, [1])[1]
 
     assert seen(0.0).all() and not seen(1.0).any()
     assert np.mean(~seen(0.1)) == pytest.approx(0.1, abs=0.015)  # five standard deviations

@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +59,24 @@ class Robot:
             turned = rigid_transform(rotation_about_axis(joint.axis, angle))
             frames.append(frames[-1] @ joint.T_parent_joint @ turned)
         return np.array(frames)
+
+    def held(self, angles: ArrayLike, moving: ArrayLike, body: BodyPoints) -> tuple["Robot", BodyPoints]:
+        """The arm with all joints but `moving` (from 0) held at `angles` (n,) rad: a shorter chain, the same points."""
+        joints: list[Joint] = []
+        T_kept_link = np.eye(4)  # of the link at hand, in the frame of the last link that still moves
+        owner, offset = [0], [T_kept_link]
+        for i, (joint, angle) in enumerate(zip(self.joints, angles, strict=True)):
+            T_kept_joint = T_kept_link @ joint.T_parent_joint
+            if i in moving:
+                joints.append(replace(joint, T_parent_joint=T_kept_joint))
+                T_kept_link = np.eye(4)
+            else:
+                T_kept_link = T_kept_joint @ rigid_transform(rotation_about_axis(joint.axis, angle))
+            owner.append(len(joints))
+            offset.append(T_kept_link)
+        T = np.array(offset)[body.link]
+        local = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
+        return Robot(self.name, tuple(joints)), BodyPoints(np.array(owner)[body.link], local)
 
     def place_points(self, angles: Angles, body: BodyPoints) -> list[tuple[NDArray, NDArray]]:
         """Body points in the base frame, grouped by the joints that move them.
@@ -140,7 +158,7 @@ def _read_joints(path: Path) -> list[dict]:
     """Every joint of the file as a dict with arrays; errors name the file and the joint."""
     try:
         root = ElementTree.parse(path).getroot()
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
         raise ValueError(f"{path}: not a URDF that parses: {error}") from None
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
@@ -156,9 +174,12 @@ def _read_joint(path: Path, element: ElementTree.Element) -> dict:
         child = element.find(tag)
         text = default if child is None else child.get(attribute, default)
         try:
-            return np.array([float(word) for word in text.split()]).reshape(len(default.split()))
+            values = np.array([float(word) for word in text.split()]).reshape(len(default.split()))
         except ValueError:
-            raise ValueError(f"{path}: joint {name!r}: <{tag} {attribute}={text!r}> is not numbers") from None
+            values = np.array([np.nan])
+        if not np.isfinite(values).all():
+            raise ValueError(f"{path}: joint {name!r}: <{tag} {attribute}={text!r}> is not numbers")
+        return values
 
     def link(tag: str) -> str:
         child = element.find(tag)

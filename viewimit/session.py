@@ -176,7 +176,8 @@ class Session:
         now = self.snapshot
         if settings.servo != now.settings.servo:
             now = replace(now, servo_state=None)
-        self.pose(np.radians(settings.demonstrator_deg), settings, now)
+        rest = np.array(self.scene.posture_deg)[self.scene.moving]
+        self.pose(np.radians(_given(settings.demonstrator_deg, rest)), settings, now)
 
     def pose(self, theta_demo: ArrayLike, settings: Settings | None = None, now: Snapshot | None = None) -> None:
         """Move the demonstrator to theta_demo, (m,) rad, at any time; the learner looks again."""
@@ -222,11 +223,10 @@ class Session:
         disturbance = Disturbance(settings.noise_px, settings.missing)
         key = theta_demo.tobytes(), disturbance, settings.seed
         if self._demo_look is None or self._demo_look[0] != key:
-            rng = np.random.default_rng([settings.seed, DEMO_LOOK])
-            self._demo_look = key, disturbance.apply(*self.world.demo_images(theta_demo), rng)
+            seed = [settings.seed, DEMO_LOOK]
+            self._demo_look = key, disturbance.apply(*self.world.demo_images(theta_demo), seed)
         demo, demo_visible = self._demo_look[1]
-        rng = np.random.default_rng([settings.seed, OWN_LOOK, look])
-        own, own_visible = disturbance.apply(*self.world.own_images(theta), rng)
+        own, own_visible = disturbance.apply(*self.world.own_images(theta), [settings.seed, OWN_LOOK, look])
         return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
 
     def _replace(self, snapshot: Snapshot) -> None:

@@ -23,9 +23,12 @@ class Disturbance:
     noise_px: float = 0.0
     missing: float = 0.0
 
-    def apply(self, points: NDArray, visible: NDArray, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
-        """points: (N, 4) px, visible: (N, 2). The draws do not depend on the settings, so that turning
-        one up enlarges the same noise and loses the same points first."""
+    def apply(self, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
+        """points: (N, 4) px, visible: (N, 2). The draws depend on the seed alone, so that turning one
+        disturbance up enlarges the same noise and loses the same points first."""
+        if not (self.noise_px or self.missing):
+            return points, visible
+        rng = np.random.default_rng(seed)
         noise, luck = rng.standard_normal(points.shape), rng.random(visible.shape)
         return points + self.noise_px * noise, visible & (luck >= self.missing)
 
@@ -41,6 +44,7 @@ class World:
         self.scene = scene
         self.robot = robot or load_robot(scene.robot)
         self.body: BodyPoints = scene.body_points(points)
+        self._chain, self._chain_body = self.robot.held(np.radians(scene.posture_deg), scene.moving, self.body)
         head = scene.stereo_head()
         self.demo_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_demonstrator)
         self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
@@ -71,7 +75,7 @@ class World:
     def points_world(self, theta, T_world_base: NDArray) -> NDArray:
         """Body points of an arm in one posture: (N, 3) m. For the viewer of the scene."""
         points = np.empty((len(self.body), 3))
-        for index, xyz in self.robot.place_points(self.joint_angles(theta), self.body):
+        for index, xyz in self._chain.place_points(theta, self._chain_body):
             points[index] = (T_world_base[:3, :3] @ xyz).T + T_world_base[:3, 3]
         return points
 
@@ -79,7 +83,7 @@ class World:
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
         points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
         visible = np.empty((2, len(self.body)) + shape, bool)
-        for index, xyz in self.robot.place_points(self.joint_angles(theta), self.body):
+        for index, xyz in self._chain.place_points(theta, self._chain_body):
             for side, camera in enumerate(cameras):
                 image, seen = camera.project(xyz, T_world_base)
                 for row, point in enumerate(index):

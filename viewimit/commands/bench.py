@@ -20,8 +20,18 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     speed.add_argument("--full-loop", action="store_true", help="time the plain loop on every posture, not a tenth")
     runs = parser.add_argument_group("success, of every transfer and servo from a grid of starts")
     number = between(int, 0, MAX_HISTORY)
+    runs.add_argument("--servo", choices=SERVOS, help="this one only")
+    runs.add_argument("--grid", type=grid, default=(10, 13), metavar="N,N", help="starts a joint (10,13)")
     runs.add_argument("--max-motions", type=number, default=100, metavar="N", help="%(default)s")
     add_json_option(parser)
+
+
+def grid(text: str) -> tuple[int, int]:
+    """A type for argparse: starts of both joints."""
+    counts = [between(int, 1, 1000)(word) for word in text.split(",")]
+    if len(counts) != 2:
+        raise argparse.ArgumentTypeError(f"needs two numbers such as 10,13, got {text!r}")
+    return counts[0], counts[1]
 
 
 def run(args: argparse.Namespace) -> int:
@@ -33,8 +43,9 @@ def run(args: argparse.Namespace) -> int:
         if not args.json:
             print(benchmark.table(speed))
     if args.what in ("success", "all"):
-        pairs = [(transfer, servo) for transfer in TRANSFERS for servo in SERVOS]
-        results = [success.run(*pair, max_motions=args.max_motions) for pair in pairs]
+        servos = [args.servo] if args.servo else SERVOS
+        pairs = [(transfer, servo) for transfer in TRANSFERS for servo in servos]
+        results = [success.run(*pair, args.grid, args.max_motions) for pair in pairs]
         told["success"] = [asdict(result) for result in results]
         if not args.json:
             print(success.table(results))

@@ -161,9 +161,10 @@ def minimise(
         free = ~(((best <= low) & (gradient > 0)) | ((best >= high) & (gradient < 0)))
         if not free.any():
             break
-        candidates = np.clip(best - _damped_steps(gradient, hessian, free), low, high)
-        if np.max(np.abs(candidates - best)) < SHORT:
-            break
+        steps = _damped_steps(gradient, hessian, free)
+        if gradient @ steps[0] < WORTHWHILE * (flat[0] @ flat[0]) or np.max(np.abs(steps)) < SHORT:
+            break  # by its own linear model nothing is left to gain
+        candidates = np.clip(best - steps, low, high)
     return best, float(first_E - best_E)
 
 

@@ -1,0 +1,89 @@
+"""What one pass of a session costs with its drawings: `OPENBLAS_NUM_THREADS=1 python -m viewimit.app.benchmark`.
+
+CPU time of this process, medians over many passes. viser's own sending is left out: the handles that the
+drawings write into take the values and send nothing.
+"""
+
+import contextlib
+import time
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+
+from viewimit.session import Session, Settings
+
+from .panels import Panels
+from .scene3d import Scene3D
+
+RUNS = 25
+
+
+class QuietHandle:
+    """Stands for any handle of viser: keeps what is assigned, sends nothing, can be a context."""
+
+    content = ""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def __getattr__(self, name):
+        return lambda *args, **kwargs: (lambda f: f) if name.startswith("on_") else QuietHandle()
+
+
+@dataclass
+class QuietClient:
+    """A page's client without a browser."""
+
+    scene: QuietHandle = field(default_factory=QuietHandle)
+    gui: QuietHandle = field(default_factory=QuietHandle)
+    camera: SimpleNamespace = field(default_factory=lambda: SimpleNamespace(image_width=552, image_height=720))
+
+    def atomic(self):
+        return contextlib.nullcontext()
+
+
+def run(settings: Settings, chosen: int | None) -> dict[str, float]:
+    """Median ms of CPU of the loop's pass, of its drawings, and of both together."""
+    session = Session(settings)
+    panels = Panels(QuietClient(), False, lambda: None)
+    scene = Scene3D(QuietClient(), lambda point: None, 60.0)
+    show = {"rays": True, "residuals": True, "whole_frames": False}
+    costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
+    for start in np.random.default_rng(0).uniform(*np.transpose(session.scene.range_deg), (RUNS, 2)):
+        session.begin(Settings(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
+        scene.build(session.world)
+        panels.set_world(session.world, session.snapshot)
+        panels.show_landscape(panels.make_landscape(session.world, session.snapshot))
+        while session.snapshot.motion < 30:
+            began = time.process_time()
+            moved = session.step()
+            stepped = time.process_time()
+            scene.draw(session.snapshot, chosen, show)
+            panels.draw_images(session.snapshot, chosen, False)
+            panels.draw_path(session, session.snapshot)
+            panels.draw_status(session, True)
+            done = time.process_time()
+            if not moved:
+                break
+            for name, cost in (("loop", stepped - began), ("drawings", done - stepped), ("whole", done - began)):
+                costs[name].append(1e3 * cost)
+    return {name: float(np.median(values)) for name, values in costs.items()}
+
+
+def main() -> None:
+    print("ms of CPU a motion, median: look, fit, recover, evaluate, servo; then 3-D, images, path, status")
+    print(f"{'transfer':10}{'servo':18}{'point':8}{'loop':>7}{'drawings':>10}{'whole':>8}")
+    for transfer in ("epipolar", "linear"):
+        for servo in ("broyden", "gradient-retuned"):
+            for chosen in (None, 4):
+                cost = run(Settings(transfer=transfer, servo=servo), chosen)
+                name = "none" if chosen is None else "chosen"
+                print(f"{transfer:10}{servo:18}{name:8}{cost['loop']:7.2f}{cost['drawings']:10.2f}{cost['whole']:8.2f}")
+
+
+if __name__ == "__main__":
+    main()

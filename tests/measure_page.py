@@ -1,0 +1,82 @@
+"""How soon the page is there, and how often it is updated: `python tests/measure_page.py`.
+
+Time from the command to "listening"; then, in one browser, an empty page of viser and ours in turn, each from
+navigation until it is complete: canvas drawn, and for ours the four images, the landscape and the status too.
+Last, how many times a second the arms are posed while the loop runs.
+"""
+
+import statistics
+import subprocess
+import sys
+import time
+
+import browser as chromium
+from conftest import start_server, stop_server
+from playwright.sync_api import sync_playwright
+
+ROUNDS = 5
+EMPTY = (
+    "import viser, time; server = viser.ViserServer(host='127.0.0.1', port=0); "
+    "print(server.get_port(), flush=True); time.sleep(999)"
+)
+COMPLETE = {
+    "viser": "document.querySelector('canvas') !== null",
+    "viewimit": "document.querySelectorAll('.vi-contour, .vi-name, .vi-status').length >= 6"
+    " && document.querySelector('canvas') !== null",
+}
+
+
+def seconds_until_complete(browser, name: str, url: str) -> float:
+    page = browser.new_page(viewport={"width": 1280, "height": 720})
+    began = time.perf_counter()
+    page.goto(url)
+    page.wait_for_function(COMPLETE[name], timeout=60_000)
+    page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    taken = time.perf_counter() - began
+    page.close()
+    return taken
+
+
+def updates_a_second(browser, url: str) -> float:
+    """Messages that carry anything, while the retuned law runs as fast as it computes."""
+    page = browser.new_page(viewport={"width": 1024, "height": 640})
+    frames: list[float] = []
+    page.on("websocket", lambda ws: ws.on("framereceived", lambda _: frames.append(time.perf_counter())))
+    page.goto(url)
+    page.wait_for_function(COMPLETE["viewimit"], timeout=60_000)
+    page.keyboard.press("Space")
+    page.wait_for_timeout(1500)
+    frames.clear()
+    page.wait_for_timeout(2000)
+    page.close()
+    return len(frames) / 2.0
+
+
+def main() -> None:
+    starts = []
+    for _ in range(ROUNDS):
+        began = time.perf_counter()
+        process, url = start_server()
+        starts.append(time.perf_counter() - began)
+        stop_server(process)
+    print(f"command to listening: {statistics.median(starts):.2f} s (median of {ROUNDS})")
+    path = chromium.find()
+    process, url = start_server("--servo", "gradient-retuned")
+    empty = subprocess.Popen([sys.executable, "-c", EMPTY], stdout=subprocess.PIPE, text=True)
+    port = next(line.strip() for line in empty.stdout if line.strip().isdigit())
+    taken: dict[str, list[float]] = {"viser": [], "viewimit": []}
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=chromium.FLAGS)
+        for _ in range(ROUNDS):
+            taken["viser"].append(seconds_until_complete(browser, "viser", f"http://127.0.0.1:{port}"))
+            taken["viewimit"].append(seconds_until_complete(browser, "viewimit", url))
+        print(f"messages a second while the loop runs: {updates_a_second(browser, url):.0f}")
+        browser.close()
+    empty.kill()
+    stop_server(process)
+    for name, values in taken.items():
+        print(f"page complete, {name}: {statistics.median(values):.2f} s (median of {ROUNDS})")
+
+
+if __name__ == "__main__":
+    main()

@@ -11,7 +11,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from viewimit.session import Session, Settings
+from viewimit.session import Session
+from viewimit.snapshot import Settings
 
 from .panels import Panels
 from .scene3d import Scene3D

@@ -11,7 +11,8 @@ from viser import ClientHandle
 
 from viewimit.scene import Scene
 from viewimit.servo import SERVOS
-from viewimit.session import Session, Settings
+from viewimit.session import Session
+from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 from .learner_bars import draw_learner

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 
 from . import svg
 

@@ -12,7 +12,7 @@ from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.servo import SERVOS
 from viewimit.servo.broyden import BroydenState
 from viewimit.servo.gradient import GradientState
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 from viewimit.transfer.epipolar import constraints, linear_system
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.geometry.affine import MIN_POINTS, fit_affine_fundamental
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 
 from . import planes, svg
 from .metrics import draw_legend, draw_metrics, residual_lengths

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from viewimit.landscape import Landscape
 from viewimit.scene import Scene
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 
 from . import relief, svg
 from .posture_plane import PosturePlane

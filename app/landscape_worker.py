@@ -5,7 +5,7 @@ import traceback
 from collections.abc import Callable
 
 from viewimit.landscape import Landscape, grid_axes, landscape
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 from viewimit.world import World
 

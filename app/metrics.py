@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 
 from . import svg
 from .theme import OBSERVED, RECOVERED

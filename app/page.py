@@ -3,7 +3,8 @@
 import numpy as np
 from viser import ClientHandle
 
-from viewimit.session import Session, Settings, Snapshot
+from viewimit.session import Session
+from viewimit.snapshot import Settings, Snapshot
 
 from .controls import Controls, Inbox
 from .landscape_worker import LandscapeWorker, landscape_key

@@ -7,7 +7,8 @@ import numpy as np
 from viser import ClientHandle
 
 from viewimit.landscape import landscape
-from viewimit.session import Session, Snapshot
+from viewimit.session import Session
+from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 from viewimit.world import World
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 from viewimit.world import World
 
 from . import svg

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from viewimit.session import Settings
+from viewimit.snapshot import Settings
 
 
 @dataclass(frozen=True)

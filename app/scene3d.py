@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
 
 from viewimit.camera import triangulate
-from viewimit.session import Snapshot
+from viewimit.snapshot import Snapshot
 from viewimit.world import World
 
 from . import meshes

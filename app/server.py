@@ -11,7 +11,8 @@ import webbrowser
 
 import viser
 
-from viewimit.session import Session, Settings
+from viewimit.session import Session
+from viewimit.snapshot import Settings
 
 from . import help, learner_bars, theme
 from .landscape_worker import LandscapeWorker

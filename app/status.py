@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.session import MAX_HISTORY, Snapshot
+from viewimit.session import MAX_HISTORY
+from viewimit.snapshot import Snapshot
 
 from . import svg
 from .metrics import AMBER, CONDITION, RED

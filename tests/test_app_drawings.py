@@ -16,7 +16,8 @@ from viewimit.assets import ROOT
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.landscape import grid_axes, landscape
-from viewimit.session import Session, Settings
+from viewimit.session import Session
+from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 

@@ -24,6 +24,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "evaluation",
     "landscape",
     "servo",
+    "snapshot",
     "session",
     "experiments",
     "app",
@@ -69,7 +70,7 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "evaluation", "geometry", "scene", "servo", "transfer", "views", "world",
+        "evaluation", "geometry", "scene", "servo", "snapshot", "transfer", "views", "world",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

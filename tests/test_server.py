@@ -5,7 +5,7 @@ import socket
 import pytest
 from viewimit.app.server import PortInUse, address, require_free, serve
 
-from viewimit.session import Settings
+from viewimit.snapshot import Settings
 
 
 def test_a_taken_port_is_named_with_the_next_free_one():

@@ -10,7 +10,8 @@ from viewimit.landscape import grid_axes, landscape
 from viewimit.scene import load_scene
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
-from viewimit.session import Session, Settings
+from viewimit.session import Session
+from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 from viewimit.world import Disturbance, World
 

@@ -6,7 +6,8 @@ from viewimit.assets import ROOT
 
 from viewimit.experiments import baselines
 from viewimit.servo import SERVOS
-from viewimit.session import Session, Settings
+from viewimit.session import Session
+from viewimit.snapshot import Settings
 
 DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
 CALM = Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))

@@ -8,7 +8,8 @@ from viewimit.app.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.visitor import View, Visitor
 
 from viewimit.servo import SERVOS
-from viewimit.session import Session, Settings
+from viewimit.session import Session
+from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 

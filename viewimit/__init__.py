@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from .landscape import Landscape
     from .scene import load_scene
     from .servo import SERVOS
-    from .session import Session, Settings, Snapshot
+    from .session import Session
+    from .snapshot import Settings, Snapshot
     from .transfer import TRANSFERS
     from .views import FourViews
     from .world import World
@@ -34,8 +35,8 @@ _MODULES = {
     "Landscape": ".landscape",
     "SERVOS": ".servo",
     "Session": ".session",
-    "Settings": ".session",
-    "Snapshot": ".session",
+    "Settings": ".snapshot",
+    "Snapshot": ".snapshot",
     "TRANSFERS": ".transfer",
     "World": ".world",
     "conflict": ".evaluation",

@@ -6,8 +6,7 @@ Every pass leaves one immutable Snapshot, which panels, plots, exports and tests
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -17,69 +16,14 @@ from .evaluation import conflict, residual
 from .geometry.affine import MIN_POINTS, flatness
 from .scene import Scene, load_scene
 from .servo import SERVOS, Observation
+from .snapshot import Settings, Snapshot
 from .transfer import TRANSFERS
 from .views import FourViews
 from .world import Disturbance, World
 
 DEMO_LOOK, OWN_LOOK = 0, 1  # streams of the seed: the demonstrator is looked at once, the own body at every motion
 BEGIN_ANEW = ("scene", "robot", "points", "start_deg")  # settings that change body, camera or start
-MAX_HISTORY = 10_000  # motions a session keeps, a bound of its memory
-
-
-class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """All that a run depends on: with equal settings it repeats itself to the last bit.
-
-    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
-    robot: a name or the path of a URDF, in place of the scene's.
-    """
-
-    scene: str = "panda"
-    robot: str | None = None
-    points: int = 10
-    demonstrator_deg: tuple[float, ...] | None = None
-    start_deg: tuple[float, ...] | None = None
-    transfer: str = "epipolar"
-    servo: str = "broyden"
-    noise_px: float = 0.0
-    missing: float = 0.0
-    seed: int = 7
-
-    def __post_init__(self):
-        _require_choice("transfer", self.transfer, TRANSFERS)
-        _require_choice("servo", self.servo, SERVOS)
-        _require_range("noise_px", self.noise_px, 0, 20)
-        _require_range("missing", self.missing, 0, 1)
-        if self.seed < 0:
-            raise ValueError(f"seed must not be negative, got {self.seed}")
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """One pass of the loop. Arrays are of all N points; those not usable are NaN in recovered and residual.
-
-    theta, theta_demo: (m,) rad, the truth, for viewers only; views: what the learner saw;
-    usable: (N,) bool, seen in all four views; transfer: None with too few of them, E then NaN;
-    flatness: σ1/σ3 of the demonstrator's usable points in [l, r]; recovered, e: (N, 4) px in [L, R];
-    moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: ready, moving, converged, stalled, stopped.
-    """
-
-    settings: Settings
-    motion: int
-    look: int
-    theta: NDArray
-    theta_demo: NDArray
-    views: FourViews
-    usable: NDArray
-    transfer: Any
-    flatness: float
-    recovered: NDArray
-    e: NDArray
-    E: float
-    moved: NDArray
-    probe: bool
-    status: str
-    servo_state: Any
+MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
 
 
 class Session:
@@ -265,13 +209,3 @@ def _given(value, default):
 
 def _degrees(theta: NDArray) -> tuple[float, ...]:
     return tuple(float(angle) for angle in np.round(np.degrees(theta), 9))
-
-
-def _require_choice(name: str, value: str, choices) -> None:
-    if value not in choices:
-        raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
-
-
-def _require_range(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise ValueError(f"{name} must be between {low:g} and {high:g}, got {value:g}")

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..scene import load_scene, robot_names, scene_names
 from ..servo import SERVOS
-from ..session import Settings
+from ..snapshot import Settings
 from ..transfer import TRANSFERS
 from . import BadInput
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..landscape import grid_axes, landscape
-from ..session import Session, Settings
+from ..session import Session
+from ..snapshot import Settings
 from ..transfer import TRANSFERS
 
 FINE_DEG, AROUND_DEG = 0.05, 1.5  # of the search for the transfer's own minimum about the grid's

@@ -1,0 +1,77 @@
+"""What a run depends on, and what one pass of its loop leaves behind: plain data, read by everything else."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+from numpy.typing import NDArray
+
+from .servo import SERVOS
+from .transfer import TRANSFERS
+from .views import FourViews
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """All that a run depends on: with equal settings it repeats itself to the last bit.
+
+    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    robot: a name or the path of a URDF, in place of the scene's.
+    """
+
+    scene: str = "panda"
+    robot: str | None = None
+    points: int = 10
+    demonstrator_deg: tuple[float, ...] | None = None
+    start_deg: tuple[float, ...] | None = None
+    transfer: str = "epipolar"
+    servo: str = "broyden"
+    noise_px: float = 0.0
+    missing: float = 0.0
+    seed: int = 7
+
+    def __post_init__(self):
+        _require_choice("transfer", self.transfer, TRANSFERS)
+        _require_choice("servo", self.servo, SERVOS)
+        _require_range("noise_px", self.noise_px, 0, 20)
+        _require_range("missing", self.missing, 0, 1)
+        if self.seed < 0:
+            raise ValueError(f"seed must not be negative, got {self.seed}")
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One pass of the loop. Arrays are of all N points; those not usable are NaN in recovered and residual.
+
+    theta, theta_demo: (m,) rad, the truth, for viewers only; views: what the learner saw;
+    usable: (N,) bool, seen in all four views; transfer: None with too few of them, E then NaN;
+    flatness: σ1/σ3 of the demonstrator's usable points in [l, r]; recovered, e: (N, 4) px in [L, R];
+    moved: (m,) rad, the motion that led here; probe: it was a probe;
+    status: ready, moving, converged, stalled, stopped.
+    """
+
+    settings: Settings
+    motion: int
+    look: int
+    theta: NDArray
+    theta_demo: NDArray
+    views: FourViews
+    usable: NDArray
+    transfer: Any
+    flatness: float
+    recovered: NDArray
+    e: NDArray
+    E: float
+    moved: NDArray
+    probe: bool
+    status: str
+    servo_state: Any
+
+
+def _require_choice(name: str, value: str, choices) -> None:
+    if value not in choices:
+        raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
+
+
+def _require_range(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name} must be between {low:g} and {high:g}, got {value:g}")

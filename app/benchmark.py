@@ -41,7 +41,9 @@ class QuietClient:
 
     scene: QuietHandle = field(default_factory=QuietHandle)
     gui: QuietHandle = field(default_factory=QuietHandle)
-    camera: SimpleNamespace = field(default_factory=lambda: SimpleNamespace(image_width=552, image_height=720))
+    camera: SimpleNamespace = field(
+        default_factory=lambda: SimpleNamespace(image_width=552, image_height=720, position=np.ones(3))
+    )
 
     def atomic(self):
         return contextlib.nullcontext()

@@ -129,7 +129,7 @@ class Page:
         size = (self._client.camera.image_width, self._client.camera.image_height)
         if size != self._canvas and min(size) > 0:
             self._canvas = size
-            self._scene.fit_view()
+            self._scene.fit_untouched_view()
 
     def _set_dark(self, dark) -> None:
         self._client.gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)

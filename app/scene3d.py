@@ -16,6 +16,7 @@ from .stage import LOOKS, VIEW_ROLES, Stage, on_plate, set_stage
 from .theme import rgb
 from .viewpoint import FOV, fitted_view
 
+UNTOUCHED = 0.01  # m that a camera may be off the fitted view and still count as there
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 
 
@@ -35,6 +36,7 @@ class Scene3D:
         self._nodes: list = []
         self._stage: Stage | None = None
         self._dark = False
+        self._found = self._fitted = np.array(client.camera.position)
 
     def build(self, world: World) -> None:
         """Set up the scene of a world, in place of the one before."""
@@ -91,6 +93,13 @@ class Scene3D:
         position, target = fitted_view(self._landmarks(), width / height, self._below / height)
         camera.fov = float(FOV)
         camera.position, camera.look_at = position, target
+        self._fitted = position
+
+    def fit_untouched_view(self) -> None:
+        """Fit again, unless the visitor has moved the camera from where the page put it or found it."""
+        here = self._client.camera.position
+        if min(np.linalg.norm(here - place) for place in (self._found, self._fitted)) < UNTOUCHED:
+            self.fit_view()
 
     def _landmarks(self) -> NDArray:
         """(k, 3) m: what the default view must hold."""

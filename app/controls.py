@@ -12,7 +12,7 @@ from viser import ClientHandle
 from viewimit.scene import Scene
 from viewimit.servo import SERVOS
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.snapshot import MOST_SEED, Settings
 from viewimit.transfer import TRANSFERS
 
 from .learner_bars import draw_learner
@@ -104,9 +104,13 @@ class Controls:
                 "Servo", [SERVO_NAMES[name] for name in SERVOS], SERVO_NAMES[settings.servo], "servo"
             )
         with gui.add_folder("Disturbances"):
-            self.noise = self._number(gui.add_slider("Noise px", 0.0, 2.0, 0.05, 0.0), "noise_px")
-            self.missing = self._number(gui.add_slider("Missing %", 0, 50, 1, 0), "missing")
-            self.seed = self._number(gui.add_number("Seed", settings.seed, min=0, max=2**31 - 1, step=1), "seed")
+            self.noise = self._number(
+                gui.add_slider("Noise px", 0.0, max(2.0, settings.noise_px), 0.05, 0.0), "noise_px"
+            )
+            self.missing = self._number(
+                gui.add_slider("Missing %", 0, max(50, round(100 * settings.missing)), 1, 0), "missing"
+            )
+            self.seed = self._number(gui.add_number("Seed", settings.seed, min=0, max=MOST_SEED, step=1), "seed")
         with gui.add_folder("Display", expand_by_default=False):
             self._build_display()
         gui.add_html(key_hints())

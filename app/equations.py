@@ -162,9 +162,9 @@ def _broyden(snapshot: Snapshot, state: BroydenState) -> str:
     centre = state.best.displacement
     step = np.degrees(snapshot.theta - np.radians(snapshot.settings.start_deg) - centre)
     note = f"D = {np.degrees(state.radius):.3g}°. "
-    if state.promised is None:
+    if snapshot.status in ("converged", "stalled"):
         note += "The next step would be below 0.1°: the servo rests."
-    else:
+    elif state.promised is not None and snapshot.transfer is not None:
         measured = _E_of(snapshot, state.best.own) - snapshot.E
         note += (
             f"θ* − c = ({_degrees(step)}). E was to fall by <b>{_short(state.promised)}</b>, and fell by "
@@ -176,6 +176,8 @@ def _broyden(snapshot: Snapshot, state: BroydenState) -> str:
 def _E_of(snapshot: Snapshot, own: NDArray) -> float:
     """E of images that were really seen, (N, 4) px, against the demonstrator as now seen."""
     views = snapshot.views.select(snapshot.usable).with_own(own[snapshot.usable])
+    if not np.isfinite(views.own).all():
+        return np.nan
     return float(conflict(residual(TRANSFERS[snapshot.settings.transfer](views), views)))
 
 

@@ -25,7 +25,7 @@ def compute(world: World, snapshot: Snapshot) -> Landscape | None:
 
 
 class LandscapeWorker:
-    """`ask` returns at once; `done(result)` is called from the worker's thread."""
+    """`ask` returns at once; `done(result or exception)` is called from the worker's thread."""
 
     def __init__(self):
         self._wishes: dict[int, tuple] = {}
@@ -49,6 +49,8 @@ class LandscapeWorker:
                 page_id = next(iter(self._wishes))
                 make, done = self._wishes.pop(page_id)
             try:
-                done(make())
-            except Exception:  # one page's fault must not end the others' landscapes
+                made = make()
+            except Exception as error:  # one page's fault must not end the others' landscapes; its page says so
                 traceback.print_exc()
+                made = error
+            done(made)

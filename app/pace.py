@@ -8,6 +8,7 @@ from viewimit.session import Session
 
 MOTION_SHARE, LONGEST_MOTION = 0.85, 1.2  # of the period; s: how long the arm is seen to move
 SINGLE_STEP = 0.45  # s a motion takes that was asked for singly
+LATE = 0.05  # s that a tick may be late without the pace giving way
 BUDGET = 0.02  # s a tick for stepping as fast as it computes
 
 
@@ -46,7 +47,7 @@ class Pace:
                 self._rest_unless(self._session.step())
             self._motion = None
         elif now >= self._next:
-            self._next = max(self._next + 1 / self.speed, now)
+            self._next = max(self._next, now - LATE) + 1 / self.speed
             self._move(now, min(MOTION_SHARE / self.speed, LONGEST_MOTION))
 
     def step(self, now: float) -> None:

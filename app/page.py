@@ -1,5 +1,7 @@
 """One page: a session, its pace, its drawings. Built in viser's thread, then ticked by the scheduler alone."""
 
+from collections.abc import Callable
+
 import numpy as np
 from viser import ClientHandle
 
@@ -61,18 +63,22 @@ class Page:
 
     def tick(self, now: float) -> None:
         values, actions = self._inbox.take()
+        for name, value in values.items():
+            self._allow(now, self._visitor.set, name, value)
+        for action in actions:
+            self._allow(now, self._visitor.act, action, now)
+        self._pace.advance(now)
+        self._draw(now)
+
+    def _allow(self, now: float, carry_out: Callable, what: str, *value) -> None:
+        """Carry out one wish of the visitor; one that cannot be is said, and the others go on."""
         try:
-            for name, value in values.items():
-                self._visitor.set(name, value)
-            for action in actions:
-                self._visitor.act(action, now)
-            if "reset" in actions:
+            if what == "reset":
                 self._message = None
+            carry_out(what, *value)
         except ValueError as refusal:
             self._say(str(refusal), now + MESSAGE_STAYS)
             self._controls.show(self._session.settings)
-        self._pace.advance(now)
-        self._draw(now)
 
     def _draw(self, now: float) -> None:
         present = self._session.snapshot

@@ -67,7 +67,7 @@ class Panels:
     def set_world(self, world: World, snapshot: Snapshot) -> None:
         """Prepare for another scene: silhouettes, windows of the images, an empty landscape."""
         loaded = meshes.link_meshes(world.scene.robot)
-        self._world = world
+        self._world, self._begun = world, snapshot
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in loaded.items()}, world)
         self._windows = image_windows(world)
         self.show_landscape(MadeLandscape(world, LandscapePicture(None, world.scene, snapshot), None))
@@ -113,8 +113,11 @@ class Panels:
             E_true = E_true if np.isfinite(E_true) else None
         return MadeLandscape(world, LandscapePicture(made, world.scene, snapshot), E_true)
 
-    def show_landscape(self, made: MadeLandscape) -> None:
+    def show_landscape(self, made: MadeLandscape | Exception) -> None:
         """Take over a landscape, unless the scene has changed meanwhile."""
+        if isinstance(made, Exception):
+            picture = LandscapePicture(None, self._world.scene, self._begun, f"no landscape: {made}"[:60])
+            made = MadeLandscape(self._world, picture, None)
         if made.world is self._world:
             self.landscape = made
             _put(self._landscape, made.picture.html)

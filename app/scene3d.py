@@ -40,10 +40,10 @@ class Scene3D:
 
     def build(self, world: World) -> None:
         """Set up the scene of a world, in place of the one before."""
+        for node in self._nodes:  # before the arms, whose removal takes along what hangs on them
+            node.remove()
         for arm in self._arms.values():
             arm.remove()
-        for node in self._nodes:
-            node.remove()
         if self._stage is not None:
             self._stage.remove()
         self._world, self._nodes, self._demo_points = world, [], None

@@ -33,6 +33,14 @@ class Scheduler:
             if page in self._pages:
                 self._pages.remove(page)
 
+    def _tell(self, page, error: Exception) -> None:
+        """Let a page say its own fault; one that cannot even do that is ticked no more."""
+        try:
+            page.fail(error)
+        except Exception:
+            traceback.print_exc()
+            self.remove(page)
+
     def _run(self) -> None:
         next_tick = time.monotonic()
         while self._running:
@@ -43,7 +51,7 @@ class Scheduler:
                     page.tick(time.monotonic())
                 except Exception as error:  # one session's fault must not stop the others; its own page says so
                     traceback.print_exc()
-                    page.fail(error)
+                    self._tell(page, error)
             next_tick += TICK
             delay = next_tick - time.monotonic()
             if delay > 0:

@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import gc
+import html
 import io
 import signal
 import socket
@@ -74,9 +75,9 @@ def _is_free(host: str, port: int) -> bool:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             probe.bind(address)
     except OSError as error:
-        if error.errno in (errno.EADDRINUSE, errno.EACCES):
+        if error.errno == errno.EADDRINUSE:
             return False
-        raise OSError(f"cannot listen on {host}: {error.strerror}") from None
+        raise OSError(f"cannot listen on {host}, port {port}: {error.strerror}") from None
     return True
 
 
@@ -90,7 +91,7 @@ class App:
     """Pages by client id. viser's threads connect and disconnect, the scheduler draws."""
 
     def __init__(self, server: viser.ViserServer, settings: Settings, max_clients: int):
-        self._settings, self._max_clients = settings, max_clients
+        self._server, self._settings, self._max_clients = server, settings, max_clients
         self._pages: dict[int, Page] = {}
         self._lock = threading.Lock()
         self._scheduler, self._worker = Scheduler(), LandscapeWorker()
@@ -112,12 +113,18 @@ class App:
         if full:
             client.gui.add_html("<p>All seats are taken. Close a tab elsewhere, then reload this one.</p>")
             return
-        page = Page(client, self._worker, self._settings)
+        try:
+            page = Page(client, self._worker, self._settings)
+        except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
+            client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
+            self._disconnect(client)
+            return
         with self._lock:
-            if client.client_id not in self._pages:  # the tab closed while its page was built
-                return
-            self._pages[client.client_id] = page
-        self._scheduler.add(page)
+            if client.client_id in self._pages:  # else the tab closed while its page was built
+                self._pages[client.client_id] = page
+                self._scheduler.add(page)
+        if client.client_id not in self._server.get_clients():  # it closed before this callback ran
+            self._disconnect(client)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         with self._lock:

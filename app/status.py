@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from viewimit.geometry.affine import MIN_POINTS
+from viewimit.servo.gradient import GradientState
 from viewimit.session import MAX_HISTORY
 from viewimit.snapshot import Snapshot
 
@@ -68,6 +69,11 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
         return "ill-conditioned", f"{gauge}: {ILL[snapshot.settings.transfer]}; {E}."
     if snapshot.status == "converged":
         return "converged", f"{E} after {_motions(snapshot.motion)}; {_rest(snapshot)}."
+    if isinstance(snapshot.servo_state, GradientState) and snapshot.status == "stalled":
+        return (
+            "stalled",
+            f"{E} after {_motions(snapshot.motion)}; not lower for {snapshot.servo_state.since_best} motions.",
+        )
     if snapshot.status == "stalled":
         return "stalled", f"{E} after {_motions(snapshot.motion)}, and it no longer falls; move an arm or reset."
     if snapshot.motion == 0:

@@ -436,3 +436,13 @@ def bilinear(values, row, column):
     a, b = row - i, column - j
     top = (1 - b) * values[i, j] + b * values[i, j + 1]
     return (1 - a) * top + a * ((1 - b) * values[i + 1, j] + b * values[i + 1, j + 1])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_equations_and_status_survive_the_loss_of_points(seed):
+    session = Session(Settings(points=16, missing=0.25, transfer="linear", seed=seed))
+    for _ in range(15):
+        session.step()
+        ElementTree.fromstring(equations.draw_equations(session.snapshot).replace("&nbsp;", " "))
+        state, _ = status.describe(session.snapshot)
+        assert (state == "stopped") == (session.snapshot.transfer is None)

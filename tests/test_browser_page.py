@@ -136,6 +136,8 @@ def test_step_undo_reset_by_button_and_key(page):
     press(page, "r")
     wait_until(page, lambda: posture(page) == start)
     wait_for_status(page, "Ready")
+    set_number(page, "θ₂", 60)  # the landscape still follows
+    page.wait_for_function("document.body.textContent.includes('demonstrator (60°')")
 
 
 def test_the_demonstrator_may_move_while_the_loop_runs(page):

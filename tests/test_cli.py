@@ -192,7 +192,7 @@ def files(tmp_path, monkeypatch):
         ("imitate --noise-px nan", "--noise-px: noise_px must be between 0 and 20, got nan"),
         ("imitate --noise-px much", "--noise-px: invalid float value: 'much'"),
         ("imitate --missing 1.2", "--missing: missing must be between 0 and 1, got 1.2"),
-        ("imitate --seed -1", "--seed: seed must not be negative, got -1"),
+        ("imitate --seed -1", "--seed: seed must be between 0 and 4294967295, got -1"),
         ("imitate --seed 1.5", "--seed: invalid int value: '1.5'"),
         ("imitate --max-motions -1", "--max-motions: must be between 0 and 5000, got -1"),
         ("imitate --colour red", "unrecognized arguments: --colour red"),

@@ -50,6 +50,7 @@ def test_extends_takes_over_what_is_not_repeated(scene_file):
         ('extends = "panda"\nrobot = "r2d2"\n', "no robot 'r2d2'; there are iiwa, panda"),
         ('extends = "panda"\n[points]\n3 = [[0, 0, 0, 0]]\n', "points.3 has 1 points"),
         ('extends = "panda"\n[points]\n1 = [[8, 0, 0, 0]]\n', "points.1: links are 0 … 7"),
+        ('extends = "panda"\nmoving_joints = [4, 2]\n', "moving_joints .* must ascend"),
         ('extends = "nowhere"\n', "extends 'nowhere', but there is no"),
         ("title = \n", "Invalid value"),
         ("[points\n", "Expected"),

@@ -60,5 +60,17 @@ def test_a_failing_landscape_does_not_end_the_worker(capsys):
     worker, made = LandscapeWorker(), []
     worker.ask(0, lambda: 1 / 0, made.append)
     worker.ask(1, lambda: "next", made.append)
-    wait_until(lambda: made == ["next"])
+    wait_until(lambda: len(made) == 2)
+    assert isinstance(made[0], ZeroDivisionError) and made[1] == "next"  # its page gets the fault, to say it
     assert "ZeroDivisionError" in capsys.readouterr().err
+
+
+def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(capsys):
+    scheduler, good, bad = Scheduler(), Counting(), Counting(RuntimeError("broken"))
+    bad.fail = lambda error: 1 / 0
+    scheduler.add(bad)
+    scheduler.add(good)
+    scheduler.start()
+    wait_until(lambda: good.ticks >= 5)
+    scheduler.stop()
+    assert bad.ticks == 1 and "ZeroDivisionError" in capsys.readouterr().err

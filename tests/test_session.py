@@ -218,3 +218,23 @@ def test_another_robot_takes_the_place_of_the_scenes(tmp_path):
     session = Session(Settings(transfer="linear", robot=str(path)))
     assert session.world.robot.name == "shorter"
     assert not np.allclose(session.snapshot.views.own, shipped.snapshot.views.own)
+
+
+def test_a_demonstrator_that_moves_is_not_taken_for_convergence():
+    rng, session = np.random.default_rng(5), Session(Settings(transfer="linear"))
+    for _ in range(25):
+        session.pose(rng.uniform(session.scene.lower, session.scene.upper))
+        for _ in range(rng.integers(1, 40)):
+            session.step()
+        if session.snapshot.status == "converged":
+            assert np.degrees(np.abs(session.snapshot.theta - session.snapshot.theta_demo)).max() < 8  # affine bias
+
+
+def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
+    session = Session(Settings(servo="gradient-retuned", transfer="linear"))
+    for _ in range(400):
+        session.step()
+    session.pose(np.radians([70, -60]))
+    assert session.snapshot.status == "moving" and session.snapshot.servo_state.since_best == 0
+    session.step()
+    assert session.snapshot.status == "moving"

@@ -152,3 +152,25 @@ def test_the_inbox_keeps_the_newest_value_and_the_order_of_actions():
     values, actions = inbox.take()
     assert values == {"joint0": 999, "joint1": -3} and 1 <= len(actions) <= 200
     assert inbox.take() == ({}, [])
+
+
+def test_reset_keeps_the_world_and_its_drawings(page):
+    session, _, _, visitor, drawn = page
+    world = session.world
+    session.step()
+    visitor.act("reset", 0.0)
+    assert session.snapshot.motion == 0 and session.world is world and not drawn
+
+
+@pytest.mark.parametrize("speed", [0.5, 4.0])
+def test_motions_keep_their_distance_in_time(page, speed):
+    session, pace, _, _, _ = page
+    pace.toggle()
+    pace.speed = speed
+    motions = []
+    for tick in range(100):
+        before = session.snapshot.motion
+        pace.advance(0.05 * tick + 7.0)
+        if session.snapshot.motion > before:
+            motions.append(0.05 * tick)
+    assert len(motions) >= 3 and np.diff(motions) == pytest.approx(1 / speed, abs=0.051)

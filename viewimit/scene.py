@@ -178,6 +178,8 @@ def _check(scene: Scene) -> None:
     n, m = len(robot.joints), len(scene.moving_joints)
     if len(scene.posture_deg) != n:
         raise ValueError(f"posture_deg has {len(scene.posture_deg)} angles, but {robot.name} has {n} joints")
+    if list(scene.moving_joints) != sorted(scene.moving_joints):
+        raise ValueError(f"moving_joints {list(scene.moving_joints)} must ascend, base to tip")
     if not 0 < m == len(set(scene.moving_joints)) == len(scene.range_deg) == len(scene.start_deg):
         raise ValueError("moving_joints, range_deg and start_deg must name the same joints once each")
     for joint, (low, high) in zip(scene.moving_joints, scene.range_deg):

@@ -33,7 +33,7 @@ class Session:
     """
 
     def __init__(self, settings: Settings | None = None):
-        self.world: World
+        self.world: World | None = None
         self.history: list[Snapshot]
         self.cursor: int
         self.begin(settings or Settings())
@@ -129,7 +129,11 @@ class Session:
         theta_demo = self.scene.require_posture(theta_demo, "demonstrator's")
         settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(theta_demo))
         now = replace(now, theta_demo=theta_demo)
-        self._replace(self.observe(now.theta, now, settings, status=_awake(now)))
+        now = self.observe(now.theta, now, settings, status=_awake(now))
+        if now.servo_state is not None:
+            state = SERVOS[settings.servo].retarget(now.servo_state, self._observation(now))
+            now = replace(now, servo_state=state)
+        self._replace(now)
 
     def undo(self) -> bool:
         """One motion back; the later ones stay until the next step."""
@@ -153,7 +157,9 @@ class Session:
         demo = scene.require_posture(np.radians(_given(settings.demonstrator_deg, rest)), "demonstrator's")
         start = scene.require_posture(np.radians(_given(settings.start_deg, scene.start_deg)), "learner's start")
         settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(demo), start_deg=_degrees(start))
-        world, empty = World(scene, settings.points), np.empty((0, 4))
+        world, empty = self.world, np.empty((0, 4))
+        if world is None or world.scene != scene or len(world.body) != settings.points:
+            world = World(scene, settings.points)
         nothing = FourViews(empty, empty, np.empty((0, 4), bool))
         blank = Snapshot(
             settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,

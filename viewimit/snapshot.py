@@ -10,6 +10,8 @@ from .servo import SERVOS
 from .transfer import TRANSFERS
 from .views import FourViews
 
+MOST_SEED = 2**32 - 1
+
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """All that a run depends on: with equal settings it repeats itself to the last bit.
@@ -34,8 +36,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_choice("servo", self.servo, SERVOS)
         _require_range("noise_px", self.noise_px, 0, 20)
         _require_range("missing", self.missing, 0, 1)
-        if self.seed < 0:
-            raise ValueError(f"seed must not be negative, got {self.seed}")
+        _require_range("seed", self.seed, 0, MOST_SEED)
 
 
 @dataclass(frozen=True)
@@ -74,4 +75,4 @@ def _require_choice(name: str, value: str, choices) -> None:
 
 def _require_range(name: str, value: float, low: float, high: float) -> None:
     if not low <= value <= high:
-        raise ValueError(f"{name} must be between {low:g} and {high:g}, got {value:g}")
+        raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")

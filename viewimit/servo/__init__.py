@@ -1,9 +1,10 @@
 """Servo laws: from what the learner saw to its next displacement.
 
-A servo knows image points and its own displacements, never a posture, a body or a camera. It has two
-methods, start(observation) -> state and step(state, observation, conflict) -> (state, displacement), both
-without side effects. `conflict(own) -> residual` tells what the residual would be of images
-(..., N, 4) that the servo predicts; the transfer behind it needs no motion to be asked.
+A servo knows image points and its own displacements, never a posture, a body or a camera. Its methods have
+no side effects: start(observation) -> state; step(state, observation, conflict) -> (state, displacement); and
+retarget(state, observation) -> state when E has changed by itself, because the demonstrator moved, say.
+`conflict(own) -> residual` tells what the residual would be of images (..., N, 4) that the servo predicts; the
+transfer behind it needs no motion to be asked.
 """
 
 from .broyden import Broyden

@@ -62,6 +62,10 @@ class Broyden:
         m = len(seen.displacement)
         return BroydenState(np.zeros(seen.own.shape + (m,)), here, here, float(FIRST_RADIUS), tuple(range(m)))
 
+    def retarget(self, state: BroydenState, seen: Observation) -> BroydenState:
+        """What was learned of the own images stays; the region and the promise were about another E."""
+        return replace(state, radius=float(FIRST_RADIUS), promised=None, status="moving")
+
     def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
         state, here = _learn(state, seen)
         state = _judge(state, here, conflict)

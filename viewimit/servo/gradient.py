@@ -9,7 +9,7 @@ has vanished with E, the arm stands still. `RETUNED` names values with which it 
 paper give a test of convergence, and E alone is none (its least value is not 0): this law never claims to be there.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,10 @@ class Gradient:
         m = len(seen.displacement)
         c = self.constants
         return GradientState(np.resize(c.jacobian, m), c.covariance * np.eye(m), seen.displacement, seen.E, seen.E)
+
+    def retarget(self, state: GradientState, seen: Observation) -> GradientState:
+        """The jump of E is no effect of the last motion, and says nothing of progress."""
+        return replace(state, displacement=seen.displacement, E=seen.E, best_E=np.inf, since_best=0, status="moving")
 
     def step(self, state: GradientState, seen: Observation, conflict: Conflict) -> tuple[GradientState, NDArray]:
         moved = np.degrees(seen.displacement - state.displacement)

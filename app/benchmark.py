@@ -16,6 +16,7 @@ from viewimit.snapshot import Settings
 
 from .panels import Panels
 from .scene3d import Scene3D
+from .visitor import View
 
 RUNS = 25
 
@@ -54,7 +55,7 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
     session = Session(settings)
     panels = Panels(QuietClient(), False, lambda: None)
     scene = Scene3D(QuietClient(), lambda point: None, 60.0)
-    show = {"rays": True, "residuals": True, "whole_frames": False}
+    show = View().show
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
     for start in np.random.default_rng(0).uniform(*np.transpose(session.scene.range_deg), (RUNS, 2)):
         session.begin(Settings(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))

@@ -12,7 +12,7 @@ from viewimit.world import World
 
 from . import meshes
 from .arms import Arm, link_name, share_meshes, skeleton_frames
-from .stage import LOOKS, VIEW_ROLES, Stage, on_plate, set_stage
+from .stage import LOOKS, VIEW_ROLES, Stage, plate_map, set_stage
 from .theme import rgb
 from .viewpoint import FOV, fitted_view
 
@@ -54,6 +54,7 @@ class Scene3D:
         }
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
         self._cameras = (*world.demo_cameras, *world.own_cameras)
+        self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
         for arm in self._bases:
             for i in range(len(world.body)):
                 self._add_point(arm, i)
@@ -178,9 +179,9 @@ class Scene3D:
 
     def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
         """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
-        images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1)
-        plates = [on_plate(camera, images[:, 2 * k : 2 * k + 2]) for k, camera in enumerate(self._cameras)]
-        return np.array(plates), snapshot.views.visible.T
+        images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1).reshape(-1, 4, 2)
+        plates = images.swapaxes(0, 1) @ self._plate_A.swapaxes(1, 2) + self._plate_b[:, None]
+        return plates, snapshot.views.visible.T
 
     def _draw_rays(self, plates: NDArray, seen: NDArray, demo, own, chosen: int | None, show) -> None:
         far_away = np.array([0, 0, -50.0])

@@ -185,12 +185,16 @@ class Stage:
         )
 
 
+def plate_map(camera: Camera) -> tuple[NDArray, NDArray]:
+    """A (3, 2), b (3,): an image point x px lies at A x + b m on the plate in front of the camera."""
+    T, k = camera.T_world_camera, PLATE / camera.focal
+    return k * T[:3, :2], PLATE * T[:3, 2] - k * T[:3, :2] @ camera.centre + T[:3, 3]
+
+
 def on_plate(camera: Camera, image: NDArray) -> NDArray:
     """image: (k, 2) px → (k, 3) m on the plate in front of the camera."""
-    x = (image[:, 0] - camera.centre[0]) / camera.focal
-    y = (image[:, 1] - camera.centre[1]) / camera.focal
-    T = camera.T_world_camera
-    return np.column_stack([x, y, np.ones_like(x)]) * PLATE @ T[:3, :3].T + T[:3, 3]
+    A, b = plate_map(camera)
+    return image @ A.T + b
 
 
 def corners(camera: Camera) -> NDArray:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 MIN_POINTS = 5  # with four, the centred 4 x N matrix has rank 3: any images fit, E would be identically 0
 LAGUERRE_STEPS = 20  # a bound: the iteration stops by itself, after 3 or 4 steps in the shipped scenes
 CONVERGED = 1e-6  # last step, relative to the trace of W; the steps shrink cubically, and the next would be rounding
+FEW = 32  # eigenproblems that LAPACK solves sooner, one by one, than array operations all at once
 FLAT = 1e-10  # f' of a double root, relative to the trace³: steps stay short where f and f' are rounding errors
 NEARLY_EQUAL = 1e-5  # of the cofactors of f, relative to the trace³: below, LAPACK takes over; above, f errs by 1e-10
 
@@ -77,8 +78,10 @@ def smallest_eigenpair(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDA
     λ is a root of the characteristic polynomial. With f = [x; y], the lower half of (W - λ)f = 0 gives
     y = -(Q - λ)⁻¹Mᵀx, and x is in the kernel of the Schur complement S = P - λ - M(Q - λ)⁻¹Mᵀ, which is taken
     from its adjugate. Where the smallest two eigenvalues nearly coincide, or f has no part in [p], that
-    vanishes: those few go to LAPACK.
+    vanishes: those few go to LAPACK, and so does all of a batch so short that its loop costs less than numpy's calls.
     """
+    if M[0, 0].size <= FEW:
+        return _by_lapack(P, M, Q)
     s3, s2, s1, s0, M_adj_Q = _characteristic(P, M, Q)
     smallest = _smallest_root(s3, s2, s1, s0)
     c, d, k = Q[0, 0] - smallest, Q[1, 1] - smallest, Q[0, 1]
@@ -106,12 +109,15 @@ def smallest_eigenpair(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDA
         f /= np.sqrt(np.einsum("i...,i...->...", f, f))
     weak = ~(size > NEARLY_EQUAL * s3 * s3 * s3)
     if weak.any():
-        smallest[weak], f[:, weak] = _by_lapack(P, M, Q, weak)
+        smallest[weak], f[:, weak] = _by_lapack(*(block[:, :, weak] for block in (P, M, Q)))
     return smallest, f
 
 
 def extreme_eigenvalues(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
     """Smallest and largest eigenvalue of [[P, M], [Mᵀ, Q]], positive semi-definite, from blocks (2, 2, ...)."""
+    if M[0, 0].size <= FEW:
+        values = np.linalg.eigvalsh(_joined(P, M, Q))
+        return values[..., 0], values[..., 3]
     s3, s2, s1, s0, _ = _characteristic(P, M, Q)
     # λ → s3 - λ mirrors the polynomial, so that the largest root becomes the smallest of another one
     squared = s3 * s3
@@ -178,8 +184,14 @@ def _inner(a: NDArray, b: NDArray) -> NDArray:
     return np.einsum("ij...,ij...->...", a, b)
 
 
-def _by_lapack(P: NDArray, M: NDArray, Q: NDArray, chosen: NDArray) -> tuple[NDArray, NDArray]:
-    """The smallest eigenpair where `chosen`: (K,), (4, K)."""
-    P, M, Q = (np.moveaxis(block[:, :, chosen], -1, 0) for block in (P, M, Q))
-    values, vectors = np.linalg.eigh(np.block([[P, M], [np.swapaxes(M, 1, 2), Q]]))
-    return values[:, 0], vectors[:, :, 0].T
+def _by_lapack(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
+    """The smallest eigenpair of each: (...), (4, ...)."""
+    values, vectors = np.linalg.eigh(_joined(P, M, Q))
+    return values[..., 0], np.moveaxis(vectors[..., 0], -1, 0)
+
+
+def _joined(P: NDArray, M: NDArray, Q: NDArray) -> NDArray:
+    """W: (..., 4, 4) of its blocks (2, 2, ...)."""
+    W = np.empty((4, 4) + M.shape[2:])
+    W[:2, :2], W[:2, 2:], W[2:, :2], W[2:, 2:] = P, M, M.swapaxes(0, 1), Q
+    return np.moveaxis(W, (0, 1), (-2, -1))

@@ -22,7 +22,7 @@ SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mo
 ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # of the search on predicted images; rad
 WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
 GAIN_LEFT = 0.01  # share of E that a step cut short by the region must still promise to count as stalled
-DAMPINGS = np.array([0.0, 1e-1, 1.0, 10.0])
+DAMPINGS = np.array([0.0, 1.0])
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 
 
@@ -41,7 +41,8 @@ class Visit:
 @dataclass(frozen=True)
 class BroydenState:
     """jacobian: (N, 4, m) px/rad; best and last: visits; radius: rad; promised: decrease of E predicted
-    for the motion just made, None after a probe; probes: joints still to probe."""
+    for the motion just made, None after a probe; best_E: px², None where it must be asked for; probes: joints
+    still to probe."""
 
     jacobian: NDArray
     best: Visit
@@ -49,6 +50,7 @@ class BroydenState:
     radius: float
     probes: tuple[int, ...]
     promised: float | None = None
+    best_E: float | None = None
     status: str = "moving"
     probe: bool = False
 
@@ -64,11 +66,11 @@ class Broyden:
 
     def retarget(self, state: BroydenState, seen: Observation) -> BroydenState:
         """What was learned of the own images stays; the region and the promise were about another E."""
-        return replace(state, radius=float(FIRST_RADIUS), promised=None, status="moving")
+        return replace(state, radius=float(FIRST_RADIUS), promised=None, best_E=None, status="moving")
 
     def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
         state, here = _learn(state, seen)
-        state = _judge(state, here, conflict)
+        state = _judge(state, here, seen.E, conflict)
         if state.probes:
             return _probe(state, seen)
         low = np.maximum(seen.lower, state.best.displacement - state.radius)
@@ -110,12 +112,15 @@ def _by_coordinate(seen: NDArray) -> NDArray:
     return np.repeat(seen, 2, axis=-1)
 
 
-def _judge(state: BroydenState, here: Visit, conflict: Conflict) -> BroydenState:
+def _judge(state: BroydenState, here: Visit, E_here: float, conflict: Conflict) -> BroydenState:
     """Keep the better of the best and this visit, and size the region by how true the promise was.
 
-    The best visit is judged anew on its stored images, for the demonstrator may have moved since.
+    Where E changed by itself, or points are missing so that E is of others each time, both are judged anew on
+    their images.
     """
-    E_best, E_here = evaluate(conflict(np.stack([state.best.own, here.own])))
+    E_best = state.best_E
+    if E_best is None or not (here.seen.all() and state.best.seen.all()):
+        E_best, E_here = map(float, evaluate(conflict(np.stack([state.best.own, here.own]))))
     radius = state.radius
     if state.promised is not None:
         ratio = (E_best - E_here) / max(state.promised, 1e-12)
@@ -124,8 +129,8 @@ def _judge(state: BroydenState, here: Visit, conflict: Conflict) -> BroydenState
             radius = max(0.4 * step, MIN_RADIUS)
         elif ratio > GROW_ABOVE and step > 0.8 * radius:
             radius = min(2 * radius, MAX_RADIUS)
-    best = here if E_here <= E_best else state.best
-    return replace(state, best=best, radius=float(radius))
+    best, best_E = (here, E_here) if E_here <= E_best else (state.best, E_best)
+    return replace(state, best=best, best_E=best_E, radius=float(radius))
 
 
 def _probe(state: BroydenState, seen: Observation) -> tuple[BroydenState, NDArray]:
@@ -146,8 +151,7 @@ def minimise(
     Levenberg-Marquardt; each round asks for all damped candidates and their difference quotients in one batch.
     """
     m = len(centre)
-    reach = 0.5 * np.concatenate([np.eye(m) * (high - centre), np.eye(m) * (low - centre)])
-    candidates = np.clip(centre + np.concatenate([np.zeros((1, m)), reach]), low, high)
+    candidates = centre[None]
     best, best_E, first_E = centre, np.inf, None
     for _ in range(ROUNDS):
         inward = np.where(candidates + DIFFERENCE > high, -DIFFERENCE, DIFFERENCE)

@@ -1,5 +1,7 @@
 """Rotations and frames. `T_a_b` takes points of frame b to frame a; cameras look along +z, x right, y down."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -9,11 +11,22 @@ def rotation_about_axis(axis: ArrayLike, angle: ArrayLike) -> NDArray:
 
     The matrix axes come first so that a grid of angles stays contiguous in memory.
     """
-    x, y, z = np.asarray(axis, float) / np.linalg.norm(axis)
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    K, K_squared = _skew(*map(float, axis))
     angle = np.asarray(angle, float)
-    shape = (3, 3) + (1,) * angle.ndim
-    return np.eye(3).reshape(shape) + np.sin(angle) * K.reshape(shape) + (1 - np.cos(angle)) * (K @ K).reshape(shape)
+    if angle.ndim:
+        shape = (3, 3) + (1,) * angle.ndim
+        K, K_squared, identity = K.reshape(shape), K_squared.reshape(shape), np.eye(3).reshape(shape)
+    else:
+        identity = np.eye(3)
+    return identity + np.sin(angle) * K + (1 - np.cos(angle)) * K_squared
+
+
+@lru_cache(maxsize=256)  # a robot asks for the same few axes at every posture
+def _skew(x: float, y: float, z: float) -> tuple[NDArray, NDArray]:
+    """[a]× and [a]×² of the normalised axis."""
+    x, y, z = np.array([x, y, z]) / np.linalg.norm([x, y, z])
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return K, K @ K
 
 
 def rotation_from_rpy(rpy: ArrayLike) -> NDArray:

@@ -42,12 +42,10 @@ class Camera:
 
     def ray(self, image: ArrayLike) -> NDArray:
         """image: (..., 2) px → unit directions (..., 3) in the world."""
-        u, v = np.moveaxis(np.asarray(image, float), -1, 0)
-        in_camera = np.stack(
-            [(u - self.centre[0]) / self.focal, (v - self.centre[1]) / self.focal, np.ones_like(u)], -1
-        )
-        in_world = in_camera @ self.T_world_camera[:3, :3].T
-        return in_world / np.linalg.norm(in_world, axis=-1, keepdims=True)
+        right, down, forward = self.T_world_camera[:3, :3].T
+        x, y = np.moveaxis((np.asarray(image, float) - self.centre) / self.focal, -1, 0)[..., None]
+        in_world = x * right + y * down + forward
+        return in_world / np.sqrt(np.einsum("...i,...i->...", in_world, in_world))[..., None]
 
 
 @dataclass(frozen=True)

@@ -87,10 +87,11 @@ class Session:
         recovered = np.full_like(views.own, np.nan)
         transfer, E, shape = None, np.nan, np.inf
         if usable.sum() >= MIN_POINTS:
-            transfer = TRANSFERS[settings.transfer](views.select(usable))
-            recovered[usable] = transfer.recover(views.demo_left[usable], views.demo_right[usable])
-            E = float(conflict(residual(transfer, views.select(usable))))
-            shape = flatness(views.demo[usable])
+            seen = views.select(usable)
+            transfer = TRANSFERS[settings.transfer](seen)
+            recovered[usable] = transfer.recover(seen.demo_left, seen.demo_right)
+            E = float(conflict(seen.own - recovered[usable]))
+            shape = flatness(seen.demo)
         else:
             changes["status"] = "stopped"
         e = views.own - recovered

@@ -77,9 +77,11 @@ class Broyden:
         high = np.minimum(seen.upper, state.best.displacement + state.radius)
         centre = state.best.displacement
 
+        shape = state.best.own.shape
+        per_rad = state.jacobian.reshape(-1, len(centre)).T
+
         def residual_at(theta: NDArray) -> NDArray:
-            own = state.best.own + np.einsum("nkj,...j->...nk", state.jacobian, theta - centre)
-            return conflict(own)
+            return conflict(state.best.own + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
 
         target, promised = minimise(residual_at, centre, low, high)
         step = target - seen.displacement
@@ -150,13 +152,14 @@ def minimise(
 
     Levenberg-Marquardt; each round asks for all damped candidates and their difference quotients in one batch.
     """
-    m = len(centre)
+    m, joints = len(centre), np.arange(len(centre))
     candidates = centre[None]
     best, best_E, first_E = centre, np.inf, None
     for _ in range(ROUNDS):
         inward = np.where(candidates + DIFFERENCE > high, -DIFFERENCE, DIFFERENCE)
-        offsets = np.concatenate([np.zeros((len(candidates), 1, m)), inward[:, :, None] * np.eye(m)], axis=1)
-        e = residual_at(candidates[:, None] + offsets)
+        asked = np.repeat(candidates[:, None], m + 1, axis=1)
+        asked[:, joints + 1, joints] += inward
+        e = residual_at(asked)
         E = evaluate(e[:, 0])
         first_E = E[0] if first_E is None else first_E  # the first candidate is the centre
         k = int(np.argmin(E))
@@ -179,7 +182,8 @@ def minimise(
 def _damped_steps(gradient: NDArray, hessian: NDArray, free: NDArray) -> NDArray:
     """(H + λ diag H)⁻¹ g over the free joints, for every damping λ → (len(DAMPINGS), m)."""
     H, g = hessian[np.ix_(free, free)], gradient[free]
-    diagonal = np.diag(np.diag(H) + 1e-12 * max(np.trace(H), 1e-300))
+    own = H.diagonal()
+    damped = H + (DAMPINGS[:, None] + 1e-9)[..., None] * np.diag(own + 1e-12 * max(own.sum(), 1e-300))
     steps = np.zeros((len(DAMPINGS), len(gradient)))
-    steps[:, free] = np.linalg.solve(H + (DAMPINGS[:, None, None] + 1e-9) * diagonal, g[None, :, None])[..., 0]
+    steps[:, free] = np.linalg.solve(damped, g[:, None])[..., 0]
     return steps

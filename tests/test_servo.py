@@ -46,7 +46,7 @@ def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_targ
         state, step = servo.step(state, world.observe(theta, motion), world.conflict)
         assert state.probe == (motion < m)
         if motion == m:
-            np.testing.assert_allclose(state.jacobian, world.jacobian, atol=1e-8)
+            np.testing.assert_allclose(state.model.jacobian, world.jacobian, atol=1e-8)
         theta = theta + step
     assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
     state, step = servo.step(state, world.observe(theta, m + 2), world.conflict)
@@ -64,9 +64,9 @@ def test_broyden_does_not_learn_from_points_that_were_not_seen():
     own[0, 2:] = 1e6
     learned, _ = servo.step(state, replace(after, own=own, seen=hidden), world.conflict)
     joint = int(np.argmax(np.abs(step)))
-    np.testing.assert_allclose(learned.jacobian[0, :2, joint], world.jacobian[0, :2, joint], atol=1e-8)
-    assert not learned.jacobian[0, 2:].any()
-    np.testing.assert_allclose(learned.jacobian[1:, :, joint], world.jacobian[1:, :, joint], atol=1e-8)
+    np.testing.assert_allclose(learned.model.jacobian[0, :2, joint], world.jacobian[0, :2, joint], atol=1e-8)
+    assert not learned.model.jacobian[0, 2:].any()
+    np.testing.assert_allclose(learned.model.jacobian[1:, :, joint], world.jacobian[1:, :, joint], atol=1e-8)
 
 
 def test_broyden_completes_a_posture_by_points_that_it_saw_later():
@@ -81,7 +81,7 @@ def test_broyden_completes_a_posture_by_points_that_it_saw_later():
     state, _ = servo.step(
         servo.start(replace(first, own=own, seen=seen)), replace(first, own=own, seen=seen), np.nan_to_num
     )
-    assert np.isnan(state.best.own[0, 2:]).all() and np.isnan(state.last.own[0, 2:]).all()
+    assert np.isnan(state.best.own[0, 2:]).all() and np.isnan(state.model.last.own[0, 2:]).all()
 
 
 @pytest.mark.parametrize("start", [-0.02, 0.02])

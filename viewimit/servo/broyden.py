@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
+from .image_model import ImageModel, Visit
 from .observation import Conflict, Observation
 
 PROBE = np.radians(15.0)
 FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
 DONE_STEP = np.radians(0.1)  # a motion shorter than this is not worth making
-SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mostly noise
 ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # of the search on predicted images; rad
 WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
 GAIN_LEFT = 0.01  # share of E that a step cut short by the region must still promise to count as stalled
@@ -27,26 +27,13 @@ SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 
 
 @dataclass(frozen=True)
-class Visit:
-    """A posture really visited: displacement (m,) rad, own (N, 4) px, seen (N, 2) bool in [L], [R].
-
-    Points not seen there are where the model expects them, NaN until they have been seen once.
-    """
-
-    displacement: NDArray
-    own: NDArray
-    seen: NDArray
-
-
-@dataclass(frozen=True)
 class BroydenState:
-    """jacobian: (N, 4, m) px/rad; best and last: visits; radius: rad; promised: decrease of E predicted
+    """model: of the own images; best: the visit with the smallest E; radius: rad; promised: decrease of E predicted
     for the motion just made, None after a probe; best_E: px², None where it must be asked for; probes: joints
     still to probe."""
 
-    jacobian: NDArray
+    model: ImageModel
     best: Visit
-    last: Visit
     radius: float
     probes: tuple[int, ...]
     promised: float | None = None
@@ -60,17 +47,15 @@ class Broyden:
     """See the module. It has no constants to tune beyond the module's."""
 
     def start(self, seen: Observation) -> BroydenState:
-        here = Visit(seen.displacement, np.where(_by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
-        m = len(seen.displacement)
-        return BroydenState(np.zeros(seen.own.shape + (m,)), here, here, float(FIRST_RADIUS), tuple(range(m)))
+        model = ImageModel.start(seen)
+        return BroydenState(model, model.last, float(FIRST_RADIUS), tuple(range(len(seen.displacement))))
 
     def retarget(self, state: BroydenState, seen: Observation) -> BroydenState:
         """What was learned of the own images stays; the region and the promise were about another E."""
         return replace(state, radius=float(FIRST_RADIUS), promised=None, best_E=None, status="moving")
 
     def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
-        state, here = _learn(state, seen)
-        state = _judge(state, here, seen.E, conflict)
+        state = _judge(_learn(state, seen), seen.E, conflict)
         if state.probes:
             return _probe(state, seen)
         low = np.maximum(seen.lower, state.best.displacement - state.radius)
@@ -78,7 +63,7 @@ class Broyden:
         centre = state.best.displacement
 
         shape = state.best.own.shape
-        per_rad = state.jacobian.reshape(-1, len(centre)).T
+        per_rad = state.model.jacobian.reshape(-1, len(centre)).T
 
         def residual_at(theta: NDArray) -> NDArray:
             return conflict(state.best.own + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
@@ -92,35 +77,21 @@ class Broyden:
         return replace(state, promised=promised, status="moving", probe=False), step
 
 
-def _learn(state: BroydenState, seen: Observation) -> tuple[BroydenState, Visit]:
-    """Broyden's update from the last motion, for the points seen before and after it; the others are completed."""
-    moved = seen.displacement - state.last.displacement
-    length = moved @ moved
-    now = _by_coordinate(seen.seen)
-    expected = state.last.own + state.jacobian @ moved
-    jacobian = state.jacobian
-    if length > 0:
-        surprise = np.where(now & _by_coordinate(state.last.seen), seen.own - expected, 0.0)
-        jacobian = jacobian + surprise[..., None] * moved / (length + (0.0 if state.probe else SOFT**2))
-    here = Visit(seen.displacement, np.where(now, seen.own, expected), seen.seen)
+def _learn(state: BroydenState, seen: Observation) -> BroydenState:
+    """From the last motion; what the best visit did not show is completed by what is seen now."""
+    model = state.model.learn(seen, 0.0) if state.probe else state.model.learn(seen)
     best = state.best
-    behind = here.own + jacobian @ (best.displacement - here.displacement)
-    best = replace(best, own=np.where(np.isnan(best.own), behind, best.own))
-    return replace(state, jacobian=jacobian, best=best, last=here), here
+    best = replace(best, own=np.where(np.isnan(best.own), model.predict(best.displacement), best.own))
+    return replace(state, model=model, best=best)
 
 
-def _by_coordinate(seen: NDArray) -> NDArray:
-    """(N, 2) of [L], [R] → (N, 4) of x_L, y_L, x_R, y_R."""
-    return np.repeat(seen, 2, axis=-1)
-
-
-def _judge(state: BroydenState, here: Visit, E_here: float, conflict: Conflict) -> BroydenState:
-    """Keep the better of the best and this visit, and size the region by how true the promise was.
+def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenState:
+    """Keep the better of the best and the last visit, and size the region by how true the promise was.
 
     Where E changed by itself, or points are missing so that E is of others each time, both are judged anew on
     their images.
     """
-    E_best = state.best_E
+    here, E_best = state.model.last, state.best_E
     if E_best is None or not (here.seen.all() and state.best.seen.all()):
         E_best, E_here = map(float, evaluate(conflict(np.stack([state.best.own, here.own]))))
     radius = state.radius

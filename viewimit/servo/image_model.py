@@ -1,0 +1,61 @@
+"""What a learner knows of its own images: how they follow its displacements, ŷ(θ) = y + J (θ - θ_last).
+
+J is learned by Broyden's updates (1965) from the motions themselves, nothing else; points that were not seen at both
+ends of a motion teach nothing of it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .observation import Observation
+
+SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mostly noise
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A posture really visited: displacement (m,) rad, own (N, 4) px, seen (N, 2) bool in [L], [R].
+
+    Points not seen there are where the model expects them, NaN until they have been seen once.
+    """
+
+    displacement: NDArray
+    own: NDArray
+    seen: NDArray
+
+
+@dataclass(frozen=True)
+class ImageModel:
+    """jacobian: (N, 4, m) px/rad, J_u of Eq. (8); last: the visit that it is about."""
+
+    jacobian: NDArray
+    last: Visit
+
+    @classmethod
+    def start(cls, seen: Observation) -> "ImageModel":
+        """Nothing is known yet but the image that is seen."""
+        here = Visit(seen.displacement, np.where(by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
+        return cls(np.zeros(seen.own.shape + seen.displacement.shape), here)
+
+    def learn(self, seen: Observation, soft: float = SOFT) -> "ImageModel":
+        """Broyden's update from the motion made since. soft: rad, 0 to take even a tiny motion at its word."""
+        moved = seen.displacement - self.last.displacement
+        length = moved @ moved
+        now = by_coordinate(seen.seen)
+        expected = self.last.own + self.jacobian @ moved
+        jacobian = self.jacobian
+        if length > 0:
+            surprise = np.where(now & by_coordinate(self.last.seen), seen.own - expected, 0.0)
+            jacobian = jacobian + surprise[..., None] * moved / (length + soft**2)
+        return ImageModel(jacobian, Visit(seen.displacement, np.where(now, seen.own, expected), seen.seen))
+
+    def predict(self, displacement: NDArray) -> NDArray:
+        """(m,) rad → (N, 4) px"""
+        return self.last.own + self.jacobian @ (displacement - self.last.displacement)
+
+
+def by_coordinate(seen: NDArray) -> NDArray:
+    """(N, 2) of [L], [R] → (N, 4) of x_L, y_L, x_R, y_R."""
+    return np.repeat(seen, 2, axis=-1)

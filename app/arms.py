@@ -91,11 +91,6 @@ class Arm:
         return joint_quaternion(self._rest[i], self._axes[i], self._angles[i])
 
 
-def skeleton_frames(world: World, theta, T_world_base: NDArray) -> NDArray:
-    """T_world_link of every link for one posture, (n + 1, 4, 4)."""
-    return T_world_base @ world.robot.link_frames([float(a) for a in world.joint_angles(theta)])
-
-
 def _slug(robot: str) -> str:
     """A node name from a robot's name or the path of its URDF."""
     return "".join(c if c.isalnum() else "_" for c in robot)

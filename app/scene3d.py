@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
 
 from viewimit.camera import triangulate
+from viewimit.posing import hand_position
 from viewimit.snapshot import Snapshot
 from viewimit.world import World
 
 from . import meshes
-from .arms import Arm, link_name, share_meshes, skeleton_frames
+from .arms import Arm, link_name, share_meshes
 from .stage import LOOKS, VIEW_ROLES, Stage, plate_map, set_stage
 from .theme import rgb
 from .viewpoint import FOV, fitted_view
@@ -85,7 +86,7 @@ class Scene3D:
 
     def hand_position(self, theta_demo: NDArray) -> NDArray:
         """(3,) m, the origin of the demonstrator's last link."""
-        return skeleton_frames(self._world, theta_demo, self._bases["demonstrator"])[-1][:3, 3]
+        return hand_position(self._world, theta_demo, self._bases["demonstrator"])
 
     def fit_view(self) -> None:
         """The default camera, as near as the canvas allows; `below` px of it are covered by overlays."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.posing import pose_for_hand
 from viewimit.session import Session
 
 from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
-from .hand import pose_for_hand
 from .pace import Pace
 from .presets import Preset
 

@@ -19,6 +19,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "views",
     "scene",
     "world",
+    "posing",
     "physics",
     "transfer",
     "evaluation",

@@ -7,6 +7,7 @@ from viewimit.app.pace import Pace
 from viewimit.app.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.visitor import View, Visitor
 
+from viewimit.posing import hand_position
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.snapshot import Settings
@@ -115,11 +116,9 @@ def test_a_resting_loop_wakes_when_the_demonstrator_moves(page):
 
 def test_the_hand_is_followed_to_where_the_joints_can_bring_it(page):
     session, _, _, visitor, _ = page
-    from viewimit.app.arms import skeleton_frames
-
     world = session.world
     posture = np.radians([62.0, -71.0])
-    target = skeleton_frames(world, posture, world.T_world_demo)[-1][:3, 3]
+    target = hand_position(world, posture, world.T_world_demo)
     visitor.set("hand", target)
     assert np.allclose(np.degrees(session.snapshot.theta_demo), [62, -71], atol=0.1)
 

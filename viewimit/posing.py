@@ -1,29 +1,34 @@
-"""Posing the demonstrator by its hand: the posture whose hand is nearest to where the gizmo was dragged."""
+"""Posing the demonstrator by its hand. It is a puppet here: this uses its model, so no servo may."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.world import World
-
-from .arms import skeleton_frames
+from .world import World
 
 ROUNDS, DIFFERENCE, DAMPING = 12, 1e-4, 1e-4
 
 
+def hand_position(world: World, theta: NDArray, T_world_base: NDArray) -> NDArray:
+    """(3,) m: the origin of the last link. theta: (m,) rad."""
+    return world.link_frames(theta, T_world_base)[-1][:3, 3]
+
+
+def hand_jacobian(world: World, theta: NDArray, T_world_base: NDArray) -> NDArray:
+    """(3, m) m/rad, by difference quotients."""
+    here = hand_position(world, theta, T_world_base)
+    turned = [hand_position(world, theta + DIFFERENCE * unit, T_world_base) for unit in np.eye(len(theta))]
+    return (np.stack(turned, -1) - here[:, None]) / DIFFERENCE
+
+
 def pose_for_hand(world: World, target: NDArray, theta: NDArray) -> NDArray:
-    """target: (3,) m in the world; theta: (m,) rad, where to begin → (m,) rad within the limits.
+    """The posture whose hand is nearest. target: (3,) m in the world; theta: (m,) rad, where to begin → (m,) rad.
 
-    Damped least squares on the hand's position with difference quotients. This poses the demonstrator, a
-    puppet of the page; no servo may use it.
+    Damped least squares within the limits.
     """
-
-    def hand(posture: NDArray) -> NDArray:
-        return skeleton_frames(world, posture, world.T_world_demo)[-1][:3, 3]
-
     for _ in range(ROUNDS):
-        here = hand(theta)
-        J = np.stack([(hand(theta + DIFFERENCE * unit) - here) / DIFFERENCE for unit in np.eye(len(theta))], -1)
-        step = np.linalg.solve(J.T @ J + DAMPING * np.eye(len(theta)), J.T @ (target - here))
+        J = hand_jacobian(world, theta, world.T_world_demo)
+        away = target - hand_position(world, theta, world.T_world_demo)
+        step = np.linalg.solve(J.T @ J + DAMPING * np.eye(len(theta)), J.T @ away)
         moved = np.clip(theta + np.clip(step, -0.5, 0.5), world.scene.lower, world.scene.upper)
         if np.max(np.abs(moved - theta)) < 1e-4:
             break

@@ -72,6 +72,10 @@ class World:
         own, own_visible = self.own_images(theta_own)
         return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
 
+    def link_frames(self, theta, T_world_base: NDArray) -> NDArray:
+        """T_world_link of every link of an arm in one posture: (n + 1, 4, 4)."""
+        return T_world_base @ self.robot.link_frames([float(angle) for angle in self.joint_angles(theta)])
+
     def points_world(self, theta, T_world_base: NDArray) -> NDArray:
         """Body points of an arm in one posture: (N, 3) m. For the viewer of the scene."""
         points = np.empty((len(self.body), 3))

@@ -94,16 +94,24 @@ def landscape(
     axes: tuple[NDArray, NDArray] | None = None,
     with_condition: bool = False,
 ) -> Landscape:
-    """E of a transfer over the learner's postures, its own images undisturbed.
-
-    demo: (N, 4) px, demo_visible: (N, 2): the demonstrator's images as the learner has them.
-    Postures are taken together by which points are seen there.
-    """
+    """E of a transfer over the learner's postures. axes: two arrays of rad, the scene's range if None."""
     axes = grid_axes(world) if axes is None else axes
+    theta = axes[0][:, None], axes[1]
+    return Landscape(axes, *conflict_at(world, fit, demo, demo_visible, theta, with_condition))
+
+
+def conflict_at(
+    world: World, fit: Callable, demo: NDArray, demo_visible: NDArray, theta, with_condition: bool = False
+) -> NDArray:
+    """E and, if asked, the condition at any postures, the learner's images undisturbed: (1 or 2, ...).
+
+    demo: (N, 4) px, demo_visible: (N, 2): the demonstrator's images as the learner has them; theta: m arrays, rad,
+    broadcast against each other. Postures are taken together by which points are seen there.
+    """
     # Freeing one large block, never touched, makes glibc keep what smaller ones give back (mallopt(3),
     # M_TRIM_THRESHOLD). Otherwise the kernel pages it in anew at each step: a third of the time.
     np.empty(KEPT_BYTES, np.uint8)
-    own, own_visible = world.own_images((axes[0][:, None], axes[1]))
+    own, own_visible = world.own_images(theta)
     shape = own.shape[:-2]
     own = own.reshape((-1,) + own.shape[-2:])
     usable = (own_visible.all(-1) & demo_visible.all(-1)).reshape(own.shape[:2])
@@ -116,7 +124,7 @@ def landscape(
             if pattern.sum() >= MIN_POINTS:
                 here = which.ravel() == k
                 found[:, here] = _evaluate(fit, demo[pattern], own[here][:, pattern], with_condition)
-    return Landscape(axes, *found.reshape((-1,) + shape))
+    return found.reshape((-1,) + shape)
 
 
 def _evaluate(fit: Callable, demo: NDArray, own: NDArray, with_condition: bool) -> NDArray:

@@ -65,7 +65,7 @@ class Session:
         if now.motion >= MAX_HISTORY:
             self._replace(replace(now, status="stopped"))
             return False
-        servo, seen = SERVOS[now.settings.servo], self._observation(now)
+        servo, seen = SERVOS[now.settings.servo], self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
         state, displacement = servo.step(state, seen, self._conflict(now))
         if not np.any(displacement):
@@ -109,6 +109,19 @@ class Session:
             **changes,
         )
 
+    def observation(self, now: Snapshot) -> Observation:
+        """What a servo is told of a moment of the history."""
+        start = np.radians(now.settings.start_deg)
+        return Observation(
+            own=now.views.own,
+            seen=now.views.visible[:, 2:],
+            E=now.E,
+            displacement=now.theta - start,
+            lower=self.scene.lower - start,
+            upper=self.scene.upper - start,
+            motion=now.motion,
+        )
+
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout or start begins anew; all else re-observes the present.
 
@@ -132,7 +145,7 @@ class Session:
         now = replace(now, theta_demo=theta_demo)
         now = self.observe(now.theta, now, settings, status=_awake(now))
         if now.servo_state is not None:
-            state = SERVOS[settings.servo].retarget(now.servo_state, self._observation(now))
+            state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
             now = replace(now, servo_state=state)
         self._replace(now)
 
@@ -182,18 +195,6 @@ class Session:
 
     def _replace(self, snapshot: Snapshot) -> None:
         self.history[self.cursor :] = [snapshot]
-
-    def _observation(self, now: Snapshot) -> Observation:
-        start = np.radians(now.settings.start_deg)
-        return Observation(
-            own=now.views.own,
-            seen=now.views.visible[:, 2:],
-            E=now.E,
-            displacement=now.theta - start,
-            lower=self.scene.lower - start,
-            upper=self.scene.upper - start,
-            motion=now.motion,
-        )
 
     def _conflict(self, now: Snapshot) -> Callable[[NDArray], NDArray]:
         """Residuals that own images (..., N, 4) would have against the demonstrator as now seen."""

@@ -1,0 +1,5 @@
+"""The paper's experiments and the benchmarks: thin scripts on the library."""
+
+from . import fig7, fig9, fig10
+
+EXPERIMENTS = {"fig7": fig7.run, "fig9": fig9.run, "fig10": fig10.run}

@@ -1,0 +1,113 @@
+"""Fig. 10: the transfer found at convergence is frozen and carries the demonstrator's motion over.
+
+Overlap in the image alone proves nothing: the joints' and the hand's distance from the demonstrator's stand beside it,
+and three controls: all points followed instead of the hand's, a transfer fitted before convergence, and one fitted in
+the demonstrator's own posture, which no learner knows.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..motion import MOTIONS, Motion
+from ..session import Session
+from ..snapshot import Settings
+from ..trajectory import Trajectory, follow, hand_points
+from .claims import TOLERANCES, Claims
+
+CONVERGED, BODY, BEFORE, SAME = "converged", "all points", "before", "same posture"
+RUNS = {
+    CONVERGED: "the hand's points, transfer as converged",
+    BODY: "all points, transfer as converged",
+    BEFORE: "the hand's points, transfer fitted before convergence",
+    SAME: "the hand's points, transfer fitted in the demonstrator's own posture",
+}
+MOST_MOTIONS = 3_000  # until the servo must rest
+SEEN_SHARE = 0.3  # of the progress bar for the convergence
+
+
+@dataclass(frozen=True)
+class Fig10:
+    """motion: the demonstrator's; converged: the servo's own claim; fitted_deg: postures of the transfers frozen."""
+
+    settings: Settings
+    joints: tuple[int, ...]
+    image: tuple[int, int]
+    motion: Motion
+    motions: int
+    status: str
+    fitted_deg: dict[str, NDArray]
+    runs: dict[str, Trajectory]
+
+    @property
+    def claims(self) -> Claims:
+        return _claims(self)
+
+
+def run(
+    settings: Settings,
+    tell: Callable[[float, Fig10 | None], None] = lambda share, partial: None,
+    motion: str | Motion = "sinusoid",
+    max_motions: int = MOST_MOTIONS,
+) -> Fig10:
+    """motion: a name of MOTIONS or a motion of this scene. tell(share done, what is there so far).
+
+    Raises ValueError if too few points are seen to fit a transfer.
+    """
+    session = Session(settings)
+    first = session.snapshot
+    while session.snapshot.motion < max_motions and session.step():
+        tell(SEEN_SHARE * session.snapshot.motion / max_motions, None)
+    last = session.snapshot
+    there = session.observe(last.theta_demo, last)
+    if isinstance(motion, str):
+        motion = MOTIONS[motion](session.world, last.theta_demo)
+    hand, everything = hand_points(session), np.ones(len(last.views.own), bool)
+    asked = {CONVERGED: (last, hand), BODY: (last, everything), BEFORE: (first, hand), SAME: (there, hand)}
+    if any(moment.transfer is None for moment, _ in asked.values()):
+        raise ValueError("too few points are seen in all four images to fit a transfer")
+    fitted = {name: np.degrees(moment.theta) for name, (moment, _) in asked.items()}
+    found = Fig10(
+        session.settings, session.scene.moving_joints, session.scene.head.image, motion, last.motion, last.status,
+        fitted, {},
+    )  # fmt: skip
+    for k, (name, (moment, wanted)) in enumerate(asked.items()):
+        share = SEEN_SHARE + (1 - SEEN_SHARE) * np.array([k, k + 1]) / len(asked)
+        followed = follow(session, moment.transfer, motion, wanted, _within(tell, *share))
+        found = replace(found, runs={**found.runs, name: followed})
+        tell(float(share[1]), found)
+    return found
+
+
+def _within(tell: Callable[[float, None], None], low: float, high: float) -> Callable[[float], None]:
+    """A part's progress as that of the whole."""
+    return lambda share: tell(low + share * (high - low), None)
+
+
+def _claims(found: Fig10) -> Claims:
+    claims = Claims(found.settings)
+    for name, followed in found.runs.items():
+        for what, paper, unit, values in (
+            ("image", "almost overlap", " px", followed.image_px),
+            ("joints", "–", "°", followed.joint_deg),
+            ("hand", "–", " mm", 1e3 * followed.hand_m),
+        ):
+            median, most = np.median(values), TOLERANCES[what].value
+            here, line = f"median {median:.3g}{unit}, most {values.max():.3g}{unit}", f"Fig. 10: {name}, {what}"
+            if name == CONVERGED:
+                claims.add(line, paper, here, f"median ≤ {most:g}{unit}", median <= most)
+            else:
+                claims.add(line, "–", here)
+    if BEFORE in found.runs:
+        times = np.median(found.runs[BEFORE].hand_m) / np.median(found.runs[CONVERGED].hand_m)
+        least = TOLERANCES["before"].value
+        claims.add(
+            "Fig. 10: before against converged, hand",
+            "worse",
+            f"{times:.0f} times",
+            f"≥ {least:g} times",
+            times >= least,
+        )
+    return claims

@@ -1,8 +1,9 @@
-"""Fixtures of the browser tests: a Chromium, a page whose errors are kept, a server of one's own.
+"""Fixtures: commands run in this process; a Chromium, a page whose errors are kept, a server of one's own.
 
 With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without any that passed, is a failure.
 """
 
+import json
 import os
 import re
 import signal
@@ -13,9 +14,35 @@ import threading
 import browser as chromium
 import pytest
 
+from viewimit.cli import main
+
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 STARTS_WITHIN_S = 30  # on a busy machine
 passed_in_browser: list[str] = []
+
+
+@pytest.fixture
+def ask(capsys):
+    """Runs a command → exit status, standard output, standard error."""
+
+    def run(*words):
+        try:
+            status = main([str(word) for word in words])
+        except SystemExit as exit:  # argparse
+            status = exit.code
+        return status, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def ask_json(ask):
+    def run(*words):
+        status, out, _ = ask(*words, "--json")
+        assert out.count("\n") == 1
+        return status, json.loads(out)
+
+    return run
 
 
 @pytest.fixture(scope="session")

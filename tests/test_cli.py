@@ -14,7 +14,6 @@ import pytest
 from viewimit.assets import ROOT
 
 import viewimit
-from viewimit.cli import main
 from viewimit.experiments import benchmark
 from viewimit.landscape import landscape
 from viewimit.scene import load_scene
@@ -25,30 +24,6 @@ from viewimit.transfer import TRANSFERS
 from viewimit.world import World
 
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
-
-
-@pytest.fixture
-def ask(capsys):
-    """Runs a command → exit status, standard output, standard error."""
-
-    def run(*words):
-        try:
-            status = main([str(word) for word in words])
-        except SystemExit as exit:  # argparse
-            status = exit.code
-        return status, *capsys.readouterr()
-
-    return run
-
-
-@pytest.fixture
-def ask_json(ask):
-    def run(*words):
-        status, out, _ = ask(*words, "--json")
-        assert out.count("\n") == 1
-        return status, json.loads(out)
-
-    return run
 
 
 def test_imitate_tells_the_run_of_the_session(ask_json):
@@ -164,6 +139,7 @@ def files(tmp_path, monkeypatch):
     (tmp_path / "broken.toml").write_text("title = \n")
     (tmp_path / "nan.toml").write_text('extends = "panda"\n[head]\nbaseline = nan\n')
     (tmp_path / "lost.toml").write_text('extends = "panda"\nrobot = "lost.urdf"\n')
+    (tmp_path / "wrong.json").write_text('{"name": 3}')
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -202,6 +178,12 @@ def files(tmp_path, monkeypatch):
         ("landscape --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
         ("bench --scene moon", "--scene.*: no scene 'moon'"),
         ("bench --points 11", "--points.*: no layout of 11 points"),
+        ("reproduce fig8", "figures: no figure 'fig8'; there are fig7, fig9, fig10 and all"),
+        ("reproduce fig10 --motion dance", "--motion: no motion 'dance'; there are sinusoid, circle, or the path"),
+        ("reproduce fig10 --motion lost.json", "--motion: lost.json: No such file"),
+        ("reproduce fig10 --motion wrong.json", "--motion: wrong.json: not a recorded motion: .*name"),
+        ("reproduce fig10 --out broken.toml", "--out: .*broken.toml: File exists"),
+        ("reproduce fig9 --start 91,0", "--start: its joint 2 at 91° is outside"),
         ("serve --port 99999", "--port: must be between 0 and 65535, got 99999"),
         ("serve --scene moon", "--scene: no scene 'moon'"),
         ("serve --max-clients 0", "--max-clients: must be between 1 and 10000, got 0"),

@@ -18,6 +18,7 @@ COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
     "imitate": "One run of the loop, without a page.",
     "landscape": "E over the range of the two moving joints.",
+    "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
     "bench": "How fast E is, and how often and how soon each servo arrives.",
 }
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")

@@ -16,6 +16,7 @@ from ..session import Session
 from ..snapshot import Settings
 from ..trajectory import Trajectory, follow, hand_points
 from .claims import TOLERANCES, Claims
+from .tables import Tables, joint_columns, stacked
 
 CONVERGED, BODY, BEFORE, SAME = "converged", "all points", "before", "same posture"
 RUNS = {
@@ -30,12 +31,14 @@ SEEN_SHARE = 0.3  # of the progress bar for the convergence
 
 @dataclass(frozen=True)
 class Fig10:
-    """motion: the demonstrator's; converged: the servo's own claim; fitted_deg: postures of the transfers frozen."""
+    """motion: the demonstrator's, made up or recorded; motions, status: of the convergence before;
+    fitted_deg: postures in which the frozen transfers were fitted; runs: by the names of RUNS."""
 
     settings: Settings
     joints: tuple[int, ...]
     image: tuple[int, int]
     motion: Motion
+    recorded: bool
     motions: int
     status: str
     fitted_deg: dict[str, NDArray]
@@ -44,6 +47,10 @@ class Fig10:
     @property
     def claims(self) -> Claims:
         return _claims(self)
+
+    @property
+    def tables(self) -> Tables:
+        return _tables(self)
 
 
 def run(
@@ -62,17 +69,17 @@ def run(
         tell(SEEN_SHARE * session.snapshot.motion / max_motions, None)
     last = session.snapshot
     there = session.observe(last.theta_demo, last)
-    if isinstance(motion, str):
+    recorded = not isinstance(motion, str)
+    if not recorded:
         motion = MOTIONS[motion](session.world, last.theta_demo)
     hand, everything = hand_points(session), np.ones(len(last.views.own), bool)
     asked = {CONVERGED: (last, hand), BODY: (last, everything), BEFORE: (first, hand), SAME: (there, hand)}
     if any(moment.transfer is None for moment, _ in asked.values()):
         raise ValueError("too few points are seen in all four images to fit a transfer")
     fitted = {name: np.degrees(moment.theta) for name, (moment, _) in asked.items()}
-    found = Fig10(
-        session.settings, session.scene.moving_joints, session.scene.head.image, motion, last.motion, last.status,
-        fitted, {},
-    )  # fmt: skip
+    scene = session.scene
+    made = (session.settings, scene.moving_joints, scene.head.image, motion, recorded, last.motion, last.status)
+    found = Fig10(*made, fitted, {})
     for k, (name, (moment, wanted)) in enumerate(asked.items()):
         share = SEEN_SHARE + (1 - SEEN_SHARE) * np.array([k, k + 1]) / len(asked)
         followed = follow(session, moment.transfer, motion, wanted, _within(tell, *share))
@@ -87,7 +94,7 @@ def _within(tell: Callable[[float, None], None], low: float, high: float) -> Cal
 
 
 def _claims(found: Fig10) -> Claims:
-    claims = Claims(found.settings)
+    claims = Claims(found.settings, judged=not found.recorded)  # a recorded motion may be as rough as it likes
     for name, followed in found.runs.items():
         for what, paper, unit, values in (
             ("image", "almost overlap", " px", followed.image_px),
@@ -111,3 +118,30 @@ def _claims(found: Fig10) -> Claims:
             times >= least,
         )
     return claims
+
+
+def _tables(found: Fig10) -> Tables:
+    frames, points = [], []
+    for name, run in found.runs.items():
+        count, number = run.own.shape[:2]
+        frame = np.arange(count)
+        postures = joint_columns(found.joints, "demonstrator", np.degrees(run.theta_demo))
+        postures |= joint_columns(found.joints, "learner", np.degrees(run.theta))
+        errors = {"joint_deg": run.joint_deg, "hand_mm": 1e3 * run.hand_m}
+        images = {"image_px": run.image_px, "target_px": run.target_px}
+        frames.append(
+            {"run": name, "frame": frame, "time_s": frame * found.motion.step_s, **postures, **errors, **images}
+        )
+        for k, view in enumerate("LR"):
+            row = {
+                "run": name,
+                "frame": np.repeat(frame, number),
+                "view": view,
+                "point": np.tile(np.arange(number), count),
+            }
+            row["followed"] = np.tile(run.wanted, count)
+            for what in ("own", "target", "desired"):
+                xy = getattr(run, what)[:, :, 2 * k : 2 * k + 2].reshape(-1, 2)
+                row |= {f"{what}_x_px": xy[:, 0], f"{what}_y_px": xy[:, 1]}
+            points.append(row)
+    return {"frames": stacked(frames), "points": stacked(points)}

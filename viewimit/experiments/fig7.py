@@ -13,6 +13,7 @@ from ..transfer import TRANSFERS
 from .claims import TOLERANCES, Claims, in_degrees
 from .convexity import Convexity, convexity
 from .minima import Conflict, Minima, local_minima
+from .tables import Tables, joint_columns, stacked
 
 PAPER_MINIMUM_DEG = (41.0, -90.0)
 STUDY = (6, 5)  # demonstrators a joint, spread evenly over the middle of its range
@@ -56,6 +57,10 @@ class Fig7:
     @property
     def claims(self) -> Claims:
         return _claims(self)
+
+    @property
+    def tables(self) -> Tables:
+        return _tables(self)
 
 
 def run(
@@ -151,3 +156,30 @@ def _claims(found: Fig7) -> Claims:
         here = f"mean {mean[0]:.1f}°/{mean[1]:.1f}°, most {most[0]:.1f}°/{most[1]:.1f}°"
         claims.add("Other demonstrators: bias of the minimum", "4°/0° for one", here)
     return claims
+
+
+def _tables(found: Fig7) -> Tables:
+    axes = next(iter(found.surfaces.values())).landscape.axes
+    postures = np.degrees(np.stack(np.meshgrid(*axes, indexing="ij"), -1)).reshape(-1, 2)
+    surface = joint_columns(found.joints, "theta", postures)
+    for transfer, each in found.surfaces.items():
+        surface[f"E_{transfer}_px2"] = each.landscape.E.ravel()
+    minima, curves, studies = [], [], []
+    for transfer, each in found.surfaces.items():
+        place = joint_columns(found.joints, "theta", np.degrees(each.minima.theta))
+        minima.append({"transfer": transfer, **place, "E_px2": each.minima.E, "on_limit": each.minima.on_limit})
+        if each.convexity is not None:
+            curved = each.convexity
+            error = {"error_median": curved.error, "error_worst": curved.worst}
+            curves.append({"transfer": transfer, "radius_deg": curved.radius_deg, **error})
+    for transfer, study in found.studies.items():
+        counts = {"minima": study.minima, "on_limit": study.on_limit, "on_grid": study.on_grid, "basin": study.basin}
+        demonstrator = joint_columns(found.joints, "demonstrator", study.demonstrator_deg)
+        bias = joint_columns(found.joints, "bias", study.bias_deg)
+        studies.append({"transfer": transfer, **demonstrator, **counts, **bias})
+    return {
+        "surface": surface,
+        "minima": stacked(minima),
+        "convexity": stacked(curves),
+        "demonstrators": stacked(studies),
+    }

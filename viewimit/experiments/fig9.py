@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from ..session import Session
 from ..snapshot import Settings
 from .claims import TOLERANCES, Claims
+from .tables import Tables, joint_columns, stacked
 
 LAWS = ("gradient", "gradient-retuned", "broyden")
 MOTIONS = 3_000
 STARTS = (2, 3)  # a joint: spread evenly over its range, besides the scene's own
+WITHIN_DEG = (3.0, 1.0)
 MARGIN = 1 / 6  # of a joint's range that is left free at both ends
 
 
@@ -56,6 +58,10 @@ class Fig9:
     @property
     def claims(self) -> Claims:
         return _claims(self)
+
+    @property
+    def tables(self) -> Tables:
+        return _tables(self)
 
 
 def run(
@@ -127,3 +133,20 @@ def _claims(found: Fig9) -> Claims:
         else:
             claims.add(f"Fig. 9: {law}, smallest E", "0", f"{least:.3g} px²", f"≤ {most:.3g} px²", least <= most)
     return claims
+
+
+def _tables(found: Fig9) -> Tables:
+    motions, arrivals = [], []
+    for k, run in enumerate(found.runs):
+        theta = joint_columns(found.joints, "theta", run.theta_deg)
+        count = np.arange(len(run.E))
+        motions.append({"run": k, "law": run.law, "motion": count, **theta, "E_px2": run.E, "probe": run.probe})
+        start = joint_columns(found.joints, "start", np.array([run.start_deg]))
+        until = {f"motions_to_{near:g}_deg": np.array([_or_nan(run.motions_until(near))]) for near in WITHIN_DEG}
+        ended = {"motions": len(run.E) - 1, "error_deg": run.error_deg[-1], "status": run.status}
+        arrivals.append({"run": k, "law": run.law, **start, **until, **ended})
+    return {"motions": stacked(motions), "arrivals": stacked(arrivals)}
+
+
+def _or_nan(count: int | None) -> float:
+    return np.nan if count is None else float(count)

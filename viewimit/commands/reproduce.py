@@ -1,0 +1,91 @@
+"""viewimit reproduce: the paper's experiments, as figures, data, and a table beside what the paper says."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from tqdm import tqdm
+
+from ..experiments import EXPERIMENTS, claims, files
+from ..motion import MOTIONS, load
+from ..scene import load_scene
+from .options import (
+    DONE,
+    MISSED,
+    add_json_option,
+    add_run_options,
+    add_setting_options,
+    naming,
+    print_json,
+    settings_from,
+)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("figures", nargs="*", metavar="FIGURE", help=f"{', '.join(EXPERIMENTS)}, or all (all)")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="write figures (SVG, PNG), data (CSV, NPZ) and manifests"
+    )
+    parser.add_argument(
+        "--motion",
+        default="sinusoid",
+        metavar="NAME",
+        help=f"Fig. 10: {', '.join(MOTIONS)}, or a recorded .json (sinusoid)",
+    )
+    add_setting_options(parser)
+    add_run_options(parser)
+    add_json_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    names = _asked(args.figures)
+    settings = settings_from(args)
+    with naming("--motion"):
+        motion = _motion(args.motion, settings)
+    if args.out:
+        with naming("--out"):
+            args.out.mkdir(parents=True, exist_ok=True)
+        if not files.can_draw():
+            print(
+                "viewimit reproduce: data only; figures need matplotlib: pip install 'viewimit[plot]'", file=sys.stderr
+            )
+    told, said = {}, []
+    for name in names:
+        options = {"motion": motion} if name == "fig10" else {}
+        with naming("--scene, --points, --missing"):
+            result = _with_bar(name, lambda tell: EXPERIMENTS[name](settings, tell, **options))  # noqa: B023
+        said += result.claims
+        written = []
+        if args.out:
+            with naming("--out"):
+                written = files.write(name, result, args.out)
+        told[name] = {"claims": files.told(result.claims), "files": [str(path) for path in written]}
+    if args.json:
+        print_json({"figures": told, "missed": [claim.name for claim in said if claim.holds is False]})
+    else:
+        print(claims.table(said))
+    return MISSED if any(claim.holds is False for claim in said) else DONE
+
+
+def _asked(words: list[str]) -> list[str]:
+    """Figures in the order of the paper, each once. Raises BadInput."""
+    with naming("figures"):
+        for word in words:
+            if word not in EXPERIMENTS and word != "all":
+                raise ValueError(f"no figure {word!r}; there are {', '.join(EXPERIMENTS)} and all")
+    return [name for name in EXPERIMENTS if not words or name in words or "all" in words]
+
+
+def _motion(name: str, settings):
+    if name in MOTIONS:
+        return name
+    if not name.endswith(".json"):
+        raise ValueError(f"no motion {name!r}; there are {', '.join(MOTIONS)}, or the path of a .json file")
+    return load(name, load_scene(settings.scene, settings.robot))
+
+
+def _with_bar(name: str, work: Callable) -> object:
+    """A bar on standard error if that is a terminal."""
+    with tqdm(total=1.0, desc=name, disable=None, bar_format="{desc} {percentage:3.0f}% {bar} {elapsed}") as bar:
+        return work(lambda share, _: bar.update(share - bar.n))

@@ -1,0 +1,86 @@
+"""An experiment's result as files: tables as CSV and NPZ, figures as SVG and PNG, and a manifest that says of what."""
+
+import csv
+import importlib.util
+import json
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from .claims import Claim
+from .tables import Table, Tables
+
+PACKAGES = ("viewimit", "numpy", "matplotlib")
+
+
+def can_draw() -> bool:
+    """Whether figures can be made: they need matplotlib."""
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def write(name: str, result, folder: Path) -> list[Path]:
+    """Of fig7, fig9 or fig10, into a folder that is made if need be; figures only where `can_draw`. Raises OSError."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    tables: Tables = result.tables
+    written = [folder / f"{name}.npz"]
+    np.savez_compressed(
+        written[0], **{f"{table}.{key}": column for table in tables for key, column in tables[table].items()}
+    )
+    for table, columns in tables.items():
+        if columns:
+            written.append(folder / f"{name}-{table}.csv")
+            _write_csv(written[-1], columns)
+    if can_draw():
+        from .pictures import draw  # loads matplotlib
+
+        written += draw(name, result, folder)
+    manifest = folder / f"{name}.json"
+    said = _manifest(name, result, [path.name for path in written])
+    manifest.write_text(json.dumps(said, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
+    return [*written, manifest]
+
+
+def told(claims: list[Claim]) -> list[dict]:
+    """Claims as JSON has them."""
+    return [msgspec.to_builtins(claim) for claim in claims]
+
+
+def _manifest(name: str, result, files: list[str]) -> dict:
+    return {
+        "figure": name,
+        "settings": msgspec.to_builtins(result.settings),
+        "seed": result.settings.seed,
+        "versions": {"python": platform.python_version(), **_versions()},
+        "claims": told(result.claims),
+        "files": files,
+    }
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:  # an extra that is not installed
+            continue
+    return found
+
+
+def _write_csv(path: Path, columns: Table) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(columns)
+        rows.writerows(zip(*(_cells(column) for column in columns.values())))
+
+
+def _cells(column: np.ndarray) -> list:
+    """Numbers with ten digits, NaN as an empty cell, truth as 1 and 0."""
+    if column.dtype.kind == "b":
+        return column.astype(int).tolist()
+    if column.dtype.kind != "f":
+        return column.tolist()
+    return ["" if np.isnan(value) else f"{value:.10g}" for value in column.tolist()]

@@ -22,8 +22,8 @@ ORDER = (  # each imports only what stands above it, or itself
     "posing",
     "motion",
     "physics",
-    "transfer",
     "evaluation",
+    "transfer",
     "landscape",
     "servo",
     "snapshot",
@@ -34,7 +34,8 @@ ORDER = (  # each imports only what stands above it, or itself
     "commands",
     "cli",
 )
-ESTIMATORS_SEE = {"transfer": {"geometry", "views"}, "servo": {"evaluation"}}  # image points, nothing of the world
+# image points, nothing of the world
+ESTIMATORS_SEE = {"transfer": {"geometry", "views", "evaluation"}, "servo": {"evaluation"}}
 SOURCES = sorted([*ROOT.glob("viewimit/**/*.py"), *ROOT.glob("app/*.py"), *ROOT.glob("assets/*.py")])
 
 

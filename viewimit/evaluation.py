@@ -7,10 +7,10 @@ from .views import FourViews
 
 
 def residual(transfer, views: FourViews) -> NDArray:
-    """e: (..., N, 4) px, from the recovered points to the learner's own, in [L, R]."""
-    return views.own - transfer.recover(views.demo_left, views.demo_right)
+    """e: (..., N, 4) px, from the recovered points to the learner's own, in [L, R]; `rank3` has those in [l, r] too."""
+    return transfer.residual(views)
 
 
 def conflict(e: NDArray) -> NDArray:
-    """E = 1/(2N) Σ (|e_L|² + |e_R|²), Eq. (6). e: (..., N, 4) px → (...) px²."""
+    """E = 1/(2N) Σ (|e_L|² + |e_R|²), Eq. (6). e: (..., N, C) px → (...) px²."""
     return np.einsum("...ij,...ij->...", e, e) / (2 * e.shape[-2])

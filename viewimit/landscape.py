@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .evaluation import conflict, residual
 from .geometry.affine import MIN_POINTS
 from .views import FourViews
 from .world import World
@@ -134,7 +133,7 @@ def _evaluate(fit: Callable, demo: NDArray, own: NDArray, with_condition: bool) 
         block = slice(start, start + BLOCK)
         views = FourViews(demo, own[block], np.ones(1, bool))
         transfer = fit(views)
-        found[0, block] = conflict(residual(transfer, views))
+        found[0, block] = transfer.conflict(views)
         if with_condition:
             found[1, block] = transfer.condition
     return found

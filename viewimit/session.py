@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .evaluation import conflict, residual
+from .evaluation import residual
 from .geometry.affine import MIN_POINTS, flatness
 from .scene import Scene, load_scene
 from .servo import SERVOS, Observation
@@ -90,7 +90,7 @@ class Session:
             seen = views.select(usable)
             transfer = TRANSFERS[settings.transfer](seen)
             recovered[usable] = transfer.recover(seen.demo_left, seen.demo_right)
-            E = float(conflict(seen.own - recovered[usable]))
+            E = float(transfer.conflict(seen))
             shape = flatness(seen.demo)
         else:
             changes["status"] = "stopped"

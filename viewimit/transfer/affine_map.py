@@ -7,9 +7,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .transfer import Transfer
+
 
 @dataclass(frozen=True)
-class AffineTransfer:
+class AffineTransfer(Transfer):
     """[L; R] - own_mean = matrix ([l; r] - demo_mean).
 
     matrix: (..., 4, 4); demo_mean, own_mean: (..., 4) px; measure_condition: asked when `condition` is first read.
@@ -26,7 +28,6 @@ class AffineTransfer:
         return self.measure_condition()
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
-        """demo_left, demo_right: (..., M, 2) px, any points seen in [l], [r] → (..., M, 4) px in [L, R]."""
         demo = np.concatenate([demo_left, demo_right], -1) - self.demo_mean[..., None, :]
         recovered = _mapped(self.matrix, demo)
         recovered += self.own_mean[..., None, :]

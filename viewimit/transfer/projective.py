@@ -1,0 +1,127 @@
+"""Projective combination of views: each of the learner's images is a projective function of the demonstrator's shape.
+
+ŷ_i = (a_0 + Aᵀu_i) / ρ_i, ρ_i = 1 + p·u_i, where u_i are the affine coordinates of point i in [l r] and p ∈ R³
+is shared by [L] and [R]. With parallel optical axes both images have one depth, and this is exact: no bias. a_0 and A
+are linear given p; p comes from a few Gauss-Newton steps of variable projection (Golub & Pereyra 1973, with Kaufman's
+Jacobian), held near 0, the affine camera, by a weak prior that
+scales with the images.
+
+Component axes come first here, the batch (G) last. h = [1; u] is one of 4, n a point, k one of 4 own coordinates.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..geometry import cholesky
+from ..geometry.affine import centred, components_first, require_points
+from ..views import FourViews
+from .transfer import Transfer
+
+STEPS = 3
+PRIOR = 3e-4  # weight of |p|² beside the squared residuals, relative to the mean square of the centred own points
+LARGEST_P, NEAREST = 0.6, 0.15  # bounds of |p| and of ρ: no point is at infinity or behind the camera
+PAIRS = tuple(zip(*np.triu_indices(3)))
+
+
+@dataclass(frozen=True)
+class ProjectiveTransfer(Transfer):
+    """basis: (4, 3) or (..., 4, 3), from centred [l; r] px to u; coefficients: (..., 4, 4) px, of h for each own
+    coordinate; p: (..., 3); flat: σ1/σ3 of the centred [l r]."""
+
+    basis: NDArray
+    coefficients: NDArray
+    p: NDArray
+    demo_mean: NDArray
+    own_mean: NDArray
+    flat: NDArray
+
+    @cached_property
+    def condition(self) -> NDArray:
+        """σ1/σ3 of the centred [l r]: inf for coplanar points."""
+        return np.broadcast_to(self.flat, self.p.shape[:-1])
+
+    def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
+        u = (np.concatenate([demo_left, demo_right], -1) - self.demo_mean[..., None, :]) @ self.basis
+        depth = np.maximum(1 + u @ self.p[..., None], NEAREST)
+        shape = self.coefficients[..., :1, :] + u @ self.coefficients[..., 1:, :]
+        return self.own_mean[..., None, :] + shape / depth
+
+
+def fit(views: FourViews) -> ProjectiveTransfer:
+    """For N ≥ 5 points. `condition` is σ1/σ3 of the centred [l r]."""
+    count = views.own.shape[-2]
+    require_points(count)
+    demo_mean, demo = centred(views.demo)
+    own_mean, own = centred(views.own)
+    U, sigma, Vt = np.linalg.svd(demo, full_matrices=False)
+    scale = np.sqrt(count)
+    u = components_first(scale * U[..., :3])  # (3, N, 1 or G)
+    h = np.concatenate([np.ones((1,) + u.shape[1:]), u])
+    Y = components_first(own)
+    prior = PRIOR / count * np.einsum("kng,kng->g", Y, Y)
+    p = np.zeros((3, Y.shape[2]))
+    for _ in range(STEPS):
+        p = _step(h, Y, p, prior)
+    coefficients = _linear(h, Y, p)[0]
+    batch = own.shape[:-2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        known = sigma[..., :3] > sigma[..., :1] * np.finfo(float).eps * count
+        basis = np.swapaxes(Vt[..., :3, :], -1, -2) * np.where(known, scale / sigma[..., :3], 0.0)[..., None, :]
+        flat = np.where(known[..., 2], sigma[..., 0] / sigma[..., 2], np.inf)
+    return ProjectiveTransfer(
+        basis,
+        coefficients.transpose(2, 0, 1).reshape(batch + (4, 4)),
+        p.T.reshape(batch + (3,)),
+        demo_mean,
+        own_mean,
+        flat,
+    )
+
+
+def _linear(h: NDArray, Y: NDArray, p: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Coefficients (4, 4, G) of h for each coordinate, by least squares; L of HᵀH = L Lᵀ (4, 4, G); 1/ρ (N, G)."""
+    w = 1 / np.maximum(1 + _product(h[1:].transpose(1, 0, 2), p), NEAREST)
+    S = np.empty((4, 4, w.shape[1]))
+    squared = w * w
+    for a in range(4):
+        S[a, a:] = S[a:, a] = _product(h[a:] * h[a], squared)
+    L = cholesky.factor(S)
+    right = np.stack([_product(h, w * y) for y in Y], 1)
+    return cholesky.backward(L, cholesky.forward(L, right)), L, w
+
+
+def _step(h: NDArray, Y: NDArray, p: NDArray, prior: NDArray) -> NDArray:
+    """One Gauss-Newton step of p: (3, G). h: (4, N, 1 or G), Y: (4, N, G), prior: (G,) px²."""
+    coefficients, L, w = _linear(h, Y, p)
+    u = h[1:]
+    found = np.stack([_product(h.transpose(1, 0, 2), coefficients[:, k]) for k in range(4)])
+    found *= w
+    size = np.einsum("kng,kng->ng", found, found)
+    drop = np.einsum("kng,kng->ng", found, Y) - size  # ŷ·e
+    gradient = -_product(u, w * drop) - prior * p
+    squared = w * w
+    normal = np.empty((3, 3, p.shape[1]))
+    for i, j in PAIRS:
+        normal[i, j] = _product(u[i : i + 1] * u[j], squared * size)[0]
+    # what of Ŷ's derivative the coefficients take over by themselves
+    along = np.concatenate([_product(h * u[j], squared * y)[:, None] for y in found for j in range(3)], 1)
+    along = cholesky.forward(L, along).reshape(4, 4, 3, -1)
+    normal_along = np.einsum("akig,akjg->ijg", along, along)
+    for i, j in PAIRS:
+        normal[i, j] -= normal_along[i, j]
+        normal[j, i] = normal[i, j]
+    normal[range(3), range(3)] += prior
+    factor = cholesky.factor(normal)
+    p = p + cholesky.backward(factor, cholesky.forward(factor, gradient[:, None]))[:, 0]
+    length = np.sqrt(np.einsum("ig,ig->g", p, p))
+    return p * np.minimum(1, LARGEST_P / np.maximum(length, 1e-300))
+
+
+def _product(a: NDArray, b: NDArray) -> NDArray:
+    """Σ_n a_in b_n. a: (i, n, 1 or G), b: (n, G) → (i, G); one matrix product where a is the same for the batch."""
+    if a.shape[2] == 1:
+        return a[:, :, 0] @ b
+    return np.einsum("ing,ng->ig", a, b)

@@ -6,7 +6,6 @@ measured judges the region, and the motion itself improves J (Broyden 1965). The
 the centre c; the arm never drives back to it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,15 +13,13 @@ from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
 from .image_model import ImageModel, Visit
+from .minimise import minimise
 from .observation import Conflict, Observation
 
 PROBE = np.radians(15.0)
 FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
 DONE_STEP = np.radians(0.1)  # a motion shorter than this is not worth making
-ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # of the search on predicted images; rad
-WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
 GAIN_LEFT = 0.01  # share of E that a step cut short by the region must still promise to count as stalled
-DAMPINGS = np.array([0.0, 1.0])
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 
 
@@ -68,8 +65,9 @@ class Broyden:
         def residual_at(theta: NDArray) -> NDArray:
             return conflict(state.best.own + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
 
-        target, promised = minimise(residual_at, centre, low, high)
-        step = target - seen.displacement
+        found = minimise(residual_at, centre[None], low, high)
+        promised = found.E_first - found.E
+        step = found.theta - seen.displacement
         if np.max(np.abs(step)) < DONE_STEP:
             bounded = state.radius < 2 * DONE_STEP and promised > GAIN_LEFT * seen.E
             status = "stalled" if bounded else "converged"  # the region, not the model, made the step short
@@ -114,47 +112,3 @@ def _probe(state: BroydenState, seen: Observation) -> tuple[BroydenState, NDArra
     step = np.zeros_like(seen.displacement)
     step[joint] = min(PROBE, above) if above >= min(PROBE, below) else -min(PROBE, below)
     return replace(state, probes=tuple(rest), promised=None, status="moving", probe=True), step
-
-
-def minimise(
-    residual_at: Callable[[NDArray], NDArray], centre: NDArray, low: NDArray, high: NDArray
-) -> tuple[NDArray, float]:
-    """argmin over the box [low, high] of E of residual_at(θ): (..., m) → (..., N, 4), and how far below E(centre).
-
-    Levenberg-Marquardt; each round asks for all damped candidates and their difference quotients in one batch.
-    """
-    m, joints = len(centre), np.arange(len(centre))
-    candidates = centre[None]
-    best, best_E, first_E = centre, np.inf, None
-    for _ in range(ROUNDS):
-        inward = np.where(candidates + DIFFERENCE > high, -DIFFERENCE, DIFFERENCE)
-        asked = np.repeat(candidates[:, None], m + 1, axis=1)
-        asked[:, joints + 1, joints] += inward
-        e = residual_at(asked)
-        E = evaluate(e[:, 0])
-        first_E = E[0] if first_E is None else first_E  # the first candidate is the centre
-        k = int(np.argmin(E))
-        if not E[k] < best_E * (1 - WORTHWHILE):
-            break
-        best, best_E = candidates[k], E[k]
-        flat = e[k].reshape(m + 1, -1)
-        J = (flat[1:] - flat[0]) / inward[k][:, None]
-        gradient, hessian = J @ flat[0], J @ J.T
-        free = ~(((best <= low) & (gradient > 0)) | ((best >= high) & (gradient < 0)))
-        if not free.any():
-            break
-        steps = _damped_steps(gradient, hessian, free)
-        if gradient @ steps[0] < WORTHWHILE * (flat[0] @ flat[0]) or np.max(np.abs(steps)) < SHORT:
-            break  # by its own linear model nothing is left to gain
-        candidates = np.clip(best - steps, low, high)
-    return best, float(first_E - best_E)
-
-
-def _damped_steps(gradient: NDArray, hessian: NDArray, free: NDArray) -> NDArray:
-    """(H + λ diag H)⁻¹ g over the free joints, for every damping λ → (len(DAMPINGS), m)."""
-    H, g = hessian[np.ix_(free, free)], gradient[free]
-    own = H.diagonal()
-    damped = H + (DAMPINGS[:, None] + 1e-9)[..., None] * np.diag(own + 1e-12 * max(own.sum(), 1e-300))
-    steps = np.zeros((len(DAMPINGS), len(gradient)))
-    steps[:, free] = np.linalg.solve(damped, g[:, None])[..., 0]
-    return steps

@@ -13,7 +13,7 @@ class Observation:
     """own: (N, 4) px, the learner's points in [L, R]; seen: (N, 2) bool in L, in R; E: px².
 
     displacement: (m,) rad, made since the start; lower, upper: (m,) rad, what the joint limits leave of it.
-    motion: how many motions were made.
+    motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
     """
 
     own: NDArray
@@ -23,3 +23,4 @@ class Observation:
     lower: NDArray
     upper: NDArray
     motion: int
+    noise_px: float = 0.0

@@ -1,0 +1,64 @@
+"""The own images as a Gaussian process over displacements: what the postures visited tell of those not visited.
+
+Each coordinate of each image point is one process; all share the kernel 30² + 200² a·b + 100² exp(-|a-b|²/2ℓ²) px²,
+a, b in rad from the centre: linear, as images nearly are, and smooth where they are not
+(Rasmussen & Williams 2006, Ch. 2).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .image_model import Visit, by_coordinate
+
+OFFSET, SLOPE, BEND, LENGTH = 30.0, 200.0, 100.0, np.radians(100.0)  # px, px/rad, px, rad
+LEAST_NOISE = 0.02  # px: keeps the system regular
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """centre: (m,) rad; at_centre: (N, 4) px; away: (n, m) rad, the visits from there; weight: (n, N, 4)."""
+
+    centre: NDArray
+    at_centre: NDArray
+    away: NDArray
+    weight: NDArray
+
+    def predict(self, displacement: NDArray) -> NDArray:
+        """(..., m) rad → (..., N, 4) px, NaN for points never seen."""
+        k = _kernel(displacement - self.centre, self.away)
+        return self.at_centre + np.tensordot(k, self.weight, 1)
+
+
+def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
+    """Around one of the visits. noise_px: of an image coordinate, standard deviation."""
+    displacement = np.array([visit.displacement for visit in visits])
+    own = np.array([visit.own for visit in visits])
+    seen = by_coordinate(np.array([visit.seen for visit in visits]))
+    away = displacement - displacement[centre]
+    at_centre = _nearest_seen(own, seen, np.abs(away).max(1))
+    K = _kernel(away, away) + max(noise_px, LEAST_NOISE) ** 2 * np.eye(len(visits))
+    rise = np.where(seen, own - at_centre, 0.0).reshape(len(visits), -1)
+    if seen.all():
+        weight = np.linalg.solve(K, rise)
+    else:  # what was not seen has no part: its rows and columns are those of the identity
+        told = seen.reshape(len(visits), -1).T
+        each = np.where(told[:, :, None] & told[:, None, :], K, np.eye(len(visits)))
+        weight = np.linalg.solve(each, rise.T[:, :, None])[:, :, 0].T
+    return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape))
+
+
+def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:
+    """Each coordinate where it was seen nearest to the centre: (N, 4) px, NaN if never."""
+    order = np.argsort(distance, kind="stable")
+    first = seen[order].argmax(0)
+    nearest = np.take_along_axis(own[order], first[None], 0)[0]
+    return np.where(seen.any(0), nearest, np.nan)
+
+
+def _kernel(a: NDArray, b: NDArray) -> NDArray:
+    """a: (..., m), b: (n, m) rad → (..., n) px²"""
+    along = a @ b.T
+    apart = (a * a).sum(-1)[..., None] + (b * b).sum(-1) - 2 * along
+    return OFFSET**2 + SLOPE**2 * along + BEND**2 * np.exp(apart / (-2 * LENGTH**2))

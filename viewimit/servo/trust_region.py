@@ -1,0 +1,212 @@
+"""A servo that predicts its own images at postures not visited, and asks the transfer about them.
+
+The surrogate learns the image as a function of the displacement; the argmin of the predicted E inside a trust region
+is visited next, and the E then measured judges the region. Where that ends without enough evidence, another transfer's
+E leads on, then the first one's again; then it begins anew, far from all that was visited.
+
+E small is no evidence of arrival by itself: a flat valley has small E far from its floor. With E ≈ δθᵀQδθ, what is
+left of E could be a displacement of up to √(E/λ), λ the smallest eigenvalue of Q; "converged" is said only when that
+is less than CERTAIN, or when E is what the noise of the images makes.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import conflict as evaluate
+from .image_model import Visit, by_coordinate
+from .minimise import Minimum, minimise
+from .observation import Conflict, Observation
+from .surrogate import Surrogate, learn
+
+PROBE, CHECK = np.radians((15.0, 2.0))
+FIRST_RADIUS, LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 12.0, 45.0, 0.5))
+LONGEST = np.radians(45.0)  # a joint and motion
+DONE_STEP, LEAST_STEP = np.radians((0.1, 0.01))
+CERTAIN, DOUBTFUL = np.radians((0.15, 5.0))
+SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
+NOISE_FLOOR = 4.0  # E up to so many times the noise's square is noise
+PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
+MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
+KEPT = 60  # visits
+GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
+FAR_CANDIDATES = 200
+
+
+@dataclass(frozen=True)
+class TrustState:
+    """visits: the last of them is where the arm is. goal: (m,) rad, on the way to a restart or back to the best.
+
+    promised: decrease of E predicted for the motion just made, None if it was not made for that.
+    """
+
+    visits: tuple[Visit, ...]
+    probes: tuple[int, ...]
+    radius: float = float(FIRST_RADIUS)
+    phase: int = 0
+    promised: float | None = None
+    goal: NDArray | None = None
+    arriving: bool = False
+    restarts: int = 0
+    checks: int = 0
+    failures: int = 0
+    status: str = "moving"
+    probe: bool = False
+
+
+@dataclass(frozen=True)
+class TrustRegion:
+    """See the module. It has no constants to tune beyond the module's."""
+
+    def start(self, seen: Observation) -> TrustState:
+        return TrustState((_visit(seen),), tuple(range(len(seen.displacement))))
+
+    def retarget(self, state: TrustState, seen: Observation) -> TrustState:
+        """What was learned of the own images stays; all else was about another E."""
+        return TrustState(state.visits, state.probes)
+
+    def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
+        state = _arrived(state, seen)
+        if state.probes:
+            return _probe(state, seen)
+        if state.goal is not None:
+            return _towards(state, seen)
+        by = PHASES[state.phase][0]
+        E = evaluate(conflict(_completed(state.visits, seen.noise_px), by))
+        state, best = _judge(state, E), int(np.argmin(E))
+        model = learn(list(state.visits), best, seen.noise_px)
+        found = _search(model, state.radius, seen, lambda theta: conflict(model.predict(theta), by))
+        step = np.max(np.abs(found.theta - model.centre))
+        doubt = _doubt(float(E[best]), found)
+        # a short motion is made only for the certainty that it promises
+        worthwhile = step >= DONE_STEP or (step >= LEAST_STEP and _doubt(found.E, found) < CERTAIN <= doubt)
+        if worthwhile and state.failures < MOST_FAILURES:
+            return _move(replace(state, promised=float(E[best] - found.E)), seen, found.theta)
+        settled = _settle(state, seen, model.centre, float(E[best]), found)
+        if settled is None:  # by this transfer; the next one takes over
+            phase = state.phase + 1
+            state = replace(state, phase=phase, radius=float(PHASES[phase][1]), failures=0)
+            return self.step(state, seen, conflict)
+        return settled
+
+
+def _visit(seen: Observation) -> Visit:
+    return Visit(seen.displacement, np.where(by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
+
+
+def _arrived(state: TrustState, seen: Observation) -> TrustState:
+    """Remember what is seen here, once a posture."""
+    visits = state.visits
+    if np.array_equal(visits[-1].displacement, seen.displacement):
+        visits = visits[:-1]
+    return replace(state, visits=(*visits, _visit(seen))[-KEPT:])
+
+
+def _completed(visits: tuple[Visit, ...], noise_px: float) -> NDArray:
+    """(n, N, 4) px of all visits; points not seen at one are where the others let expect them."""
+    own = np.array([visit.own for visit in visits])
+    if not np.isnan(own).any():
+        return own
+    model = learn(list(visits), len(visits) - 1, noise_px)
+    return np.where(np.isnan(own), model.predict(np.array([visit.displacement for visit in visits])), own)
+
+
+def _judge(state: TrustState, E: NDArray) -> TrustState:
+    """Size the region by how true the promise of the last motion was. E: of all visits, px²."""
+    if state.promised is None or len(E) < 2:
+        return replace(state, promised=None)
+    before = int(np.argmin(E[:-1]))
+    ratio = (E[before] - E[-1]) / max(state.promised, 1e-12)
+    step = np.max(np.abs(state.visits[-1].displacement - state.visits[before].displacement))
+    radius, failures = state.radius, 0
+    if ratio < SHRINK_BELOW:
+        radius = max(0.4 * step, MIN_RADIUS)
+        failures = state.failures + 1 if ratio <= 0 and step < 2 * MIN_RADIUS else 0
+    elif ratio > GROW_ABOVE and step > 0.8 * radius:
+        radius = min(2 * radius, MAX_RADIUS)
+    return replace(state, radius=float(radius), failures=failures, promised=None)
+
+
+def _search(model: Surrogate, radius: float, seen: Observation, residual_at) -> Minimum:
+    """argmin of the predicted E within the region and the limits: the best of many candidates, refined."""
+    low, high = np.maximum(seen.lower, model.centre - radius), np.minimum(seen.upper, model.centre + radius)
+    m = len(low)
+    if m <= 2:
+        axes = [np.linspace(a, b, GRID) for a, b in zip(low, high)]
+        scattered = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, m)
+    else:
+        scattered = np.random.default_rng(seen.motion).uniform(low, high, (SCATTERED, m))
+    E = evaluate(residual_at(scattered))
+    starts = np.concatenate([model.centre[None], scattered[np.argsort(E)[:POLISHED]]])
+    return minimise(residual_at, starts, low, high)
+
+
+def _settle(
+    state: TrustState, seen: Observation, best: NDArray, E: float, found: Minimum
+) -> tuple[TrustState, NDArray] | None:
+    """Nothing is left to gain by what is known: arrived, or look for evidence, or elsewhere. None: the next phase."""
+    doubt, flattest = _doubt(E, found), np.linalg.eigh(found.hessian)[1][:, 0]
+    state = replace(state, failures=0)
+    if PHASES[state.phase][0] is None:
+        if doubt < CERTAIN or E < NOISE_FLOOR * seen.noise_px**2:
+            return _towards(replace(state, goal=best, arriving=True), seen)
+        if doubt < DOUBTFUL and state.checks < MOST_CHECKS:
+            return _check(replace(state, checks=state.checks + 1), seen, best, flattest)
+    if state.phase + 1 < len(PHASES):
+        return None
+    if state.restarts < MOST_RESTARTS:
+        goal = _farthest(state.visits, seen)
+        begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0, goal=goal)
+        return _towards(begun, seen)
+    return replace(state, status="stalled", probe=False), np.zeros_like(best)
+
+
+def _doubt(E: float, found: Minimum) -> float:
+    """How far off, rad, a displacement can be that makes E, by E ≈ δθᵀQδθ."""
+    return float(np.sqrt(E / max(np.linalg.eigvalsh(found.hessian / 2)[0], 1e-12)))
+
+
+def _probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
+    """Turn one joint by 15°, towards where its limits leave more room."""
+    joint, *rest = state.probes
+    above, below = seen.upper[joint] - seen.displacement[joint], seen.displacement[joint] - seen.lower[joint]
+    step = np.zeros_like(seen.displacement)
+    step[joint] = min(PROBE, above) if above >= min(PROBE, below) else -min(PROBE, below)
+    return replace(state, probes=tuple(rest), status="moving", probe=True), step
+
+
+def _check(state: TrustState, seen: Observation, best: NDArray, direction: NDArray) -> tuple[TrustState, NDArray]:
+    """A short motion from the best posture where E is flattest: it teaches what the surrogate knows least."""
+    away = CHECK * direction / np.max(np.abs(direction))
+    either = np.clip(np.stack([best + away, best - away]), seen.lower, seen.upper)
+    k = int(np.argmax(np.abs(either - best).sum(1)))
+    state, step = _move(state, seen, either[k])
+    return replace(state, probe=True), step
+
+
+def _move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustState, NDArray]:
+    """One motion to the target, or as far towards it as one motion may go."""
+    step = target - seen.displacement
+    longest = np.max(np.abs(step))
+    if longest > LONGEST:
+        step, state = step * (LONGEST / longest), replace(state, promised=None)
+    return replace(state, status="moving", probe=False), step
+
+
+def _towards(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
+    """On to the goal; there, a learner that drove back to its best posture has arrived."""
+    state, step = _move(replace(state, promised=None), seen, state.goal)
+    if np.max(np.abs(state.goal - seen.displacement)) <= LONGEST:
+        state = replace(state, goal=None)
+    if state.arriving and np.max(np.abs(step)) < DONE_STEP / 10:
+        return replace(state, arriving=False, status="converged"), np.zeros_like(step)
+    return state, step
+
+
+def _farthest(visits: tuple[Visit, ...], seen: Observation) -> NDArray:
+    """The posture, of many, that is farthest from all visited."""
+    candidates = np.random.default_rng(seen.motion).uniform(seen.lower, seen.upper, (FAR_CANDIDATES, len(seen.lower)))
+    visited = np.array([visit.displacement for visit in visits])
+    apart = np.abs(candidates[:, None] - visited).max(-1).min(1)
+    return candidates[int(np.argmax(apart))]

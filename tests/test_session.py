@@ -238,3 +238,30 @@ def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
     assert session.snapshot.status == "moving" and session.snapshot.servo_state.since_best == 0
     session.step()
     assert session.snapshot.status == "moving"
+
+
+def test_the_noise_is_measured_at_rest():
+    for noise_px, frames in ((0.0, 1), (0.5, 1), (0.5, 25)):
+        session = Session(Settings(noise_px=noise_px, frames=frames, points=20, missing=0.1))
+        told = session.observation(session.snapshot).noise_px
+        assert told == pytest.approx(noise_px / np.sqrt(frames), rel=0.1, abs=1e-9)  # 560 degrees of freedom: 3 %
+
+
+def test_averaged_frames_bring_the_demonstrators_images_nearer_to_the_truth():
+    exact = Session(Settings()).snapshot.views.demo
+    error = [np.abs(Session(Settings(noise_px=1.0, frames=n)).snapshot.views.demo - exact).mean() for n in (1, 100)]
+    assert error[1] < 0.2 * error[0]
+
+
+def test_a_servo_may_ask_another_transfer_and_for_weights():
+    session = Session(Settings(transfer="epipolar"))
+    now = session.snapshot
+    ask, own = session._conflict(now), now.views.own
+    np.testing.assert_allclose(ask(own), now.e)
+    other = Session(Settings(transfer="linear")).snapshot
+    np.testing.assert_allclose(ask(own, "linear"), other.e)
+    unknown = own.copy()
+    unknown[3] = np.nan
+    assert ask(unknown).shape == (9, 4)
+    weighed = ask(own, None, own)
+    assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()

@@ -18,10 +18,12 @@ from .scene import Scene, load_scene
 from .servo import SERVOS, Observation
 from .snapshot import Settings, Snapshot
 from .transfer import TRANSFERS
+from .transfer.noise import noise_weight
 from .views import FourViews
 from .world import Disturbance, World
 
-DEMO_LOOK, OWN_LOOK = 0, 1  # streams of the seed: the demonstrator is looked at once, the own body at every motion
+DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
+REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
 BEGIN_ANEW = ("scene", "robot", "points", "start_deg")  # settings that change body, camera or start
 MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
 
@@ -120,6 +122,7 @@ class Session:
             lower=self.scene.lower - start,
             upper=self.scene.upper - start,
             motion=now.motion,
+            noise_px=self._noise_at_rest(now.settings),
         )
 
     def change(self, **fields) -> None:
@@ -179,32 +182,57 @@ class Session:
             settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
             np.zeros_like(start), False, "ready", None,
         )  # fmt: skip
-        self.world, self._demo_look = world, None
+        self.world, self._demo_look, self._rest = world, None, None
         self.history, self.cursor = [self.observe(start, blank)], 0
 
     def _look(self, theta: NDArray, theta_demo: NDArray, settings: Settings, look: int) -> FourViews:
         """The own body is looked at anew; the demonstrator only when it or its disturbance has changed."""
         disturbance = Disturbance(settings.noise_px, settings.missing)
-        key = theta_demo.tobytes(), disturbance, settings.seed
+        key = theta_demo.tobytes(), disturbance, settings.frames, settings.seed
         if self._demo_look is None or self._demo_look[0] != key:
-            seed = [settings.seed, DEMO_LOOK]
-            self._demo_look = key, disturbance.apply(*self.world.demo_images(theta_demo), seed)
+            images = self.world.demo_images(theta_demo)
+            self._demo_look = key, disturbance.average(*images, [settings.seed, DEMO_LOOK], settings.frames)
         demo, demo_visible = self._demo_look[1]
-        own, own_visible = disturbance.apply(*self.world.own_images(theta), [settings.seed, OWN_LOOK, look])
+        seed = [settings.seed, OWN_LOOK, look]
+        own, own_visible = disturbance.average(*self.world.own_images(theta), seed, settings.frames)
         return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
+
+    def _noise_at_rest(self, settings: Settings) -> float:
+        """Standard deviation of a coordinate, as averaged, from single images of the own body at the start, px."""
+        key = Disturbance(settings.noise_px, settings.missing), settings.seed, settings.frames
+        if self._rest is None or self._rest[0] != key:
+            images = self.world.own_images(np.radians(settings.start_deg))
+            looks = [key[0].apply(*images, [settings.seed, REST_LOOK, k]) for k in range(REST_LOOKS)]
+            points = np.array([np.where(np.repeat(seen, 2, -1), own, np.nan) for own, seen in looks])
+            self._rest = key, _spread(points) / np.sqrt(settings.frames)
+        return self._rest[1]
 
     def _replace(self, snapshot: Snapshot) -> None:
         self.history[self.cursor :] = [snapshot]
 
     def _conflict(self, now: Snapshot) -> Callable[[NDArray], NDArray]:
-        """Residuals that own images (..., N, 4) would have against the demonstrator as now seen."""
-        views, fit = now.views.select(now.usable), TRANSFERS[now.settings.transfer]
+        """Residuals that own images (..., N, 4) would have against the demonstrator as now seen.
 
-        def predicted(own: NDArray) -> NDArray:
-            imagined = views.with_own(own[..., now.usable, :])
-            return residual(fit(imagined), imagined)
+        Of the points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
+        images (N, 4) are given as `like`, as the noise of the demonstrator's would spread over those.
+        """
+        demo_seen = now.views.visible[:, :2].all(-1)
+
+        def predicted(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
+            known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
+            imagined = FourViews(now.views.demo[known], own[..., known, :], now.views.visible[known])
+            e = residual(TRANSFERS[by or now.settings.transfer](imagined), imagined)
+            return e if like is None else e @ noise_weight(imagined.with_own(like[known]))
 
         return predicted
+
+
+def _spread(looks: NDArray) -> float:
+    """Standard deviation about each point's own mean, pooled. looks: (k, N, 4) px, NaN where not seen."""
+    count = np.isfinite(looks).sum(0)
+    mean = np.nansum(looks, 0) / np.maximum(count, 1)
+    freedom = np.maximum(count - 1, 0).sum()
+    return float(np.sqrt(np.nansum((looks - mean) ** 2) / freedom)) if freedom else 0.0
 
 
 def _awake(now: Snapshot) -> str:

@@ -11,12 +11,14 @@ from .transfer import TRANSFERS
 from .views import FourViews
 
 MOST_SEED = 2**32 - 1
+MOST_FRAMES = 1_000
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """All that a run depends on: with equal settings it repeats itself to the last bit.
 
     demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's.
     """
 
@@ -29,6 +31,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     servo: str = "broyden"
     noise_px: float = 0.0
     missing: float = 0.0
+    frames: int = 1
     seed: int = 7
 
     def __post_init__(self):
@@ -36,6 +39,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_choice("servo", self.servo, SERVOS)
         _require_range("noise_px", self.noise_px, 0, 20)
         _require_range("missing", self.missing, 0, 1)
+        _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
 
 

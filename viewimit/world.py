@@ -32,6 +32,14 @@ class Disturbance:
         noise, luck = rng.standard_normal(points.shape), rng.random(visible.shape)
         return points + self.noise_px * noise, visible & (luck >= self.missing)
 
+    def average(self, points: NDArray, visible: NDArray, seed: Sequence[int], frames: int) -> tuple[NDArray, NDArray]:
+        """Of several looks at the same: each point's mean over those that show it, seen if one does."""
+        if frames == 1 or not (self.noise_px or self.missing):
+            return self.apply(points, visible, seed)
+        looks, shown = map(np.array, zip(*(self.apply(points, visible, [*seed, k]) for k in range(frames))))
+        seen = np.repeat(shown, 2, -1)
+        return np.where(seen, looks, 0.0).sum(0) / np.maximum(seen.sum(0), 1), shown.any(0)
+
 
 class World:
     """A scene set up: the two robots placed, the head's two gazes taken.

@@ -3,8 +3,8 @@
 A servo knows image points and its own displacements, never a posture, a body or a camera. Its methods have
 no side effects: start(observation) -> state; step(state, observation, conflict) -> (state, displacement); and
 retarget(state, observation) -> state when E has changed by itself, because the demonstrator moved, say.
-`conflict(own) -> residual` tells what the residual would be of images (..., N, 4) that the servo predicts; the
-transfer behind it needs no motion to be asked.
+`conflict(own, by=None) -> residual` tells what the residual would be of images (..., N, 4) px that the servo predicts,
+NaN for points that it knows nothing of; by: the name of another transfer than the chosen one. Asking needs no motion.
 """
 
 from .broyden import Broyden

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from numpy.typing import NDArray
 
-Conflict = Callable[[NDArray], NDArray]
+Conflict = Callable[..., NDArray]
 
 
 @dataclass(frozen=True)

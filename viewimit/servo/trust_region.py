@@ -18,15 +18,15 @@ from ..evaluation import conflict as evaluate
 from .image_model import Visit, by_coordinate
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
-from .surrogate import Surrogate, learn
+from .surrogate import LEAST_NOISE, Surrogate, learn
 
 PROBE, CHECK = np.radians((15.0, 2.0))
 FIRST_RADIUS, LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 12.0, 45.0, 0.5))
 LONGEST = np.radians(45.0)  # a joint and motion
 DONE_STEP, LEAST_STEP = np.radians((0.1, 0.01))
-CERTAIN, DOUBTFUL = np.radians((0.15, 5.0))
+CERTAIN, DOUBTFUL = np.radians((0.3, 5.0))
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
-NOISE_FLOOR = 4.0  # E up to so many times the noise's square is noise
+NOISE_FLOOR = 1.5  # E up to so many times the noise's square is noise
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
 MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
 KEPT = 60  # visits
@@ -73,10 +73,14 @@ class TrustRegion:
         if state.goal is not None:
             return _towards(state, seen)
         by = PHASES[state.phase][0]
-        E = evaluate(conflict(_completed(state.visits, seen.noise_px), by))
+        own, like = _smoothed(state.visits, seen.noise_px), None
+        E = evaluate(conflict(own, by))
+        if seen.noise_px > LEAST_NOISE and by is None:
+            like = own[int(np.argmin(E))]
+            E = evaluate(conflict(own, by, like))
         state, best = _judge(state, E), int(np.argmin(E))
         model = learn(list(state.visits), best, seen.noise_px)
-        found = _search(model, state.radius, seen, lambda theta: conflict(model.predict(theta), by))
+        found = _search(model, state.radius, seen, lambda theta: conflict(model.predict(theta), by, like))
         step = np.max(np.abs(found.theta - model.centre))
         doubt = _doubt(float(E[best]), found)
         # a short motion is made only for the certainty that it promises
@@ -103,13 +107,15 @@ def _arrived(state: TrustState, seen: Observation) -> TrustState:
     return replace(state, visits=(*visits, _visit(seen))[-KEPT:])
 
 
-def _completed(visits: tuple[Visit, ...], noise_px: float) -> NDArray:
-    """(n, N, 4) px of all visits; points not seen at one are where the others let expect them."""
+def _smoothed(visits: tuple[Visit, ...], noise_px: float) -> NDArray:
+    """(n, N, 4) px of all visits, as they tell of each other: noise is averaged, points not seen are completed."""
     own = np.array([visit.own for visit in visits])
-    if not np.isnan(own).any():
+    unseen = np.isnan(own)
+    if noise_px <= LEAST_NOISE and not unseen.any():
         return own
     model = learn(list(visits), len(visits) - 1, noise_px)
-    return np.where(np.isnan(own), model.predict(np.array([visit.displacement for visit in visits])), own)
+    told = model.predict(np.array([visit.displacement for visit in visits]))
+    return told if noise_px > LEAST_NOISE else np.where(unseen, told, own)
 
 
 def _judge(state: TrustState, E: NDArray) -> TrustState:

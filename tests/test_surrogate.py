@@ -1,0 +1,86 @@
+"""The surrogate is Gaussian-process regression, knows linear images exactly and takes nothing from points not seen."""
+
+import numpy as np
+import pytest
+
+from viewimit.servo.image_model import Visit
+from viewimit.servo.surrogate import BEND, LEAST_NOISE, LENGTH, OFFSET, SLOPE, learn
+
+
+def kernel(a, b):
+    return OFFSET**2 + SLOPE**2 * (a @ b) + BEND**2 * np.exp(-((a - b) @ (a - b)) / (2 * LENGTH**2))
+
+
+def visits_of(images, displacements, seen=None):
+    seen = np.ones((len(displacements), len(images(displacements[0])), 2), bool) if seen is None else seen
+    return [Visit(d, np.where(np.repeat(s, 2, -1), images(d), np.nan), s) for d, s in zip(displacements, seen)]
+
+
+@pytest.fixture
+def linear():
+    rng = np.random.default_rng(0)
+    J, y = rng.normal(0, 100, (6, 4, 2)), rng.uniform(0, 240, (6, 4))
+    return (lambda theta: y + J @ theta), rng
+
+
+def test_predictions_are_those_of_the_textbook_one_coordinate_at_a_time(linear):
+    images, rng = linear
+    places = rng.uniform(-0.5, 0.5, (5, 2))
+    curved = lambda theta: images(theta) + 20 * np.sin(3 * theta[0]) * theta[1]
+    visits = visits_of(curved, places)
+    asked = rng.uniform(-0.7, 0.7, (3, 2))
+    found = learn(visits, 2, 0.5).predict(asked)
+    away = places - places[2]
+    K = np.array([[kernel(a, b) for b in away] for a in away]) + 0.25 * np.eye(5)
+    for point, coordinate in np.ndindex(6, 4):
+        rise = [visit.own[point, coordinate] - visits[2].own[point, coordinate] for visit in visits]
+        for k, theta in enumerate(asked):
+            row = [kernel(theta - places[2], b) for b in away]
+            expected = visits[2].own[point, coordinate] + row @ np.linalg.solve(K, rise)
+            assert found[k, point, coordinate] == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_linear_image_is_known_after_one_visit_more_than_joints(linear):
+    """The bend's part of the kernel pulls a little away from the line: less than 2 % of the way."""
+    images, _ = linear
+    visits = visits_of(images, np.array([[0.0, 0], [0.26, 0], [0.26, 0.26]]))
+    theta = np.array([0.2, 0.1])
+    assert (
+        np.abs(learn(visits, 0, 0.0).predict(theta) - images(theta)).max()
+        < 0.02 * np.abs(images(theta) - images(theta * 0)).max()
+    )
+
+
+def test_visits_are_remembered_and_noise_is_averaged(linear):
+    images, rng = linear
+    places = rng.uniform(-0.1, 0.1, (40, 2))
+    exact = learn(visits_of(images, places), 0, 0.0)
+    np.testing.assert_allclose(exact.predict(places), [images(p) for p in places], atol=10 * LEAST_NOISE)
+    noisy = visits_of(lambda theta: images(theta) + rng.normal(0, 2.0, (6, 4)), places)
+    error = learn(noisy, 0, 2.0).predict(places) - [images(p) for p in places]
+    assert np.sqrt((error**2).mean()) < 0.4 * 2.0  # a linear map of 12 numbers a point, from 160: √(3/40) = 0.27
+
+
+def test_points_not_seen_have_no_part_and_points_never_seen_are_not_known(linear):
+    images, rng = linear
+    places = rng.uniform(-0.5, 0.5, (6, 2))
+    seen = np.ones((6, 6, 2), bool)
+    seen[2, 0, 1] = seen[4, 3, 0] = False
+    seen[:, 5, 0] = False
+    whole, partly = learn(visits_of(images, places), 1, 0.0), learn(visits_of(images, places, seen), 1, 0.0)
+    asked = rng.uniform(-0.5, 0.5, (4, 2))
+    found = partly.predict(asked)
+    assert np.isnan(found[:, 5, :2]).all() and not np.isnan(np.delete(found, 5, 1)).any()
+    np.testing.assert_allclose(found[:, [1, 2, 4]], whole.predict(asked)[:, [1, 2, 4]], atol=1e-8)
+    kept = [visit for k, visit in enumerate(visits_of(images, places)) if k != 2]
+    np.testing.assert_allclose(found[:, 0, 2:], learn(kept, 1, 0.0).predict(asked)[:, 0, 2:], atol=1e-6)
+
+
+def test_a_point_hidden_at_the_centre_starts_from_where_it_was_seen_nearest(linear):
+    images, rng = linear
+    places = np.array([[0.0, 0], [0.1, 0], [0.4, 0], [0, 0.3]])
+    seen = np.ones((4, 6, 2), bool)
+    seen[0, 2, 1] = False
+    found = learn(visits_of(images, places, seen), 0, 0.0)
+    np.testing.assert_array_equal(found.at_centre[2, 2:], images(places[1])[2, 2:])
+    assert np.abs(found.predict(places[0])[2, 2:] - images(places[0])[2, 2:]).max() < 1.0

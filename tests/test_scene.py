@@ -75,3 +75,18 @@ def test_unknown_scene_robot_and_layout_say_what_there_is(tmp_path):
 def test_a_posture_must_have_its_angles_within_limits(theta):
     with pytest.raises(ValueError, match="demonstrator's"):
         load_scene("panda").require_posture(theta, "demonstrator's")
+
+
+def test_other_joints_may_move_within_the_robots_limits_from_rest():
+    scene = load_scene("panda", joints=(2, 4, 6))
+    assert scene.moving_joints == (2, 4, 6) and scene.range_deg[:2] == load_scene("panda").range_deg
+    assert scene.range_deg[2] == pytest.approx((-5.0, 219.0), abs=0.1)  # -0.0873 … 3.8223 in the URDF
+    assert scene.start_deg == (25, -25, 90)
+    everything = load_scene("iiwa", joints=tuple(range(1, 8)))
+    assert len(everything.range_deg) == 7
+
+
+@pytest.mark.parametrize("joints", [(), (0, 2), (2, 2), (4, 2), (2, 8)])
+def test_joints_that_cannot_be_are_refused(joints):
+    with pytest.raises(ValueError, match="panda.toml: joints .*must ascend, within 1 … 7"):
+        load_scene("panda", joints=joints)

@@ -105,10 +105,14 @@ def robot_names() -> list[str]:
     return sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir())
 
 
-def load_scene(name: str | Path = "panda", robot: str | Path | None = None) -> Scene:
+def load_scene(
+    name: str | Path = "panda", robot: str | Path | None = None, joints: tuple[int, ...] | None = None
+) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
+    joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
+    robot's limits and start at rest.
     Raises ValueError that names the file and the field.
     """
     path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
@@ -121,6 +125,7 @@ def load_scene(name: str | Path = "panda", robot: str | Path | None = None) -> S
         robot = str(robot) if robot is not None else _beside(path, scene.robot)
         scene = msgspec.structs.replace(scene, robot=robot)
         _check(scene)
+        scene = scene if joints is None else _freed(scene, joints)
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from None
     return scene
@@ -162,6 +167,20 @@ def _require_finite(value, name: str = "") -> None:
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, item in items:
         _require_finite(item, f"{name}.{key}".lstrip("."))
+
+
+def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
+    """The scene with other joints moving."""
+    robot = load_robot(scene.robot)
+    if not joints or list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
+        raise ValueError(f"joints {', '.join(map(str, joints))} must ascend, within 1 … {len(robot.joints)}")
+    known = dict(zip(scene.moving_joints, zip(scene.range_deg, scene.start_deg)))
+    rest = {}
+    for joint, posture in zip(joints, np.array(scene.posture_deg)[np.array(joints) - 1].tolist()):
+        limits = np.degrees((robot.joints[joint - 1].lower, robot.joints[joint - 1].upper))
+        rest[joint] = (tuple(limits.round(6).tolist()), posture)
+    ranges, starts = zip(*(known.get(joint, rest[joint]) for joint in joints))
+    return msgspec.structs.replace(scene, moving_joints=tuple(joints), range_deg=ranges, start_deg=starts)
 
 
 def _merge(below: dict, above: dict) -> dict:

@@ -24,7 +24,7 @@ from .world import Disturbance, World
 
 DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
-BEGIN_ANEW = ("scene", "robot", "points", "start_deg")  # settings that change body, camera or start
+BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg")  # settings that change body, camera or start
 MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
 
 
@@ -169,7 +169,7 @@ class Session:
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
-        scene = load_scene(settings.scene, settings.robot)
+        scene = load_scene(settings.scene, settings.robot, settings.joints)
         rest = np.array(scene.posture_deg)[scene.moving]
         demo = scene.require_posture(np.radians(_given(settings.demonstrator_deg, rest)), "demonstrator's")
         start = scene.require_posture(np.radians(_given(settings.start_deg, scene.start_deg)), "learner's start")

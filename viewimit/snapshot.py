@@ -19,11 +19,12 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
     frames: how many images are averaged at each posture, of both bodies.
-    robot: a name or the path of a URDF, in place of the scene's.
+    robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
     """
 
     scene: str = "panda"
     robot: str | None = None
+    joints: tuple[int, ...] | None = None
     points: int = 10
     demonstrator_deg: tuple[float, ...] | None = None
     start_deg: tuple[float, ...] | None = None

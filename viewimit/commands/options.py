@@ -16,6 +16,7 @@ from ..transfer import TRANSFERS
 from . import BadInput
 
 DONE, MISSED = 0, 1
+ALL = "all"
 
 
 def add_setting_options(parser: argparse.ArgumentParser) -> None:
@@ -27,11 +28,13 @@ def add_setting_options(parser: argparse.ArgumentParser) -> None:
         help=f"{', '.join(robot_names())}, or the path of a .urdf file (the scene's). "
         "A .urdf takes the place of the scene's robot, with the same bases, limits and points in its links' frames",
     )
+    parser.add_argument("--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the scene's)")
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({defaults.points})")
     parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
     parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
     parser.add_argument("--noise-px", type=float, metavar="PX", help="standard deviation of image points (0)")
     parser.add_argument("--missing", type=float, metavar="SHARE", help="of points not found in an image (0)")
+    parser.add_argument("--frames", type=int, metavar="N", help=f"images averaged at each posture ({defaults.frames})")
     parser.add_argument("--seed", type=int, metavar="N", help=f"of noise and missing points ({defaults.seed})")
 
 
@@ -50,7 +53,7 @@ def settings_from(args: argparse.Namespace) -> Settings:
     if args.scene is None and args.robot in scene_names():
         args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
     settings = Settings()
-    given = {name: vars(args).get(name) for name in ("transfer", "servo", "noise_px", "missing", "seed")}
+    given = {name: vars(args).get(name) for name in ("transfer", "servo", "noise_px", "missing", "frames", "seed")}
     for name, value in given.items():
         if value is not None:
             with naming("--" + name.replace("_", "-")):
@@ -59,6 +62,9 @@ def settings_from(args: argparse.Namespace) -> Settings:
         scene = load_scene(args.scene or settings.scene)
     with naming("--robot"):
         scene = load_scene(args.scene or settings.scene, args.robot)
+    freed = tuple(range(1, len(scene.posture_deg) + 1)) if args.joints == ALL else args.joints
+    with naming("--joints"):
+        scene = load_scene(args.scene or settings.scene, args.robot, freed)
     points = settings.points if args.points is None else args.points
     with naming("--points"):
         scene.body_points(points)
@@ -71,6 +77,7 @@ def settings_from(args: argparse.Namespace) -> Settings:
         settings,
         scene=args.scene or settings.scene,
         robot=args.robot,
+        joints=freed,
         points=points,
         demonstrator_deg=postures["demonstrator"],
         start_deg=postures["start"],
@@ -97,6 +104,16 @@ def between(convert: Callable, low: float, high: float) -> Callable:
         return value
 
     return number
+
+
+def joints(text: str) -> tuple[int, ...] | str:
+    """A type for argparse: numbers separated by commas, or all."""
+    if text == ALL:
+        return text
+    try:
+        return tuple(int(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"needs joints such as 2,4, or all, got {text!r}") from None
 
 
 def angles(text: str) -> tuple[float, ...]:

@@ -14,6 +14,7 @@ ROOT = Path(__file__).parent.parent
 ORDER = (  # each imports only what stands above it, or itself
     "assets",
     "geometry",
+    "frames",
     "camera",
     "robot",
     "views",
@@ -74,7 +75,7 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "evaluation", "geometry", "scene", "servo", "snapshot", "transfer", "views", "world",
+        "evaluation", "frames", "geometry", "scene", "servo", "snapshot", "transfer", "views", "world",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

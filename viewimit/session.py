@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import frames
 from .evaluation import residual
 from .geometry.affine import MIN_POINTS, flatness
 from .scene import Scene, load_scene
@@ -187,24 +188,21 @@ class Session:
 
     def _look(self, theta: NDArray, theta_demo: NDArray, settings: Settings, look: int) -> FourViews:
         """The own body is looked at anew; the demonstrator only when it or its disturbance has changed."""
-        disturbance = Disturbance(settings.noise_px, settings.missing)
-        key = theta_demo.tobytes(), disturbance, settings.frames, settings.seed
+        key = theta_demo.tobytes(), disturbance(settings), settings.frames, settings.seed
         if self._demo_look is None or self._demo_look[0] != key:
             images = self.world.demo_images(theta_demo)
-            self._demo_look = key, disturbance.average(*images, [settings.seed, DEMO_LOOK], settings.frames)
+            self._demo_look = key, merged_look(settings, images, DEMO_LOOK)
         demo, demo_visible = self._demo_look[1]
-        seed = [settings.seed, OWN_LOOK, look]
-        own, own_visible = disturbance.average(*self.world.own_images(theta), seed, settings.frames)
+        own, own_visible = merged_look(settings, self.world.own_images(theta), OWN_LOOK, look)
         return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
 
     def _noise_at_rest(self, settings: Settings) -> float:
         """Standard deviation of a coordinate, as averaged, from single images of the own body at the start, px."""
-        key = Disturbance(settings.noise_px, settings.missing), settings.seed, settings.frames
+        key = disturbance(settings), settings.seed, settings.frames
         if self._rest is None or self._rest[0] != key:
             images = self.world.own_images(np.radians(settings.start_deg))
-            looks = [key[0].apply(*images, [settings.seed, REST_LOOK, k]) for k in range(REST_LOOKS)]
-            points = np.array([np.where(np.repeat(seen, 2, -1), own, np.nan) for own, seen in looks])
-            self._rest = key, _spread(points) / np.sqrt(settings.frames)
+            looks = key[0].frames(*images, [settings.seed, REST_LOOK], REST_LOOKS)
+            self._rest = key, frames.noise(*looks) / np.sqrt(settings.frames)
         return self._rest[1]
 
     def _replace(self, snapshot: Snapshot) -> None:
@@ -227,12 +225,16 @@ class Session:
         return predicted
 
 
-def _spread(looks: NDArray) -> float:
-    """Standard deviation about each point's own mean, pooled. looks: (k, N, 4) px, NaN where not seen."""
-    count = np.isfinite(looks).sum(0)
-    mean = np.nansum(looks, 0) / np.maximum(count, 1)
-    freedom = np.maximum(count - 1, 0).sum()
-    return float(np.sqrt(np.nansum((looks - mean) ** 2) / freedom)) if freedom else 0.0
+def disturbance(settings: Settings) -> Disturbance:
+    return Disturbance(settings.noise_px, settings.missing, settings.outliers)
+
+
+def merged_look(settings: Settings, images: tuple[NDArray, NDArray], *stream: int) -> tuple[NDArray, NDArray]:
+    """What is seen of images (N, 4) px, (N, 2): as many frames as are set, disturbed and merged."""
+    seed = [settings.seed, *stream]
+    if settings.frames == 1:
+        return disturbance(settings).apply(*images, seed)
+    return frames.merge(*disturbance(settings).frames(*images, seed, settings.frames))
 
 
 def _awake(now: Snapshot) -> str:

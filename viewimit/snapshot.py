@@ -32,6 +32,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     servo: str = "broyden"
     noise_px: float = 0.0
     missing: float = 0.0
+    outliers: float = 0.0
     frames: int = 1
     seed: int = 7
 
@@ -40,6 +41,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_choice("servo", self.servo, SERVOS)
         _require_range("noise_px", self.noise_px, 0, 20)
         _require_range("missing", self.missing, 0, 1)
+        _require_range("outliers", self.outliers, 0, 1)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
 

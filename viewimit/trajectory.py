@@ -17,8 +17,7 @@ from .posing import hand_position
 from .servo import Observation
 from .servo.image_based import towards
 from .servo.image_model import ImageModel
-from .session import Session
-from .world import Disturbance
+from .session import Session, merged_look
 
 APPROACH = 20  # motions at most to the first frame; then one a frame
 ARRIVED = np.radians(0.05)  # a smaller motion ends the approach
@@ -80,18 +79,16 @@ def follow(
     The session itself stays as it is, too. tell: the share done.
     """
     settings, scene, world = session.settings, session.scene, session.world
-    disturbance = Disturbance(settings.noise_px, settings.missing)
     start, theta, model = np.radians(settings.start_deg), session.snapshot.theta, learned_images(session)
     moved = 0
 
     def look() -> Observation:
-        own, visible = disturbance.apply(*world.own_images(theta), [settings.seed, OWN_FRAMES, moved])
+        own, visible = merged_look(settings, world.own_images(theta), OWN_FRAMES, moved)
         return Observation(own, visible, np.nan, theta - start, scene.lower - start, scene.upper - start, moved)
 
     seen, frames = look(), []
     for frame, theta_demo in enumerate(motion.theta):
-        stream = [settings.seed, DEMO_FRAMES, frame]
-        demo, visible = disturbance.apply(*world.demo_images(theta_demo), stream)
+        demo, visible = merged_look(settings, world.demo_images(theta_demo), DEMO_FRAMES, frame)
         target = transfer.recover(demo[:, :2], demo[:, 2:])
         for _ in range(1 if frame else APPROACH):
             step = towards(model, seen, target, wanted & visible.all(-1))

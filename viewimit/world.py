@@ -15,30 +15,35 @@ from .robot import BodyPoints, Robot
 from .scene import Base, Scene, load_robot
 from .views import FourViews
 
+GROSS_PX = 60.0  # a coordinate
+
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What spoils an image: Gaussian noise in px (standard deviation a coordinate), share of points not found."""
+    """What spoils an image: Gaussian noise in px (standard deviation a coordinate), the share of points not found, and
+    the share found at a wrong place, anywhere within GROSS_PX."""
 
     noise_px: float = 0.0
     missing: float = 0.0
+    outliers: float = 0.0
 
     def apply(self, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
         """points: (N, 4) px, visible: (N, 2). The draws depend on the seed alone, so that turning one
         disturbance up enlarges the same noise and loses the same points first."""
-        if not (self.noise_px or self.missing):
+        if not (self.noise_px or self.missing or self.outliers):
             return points, visible
         rng = np.random.default_rng(seed)
         noise, luck = rng.standard_normal(points.shape), rng.random(visible.shape)
-        return points + self.noise_px * noise, visible & (luck >= self.missing)
+        points, visible = points + self.noise_px * noise, visible & (luck >= self.missing)
+        if self.outliers:
+            wrong = np.repeat(rng.random(visible.shape) < self.outliers, 2, -1)
+            points = np.where(wrong, points + rng.uniform(-GROSS_PX, GROSS_PX, points.shape), points)
+        return points, visible
 
-    def average(self, points: NDArray, visible: NDArray, seed: Sequence[int], frames: int) -> tuple[NDArray, NDArray]:
-        """Of several looks at the same: each point's mean over those that show it, seen if one does."""
-        if frames == 1 or not (self.noise_px or self.missing):
-            return self.apply(points, visible, seed)
-        looks, shown = map(np.array, zip(*(self.apply(points, visible, [*seed, k]) for k in range(frames))))
-        seen = np.repeat(shown, 2, -1)
-        return np.where(seen, looks, 0.0).sum(0) / np.maximum(seen.sum(0), 1), shown.any(0)
+    def frames(self, points: NDArray, visible: NDArray, seed: list[int], count: int) -> tuple[NDArray, NDArray]:
+        """Several looks at the same: (count, N, 4) px, (count, N, 2)."""
+        looks = [self.apply(points, visible, [*seed, k] if k else seed) for k in range(count)]
+        return tuple(map(np.array, zip(*looks)))
 
 
 class World:

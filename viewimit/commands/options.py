@@ -34,8 +34,9 @@ def add_setting_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
     parser.add_argument("--noise-px", type=float, metavar="PX", help="standard deviation of image points (0)")
     parser.add_argument("--missing", type=float, metavar="SHARE", help="of points not found in an image (0)")
+    parser.add_argument("--outliers", type=float, metavar="SHARE", help="of points found at a wrong place (0)")
     parser.add_argument("--frames", type=int, metavar="N", help=f"images averaged at each posture ({defaults.frames})")
-    parser.add_argument("--seed", type=int, metavar="N", help=f"of noise and missing points ({defaults.seed})")
+    parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +54,8 @@ def settings_from(args: argparse.Namespace) -> Settings:
     if args.scene is None and args.robot in scene_names():
         args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
     settings = Settings()
-    given = {name: vars(args).get(name) for name in ("transfer", "servo", "noise_px", "missing", "frames", "seed")}
+    names = ("transfer", "servo", "noise_px", "missing", "outliers", "frames", "seed")
+    given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():
         if value is not None:
             with naming("--" + name.replace("_", "-")):

@@ -50,7 +50,7 @@ class Claims(list[Claim]):
         super().__init__()
         same = judged and all(
             getattr(settings, name) == getattr(PAPER, name)
-            for name in ("scene", "robot", "points", "transfer", "noise_px", "missing")
+            for name in ("scene", "robot", "points", "transfer", "noise_px", "missing", "outliers")
         )
         self._judged = same and settings.demonstrator_deg in (None, PAPER_DEMONSTRATOR_DEG)
 

@@ -1,0 +1,42 @@
+"""Several images of the same: averaged, with gross errors found and set aside, and their noise measured.
+
+A point of a frame is a gross error if it is farther from the median of its frames than GROSS times the noise; medians
+are not moved by a few of them (Rousseeuw & Leroy 1987).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+NORMAL_MAD = 0.6745  # median of |x| for a standard normal x
+GROSS, LEAST_PX = 5.0, 0.05  # times the noise; px that are never a gross error
+FEWEST = 3  # frames that can outvote one
+
+
+def merge(points: NDArray, visible: NDArray) -> tuple[NDArray, NDArray]:
+    """points: (k, N, 2 v) px of k frames, visible: (k, N, v) → their means (N, 2 v) over the frames that show a point
+    and are no gross error of it, and (N, v), whether one does."""
+    if len(points) == 1:
+        return points[0], visible[0]
+    shown = np.repeat(visible, 2, -1)
+    if len(points) >= FEWEST:
+        away = np.abs(points - _median(points, shown))
+        far = away > max(GROSS * noise(points, visible), LEAST_PX)
+        visible = visible & ~far.reshape(visible.shape + (2,)).any(-1)
+        shown = np.repeat(visible, 2, -1)
+    return np.where(shown, points, 0.0).sum(0) / np.maximum(shown.sum(0), 1), visible.any(0)
+
+
+def noise(points: NDArray, visible: NDArray) -> float:
+    """Standard deviation of a coordinate, px, from how frames differ from their predecessors; 0 if none can be told."""
+    both = np.repeat(visible[1:] & visible[:-1], 2, -1)
+    steps = np.abs(np.diff(points, axis=0))[both]
+    return float(np.median(steps) / (NORMAL_MAD * np.sqrt(2))) if len(steps) else 0.0
+
+
+def _median(points: NDArray, shown: NDArray) -> NDArray:
+    """Over the frames that show a point; NaN if none does. (k, N, 2 v) → (N, 2 v)"""
+    ordered = np.sort(np.where(shown, points, np.inf), 0)
+    count = shown.sum(0)
+    low, high = np.maximum((count - 1) // 2, 0), np.minimum(count // 2, len(points) - 1)
+    ends = [np.take_along_axis(ordered, k[None], 0)[0] for k in (low, high)]
+    return np.where(count > 0, (ends[0] + ends[1]) / 2, np.nan)

@@ -265,3 +265,28 @@ def test_a_servo_may_ask_another_transfer_and_for_weights():
     assert ask(unknown).shape == (9, 4)
     weighed = ask(own, None, own)
     assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
+
+
+def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
+    """One motion a degree of the demonstrator: without looking ahead the learner would lag by that degree."""
+    session = run(Session(Settings(transfer="linear", servo="broyden", demonstrator_deg=(45, -90))))
+    bias = np.degrees(session.snapshot.theta - session.snapshot.theta_demo)
+    lag = []
+    for k in range(1, 31):
+        session.pose(np.radians([45 + k * 0.5, -90 + k]))
+        session.step()
+        lag.append(np.degrees(session.snapshot.theta) - (45 + (k + 1) * 0.5, -90 + k + 1) - bias)
+    assert np.abs(lag[3:]).max() < 0.8  # the bias of the affine camera changes on the way
+
+
+def test_one_jump_of_the_demonstrator_is_no_drift():
+    session = walked(Session(Settings(transfer="linear")), 4)
+    session.pose(np.radians([70, -40]))
+    assert not session._demo_drift().any()
+    session.step()
+    assert not session._demo_drift().any()
+    session.pose(np.radians([71, -39]))
+    assert session._demo_drift().any()
+    session.step()
+    session.step()
+    assert not session._demo_drift().any()

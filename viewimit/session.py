@@ -186,6 +186,17 @@ class Session:
         self.world, self._demo_look, self._rest = world, None, None
         self.history, self.cursor = [self.observe(start, blank)], 0
 
+    def _demo_drift(self) -> NDArray:
+        """(N, 4) px: how far the demonstrator's points will go on during the next motion, if it moved during the last two.
+
+        One jump is no drift: both displacements must point the same way.
+        """
+        recent = self.history[max(self.cursor - 2, 0) : self.cursor + 1]
+        if len(recent) < 3:
+            return np.zeros(())
+        before, last = np.diff([moment.views.demo for moment in recent], axis=0)
+        return last if np.vdot(before, last) > 0 else np.zeros(())
+
     def _look(self, theta: NDArray, theta_demo: NDArray, settings: Settings, look: int) -> FourViews:
         """The own body is looked at anew; the demonstrator only when it or its disturbance has changed."""
         key = theta_demo.tobytes(), disturbance(settings), settings.frames, settings.seed
@@ -214,11 +225,11 @@ class Session:
         Of the points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
         images (N, 4) are given as `like`, as the noise of the demonstrator's would spread over those.
         """
-        demo_seen = now.views.visible[:, :2].all(-1)
+        demo, demo_seen = now.views.demo + self._demo_drift(), now.views.visible[:, :2].all(-1)
 
         def predicted(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
             known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
-            imagined = FourViews(now.views.demo[known], own[..., known, :], now.views.visible[known])
+            imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
             e = residual(TRANSFERS[by or now.settings.transfer](imagined), imagined)
             return e if like is None else e @ noise_weight(imagined.with_own(like[known]))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.experiments.baselines import _own_image
+from viewimit.experiments.baselines import own_image
 from viewimit.scene import load_scene
 from viewimit.world import Disturbance, World
 
@@ -21,7 +21,7 @@ def test_images_of_a_grid_are_those_of_each_posture(world):
         alone, alone_visible = world.own_images((rows[i], columns[j]))
         np.testing.assert_allclose(points[i, j], alone, atol=1e-10)
         np.testing.assert_array_equal(visible[i, j], alone_visible)
-        np.testing.assert_allclose(alone, _own_image(world, np.array([rows[i], columns[j]])), atol=1e-10)
+        np.testing.assert_allclose(alone, own_image(world, np.array([rows[i], columns[j]])), atol=1e-10)
 
 
 def test_images_show_the_points_of_the_body_in_the_world(world):

@@ -187,7 +187,7 @@ class Session:
         self.history, self.cursor = [self.observe(start, blank)], 0
 
     def _demo_drift(self) -> NDArray:
-        """(N, 4) px: how far the demonstrator's points will go during the next motion, if they went on during the last two.
+        """(N, 4) px: how far the demonstrator's points go in the next motion, if they have gone on during the last two.
 
         One jump is no drift: both displacements must point the same way.
         """

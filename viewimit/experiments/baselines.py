@@ -1,7 +1,8 @@
 """The paper's E over many postures as numpy is plainly written: what the fast path is measured and checked against.
 
 Nothing of `geometry`, `transfer` or `Robot.place_points` is used here, only the data of the scene: joints,
-points and cameras. `loop` takes posture by posture, `batch` all of them at once.
+points and cameras. `loop` takes posture by posture, `batch` all of them at once; `conflict` and `conflicts` are
+what they do once they have the images.
 """
 
 import numpy as np
@@ -13,17 +14,21 @@ from ..world import World
 
 def loop(world: World, demo: NDArray, postures: NDArray) -> NDArray:
     """E of Eq. (6), posture by posture. demo: (N, 4) px; postures: (G, m) rad → (G,) px²."""
-    return np.array([_conflict(demo, _own_image(world, posture)) for posture in postures])
+    return np.array([conflict(demo, own_image(world, posture)) for posture in postures])
 
 
 def batch(
     world: World, demo: NDArray, postures: NDArray, with_condition: bool = False
 ) -> tuple[NDArray, NDArray | None]:
-    """E and, if asked, cond(A), all postures at once. demo: (N, 4) px; postures: (G, m) rad → (G,), (G,).
+    """E and, if asked, cond(A), all postures at once. demo: (N, 4) px; postures: (G, m) rad → (G,), (G,)."""
+    return conflicts(demo, _own_images(world, postures), with_condition)
+
+
+def conflicts(demo: NDArray, own: NDArray, with_condition: bool = False) -> tuple[NDArray, NDArray | None]:
+    """E and, if asked, cond(A). demo: (N, 4) px; own: (G, N, 4) px → (G,) px², (G,).
 
     cond(A) comes from the eigenvalues of AᵀA, which are at hand and cost less than singular values.
     """
-    own = _own_images(world, postures)
     l, r, L, R = demo[:, :2], demo[:, 2:], own[..., :2], own[..., 2:]
     A, B = np.zeros((len(own), 5, 4)), np.zeros((len(own), 5, 6))
     for row, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
@@ -43,7 +48,8 @@ def batch(
     return E, np.sqrt(values[:, -1] / values[:, 0])
 
 
-def _conflict(demo: NDArray, own: NDArray) -> float:
+def conflict(demo: NDArray, own: NDArray) -> float:
+    """E of one posture. demo, own: (N, 4) px → px²."""
     l, r, L, R = demo[:, :2], demo[:, 2:], own[:, :2], own[:, 2:]
     A, B = np.zeros((5, 4)), np.zeros((5, 6))
     for row, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
@@ -75,7 +81,7 @@ def _fundamentals(p: NDArray, q: NDArray) -> tuple[NDArray, NDArray]:
     return f, -(centre * f).sum(1)
 
 
-def _own_image(world: World, posture: NDArray) -> NDArray:
+def own_image(world: World, posture: NDArray) -> NDArray:
     """posture: (m,) rad → (N, 4) px in [L, R]."""
     angles = np.radians(world.scene.posture_deg)
     angles[world.scene.moving] = posture

@@ -1,4 +1,4 @@
-"""How fast E is: landscapes against two plain numpy baselines, and one posture as the servo asks for it.
+"""How fast E is: landscapes, one posture and one motion, beside independent baselines in the same run.
 
 Times are CPU time of this process, medians; on a noisy machine only their ratios mean something. BLAS must be
 held to one thread before numpy is loaded (OPENBLAS_NUM_THREADS=1), or its threads count as well.
@@ -14,16 +14,32 @@ from numpy.typing import NDArray
 from ..evaluation import conflict, residual
 from ..landscape import grid_axes, landscape
 from ..scene import load_scene
+from ..servo import SERVOS
+from ..session import Session
+from ..snapshot import Settings
 from ..transfer import TRANSFERS
 from ..views import FourViews
 from ..world import World
-from . import baselines
+from . import baselines, opencv_baseline
 
-LOOP_SHARE = 10  # the loop is timed on every tenth posture in a seeded order, unless all are asked for
+LOOP_SHARE = 10  # loops are timed on every tenth posture in a seeded order, unless all are asked for
 SINGLE_CALLS = 200  # calls timed together, well above the clock's resolution
 BATCH = 8  # postures that a servo asks for together
 ROUNDS = 15
 SLOW_ROUNDS = 5
+MOTIONS = 300  # of each servo
+STAGES = 6
+
+
+@dataclass(frozen=True)
+class OpenCV:
+    """loop_s: for all postures, from those timed; posture_s: one posture. Its E is another one: px², at the
+    demonstrator's posture, and the median over the postures timed."""
+
+    loop_s: float
+    posture_s: float
+    E_at_demonstrator: float
+    E_median: float
 
 
 @dataclass(frozen=True)
@@ -31,8 +47,10 @@ class Benchmark:
     """Seconds of CPU time. agreement: largest relative difference of E to a baseline, over the postures it had.
 
     landscape_s: by transfer, condition_s: epipolar with its condition; batch_s, batch_condition_s: numpy batch;
-    loop_s: for all postures, from `loop_postures` that were timed; fit_s: by transfer and number of
-    postures, one fit, recovery, residual and E.
+    loop_s: for all postures, from `loop_postures` that were timed; all with kinematics and projection.
+    fit_s: by transfer and number of postures, one fit, recovery, residual and E of given images;
+    loop_posture_s, batch_posture_s: the baselines given the images of one posture.
+    motion_s: by transfer and servo, one whole `Session.step`. opencv: None if it cannot run, and opencv_why_not.
     """
 
     scene: str
@@ -45,13 +63,24 @@ class Benchmark:
     batch_condition_s: float
     loop_s: float
     fit_s: dict[str, dict[int, float]]
+    loop_posture_s: float
+    batch_posture_s: float
+    motion_s: dict[str, dict[str, float]]
+    opencv: OpenCV | None
+    opencv_why_not: str | None
     batch_agreement: float
     loop_agreement: float
     condition_agreement: float
 
 
-def run(scene: str = "panda", points: int = 10, full_loop: bool = False, seed: int = 0) -> Benchmark:
-    """Measure the scene's demonstrator at rest, over the 1° grid of its two moving joints."""
+def run(
+    scene: str = "panda",
+    points: int = 10,
+    full_loop: bool = False,
+    seed: int = 0,
+    tell: Callable[[float], None] = lambda share: None,
+) -> Benchmark:
+    """Measure the scene's demonstrator at rest, over the 1° grid of its two moving joints. tell(share done)."""
     world = World(load_scene(scene), points)
     theta = np.radians(world.scene.posture_deg)[world.scene.moving]
     demo, _ = world.demo_images(theta)
@@ -65,13 +94,25 @@ def run(scene: str = "panda", points: int = 10, full_loop: bool = False, seed: i
 
     landscape_s = {name: _median_s(lambda: over_grid(name), ROUNDS) for name in TRANSFERS}  # noqa: B023
     condition_s = _median_s(lambda: over_grid("epipolar", True), ROUNDS)
+    tell(1 / STAGES)
     batch_s = _median_s(lambda: baselines.batch(world, demo, postures), SLOW_ROUNDS)
     batch_condition_s = _median_s(lambda: baselines.batch(world, demo, postures, True), SLOW_ROUNDS)
-    began = time.process_time()
-    loop_E = baselines.loop(world, demo, postures[sample])
-    loop_s = (time.process_time() - began) * len(postures) / len(sample)
+    tell(2 / STAGES)
+    loop_s, loop_E = _loop_s(baselines.loop, world, demo, postures, sample)
+    tell(3 / STAGES)
+    own, _ = world.own_images(postures[:: len(postures) // BATCH][:BATCH].T)
+    own = np.ascontiguousarray(own)
+    fit_s = {name: _fit_s(fit, demo, own) for name, fit in TRANSFERS.items()}
+    loop_posture_s = _call_s(lambda: baselines.conflict(demo, own[0]))
+    batch_posture_s = _call_s(lambda: baselines.conflicts(demo, own[:1]))
+    tell(4 / STAGES)
+    why_not = opencv_baseline.why_not(points)
+    opencv = None if why_not else _opencv(world, theta, demo, postures, sample)
+    tell(5 / STAGES)
+    motion_s = {name: {servo: _motion_s(scene, points, name, servo) for servo in SERVOS} for name in TRANSFERS}
     found = over_grid("epipolar", True)
     batch_E, batch_condition = baselines.batch(world, demo, postures, True)
+    tell(1.0)
     return Benchmark(
         scene=scene,
         points=points,
@@ -82,58 +123,70 @@ def run(scene: str = "panda", points: int = 10, full_loop: bool = False, seed: i
         batch_s=batch_s,
         batch_condition_s=batch_condition_s,
         loop_s=loop_s,
-        fit_s={name: _fit_s(world, fit, demo, postures) for name, fit in TRANSFERS.items()},
+        fit_s=fit_s,
+        loop_posture_s=loop_posture_s,
+        batch_posture_s=batch_posture_s,
+        motion_s=motion_s,
+        opencv=opencv,
+        opencv_why_not=why_not,
         batch_agreement=_difference(found.E.ravel(), batch_E),
         loop_agreement=_difference(found.E.ravel()[sample], loop_E),
         condition_agreement=_difference(found.condition.ravel(), batch_condition),
     )
 
 
-def table(result: Benchmark) -> str:
-    """The figures for people."""
-    ours, with_condition = result.landscape_s["epipolar"], result.condition_s
-    timed = "all postures" if result.loop_postures == result.postures else f"{result.loop_postures} postures, scaled"
-
-    def row(what: str, seconds: float, against: float) -> str:
-        return f"  {what:<52} {seconds * 1e3:9.1f} ms  {seconds / against:8.1f} x"
-
-    lines = [
-        f"E over {result.postures} postures of {result.scene}, {result.points} points",
-        "with kinematics and projection (CPU time on one thread, medians)",
-        row("epipolar", ours, ours),
-        row("numpy batch: eigh and solve", result.batch_s, ours),
-        row(f"numpy loop: eigh and lstsq ({timed})", result.loop_s, ours),
-        row("epipolar with cond(A)", with_condition, with_condition),
-        row("numpy batch, without cond(A)", result.batch_s, with_condition),
-        row("numpy batch with cond(A), eigvalsh of its AᵀA", result.batch_condition_s, with_condition),
-    ]
-    lines += [row(name, seconds, ours) for name, seconds in result.landscape_s.items() if name != "epipolar"]
-    lines.append("fit, recovery, residual and E")
-    for name, times in result.fit_s.items():
-        for count, seconds in times.items():
-            postures = "one posture" if count == 1 else f"{count} postures together"
-            lines.append(f"  {name + ', ' + postures:<52} {seconds * 1e6:9.0f} µs")
-    lines += [
-        "largest relative difference",
-        f"  {'E to the batch, all postures':<52} {result.batch_agreement:9.1e}",
-        f"  {f'E to the loop, {result.loop_postures} postures':<52} {result.loop_agreement:9.1e}",
-        f"  {'cond(A) to the batch, all postures':<52} {result.condition_agreement:9.1e}",
-    ]
-    return "\n".join(lines)
+def _loop_s(loop: Callable, world: World, demo: NDArray, postures: NDArray, sample: NDArray) -> tuple[float, NDArray]:
+    """Seconds for all postures, from those of the sample, and their E."""
+    loop(world, demo, postures[sample[:1]])  # what is loaded at the first call is not counted
+    began = time.process_time()
+    E = loop(world, demo, postures[sample])
+    return (time.process_time() - began) * len(postures) / len(sample), E
 
 
-def _fit_s(world: World, fit: Callable, demo: NDArray, postures: NDArray) -> dict[int, float]:
-    own, _ = world.own_images(postures[:: len(postures) // BATCH][:BATCH].T)
-    found = {}
-    for count, images in ((1, np.ascontiguousarray(own[0])), (BATCH, np.ascontiguousarray(own))):
+def _opencv(world: World, theta: NDArray, demo: NDArray, postures: NDArray, sample: NDArray) -> OpenCV:
+    loop_s, E = _loop_s(opencv_baseline.loop, world, demo, postures, sample)
+    own = baselines.own_image(world, postures[0])
+    return OpenCV(
+        loop_s=loop_s,
+        posture_s=_call_s(lambda: opencv_baseline.conflict(demo, own)),
+        E_at_demonstrator=opencv_baseline.conflict(demo, baselines.own_image(world, theta)),
+        E_median=float(np.median(E)),
+    )
+
+
+def _fit_s(fit: Callable, demo: NDArray, own: NDArray) -> dict[int, float]:
+    """By number of postures. own: (BATCH, N, 4) px."""
+
+    def of(images: NDArray) -> float:
         views = FourViews(demo, images, np.ones(1, bool))
+        return _call_s(lambda: conflict(residual(fit(views), views)))
 
-        def calls(views=views):
-            for _ in range(SINGLE_CALLS):
-                conflict(residual(fit(views), views))
+    return {1: of(own[0]), BATCH: of(own)}
 
-        found[count] = _median_s(calls, ROUNDS) / SINGLE_CALLS
-    return found
+
+def _motion_s(scene: str, points: int, transfer: str, servo: str) -> float:
+    """Of motions from the scene's start, again and again when the servo rests. NaN if it does not move there."""
+    session = Session(Settings(scene=scene, points=points, transfer=transfer, servo=servo))
+    times: list[float] = []
+    while len(times) < MOTIONS:
+        began = time.process_time()
+        moved = session.step()
+        took = time.process_time() - began
+        if moved:
+            times.append(took)
+        elif session.snapshot.motion == 0:
+            return np.nan
+        else:
+            session.reset()
+    return float(np.median(times))
+
+
+def _call_s(call: Callable[[], object]) -> float:
+    def calls():
+        for _ in range(SINGLE_CALLS):
+            call()
+
+    return _median_s(calls, ROUNDS) / SINGLE_CALLS
 
 
 def _median_s(work: Callable[[], object], rounds: int) -> float:

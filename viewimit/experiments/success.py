@@ -1,34 +1,147 @@
-"""How often and how soon a servo arrives, from a grid of starts over the whole range."""
+"""How often and how soon a servo arrives, from many starts, at many demonstrators.
 
+Every transfer and servo gets the same pairs of start and demonstrator. Runs are apart from each other and are made in
+as many processes as there are; the result does not depend on how many.
+"""
+
+import math
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from statistics import NormalDist
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from ..landscape import grid_axes, landscape
+from ..scene import Scene
 from ..session import Session
 from ..snapshot import Settings
 from ..transfer import TRANSFERS
 
 FINE_DEG, AROUND_DEG = 0.05, 1.5  # of the search for the transfer's own minimum about the grid's
 WITHIN_DEG = (1.0, 3.0)
+TARGETS = ("own_minimum", "demonstrator")
+CONFIDENCE = 0.95
+
+Posture = tuple[float, ...]
+Pair = tuple[Posture, Posture]
+
+
+@dataclass(frozen=True)
+class Run:
+    """motions made; claimed: the servo says that it has converged; ended, nearest: largest joint error to each of
+    TARGETS, at the end and when it was least; bias: of the transfer's own minimum to the demonstrator. Degrees."""
+
+    motions: int
+    claimed: bool
+    ended: dict[str, float]
+    nearest: dict[str, float]
+    bias: float
+
+
+@dataclass(frozen=True)
+class Share:
+    """`count` of `runs`, and Wilson's score interval of the share."""
+
+    count: int
+    runs: int
+    share: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, happened: Iterable[bool]) -> "Share":
+        happened = list(happened)
+        count, runs = sum(map(bool, happened)), len(happened)
+        return cls(count, runs, count / runs, *wilson(count, runs))
 
 
 @dataclass(frozen=True)
 class Success:
-    """Over `starts` runs: shares that ended within 1° and 3° of the transfer's own minimum (largest joint error),
-    shares that came so near at some time, motions made, shares of claims and of false claims (beyond 3°)."""
+    """Of one transfer and servo. ended, came: shares of runs by target and by how near, degrees, at the end and at some
+    time; claimed_falsely: more than 3° from the transfer's own minimum. Motions and bias: median, 95th percentile."""
 
     transfer: str
     servo: str
-    starts: int
-    minimum_deg: tuple[float, ...]
-    ended_within: dict[float, float]
-    came_within: dict[float, float]
+    runs: int
+    max_motions: int
+    ended: dict[str, dict[float, Share]]
+    came: dict[str, dict[float, Share]]
     motions_median: float
     motions_95: float
-    claimed: float
-    claimed_falsely: float
+    claimed: Share
+    claimed_falsely: Share
+    bias_deg_median: float
+    bias_deg_95: float
+
+
+def random_pairs(scene: Scene, runs: int, seed: int) -> list[Pair]:
+    """Start and demonstrator, each uniform over the range of all moving joints, degrees."""
+    low, high = np.transpose(scene.range_deg)
+    drawn = np.random.default_rng(seed).uniform(low, high, (runs, 2, len(low)))
+    return [(tuple(start), tuple(demonstrator)) for start, demonstrator in drawn.tolist()]
+
+
+def grid_pairs(scene: Scene, counts: Sequence[int]) -> list[Pair]:
+    """Starts on a grid over the range, `counts` a joint, and the scene's own demonstrator, degrees."""
+    axes = (np.linspace(*limits, count) for limits, count in zip(scene.range_deg, counts, strict=True))
+    starts = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(counts))
+    demonstrator = tuple(scene.posture_deg[joint] for joint in scene.moving)
+    return [(tuple(start), demonstrator) for start in starts.tolist()]
+
+
+def run(
+    settings: Settings,
+    pairs: Sequence[Pair],
+    transfers: Sequence[str],
+    servos: Sequence[str],
+    max_motions: int,
+    workers: int | None = None,
+    tell: Callable[[float], None] = lambda share: None,
+) -> list[Success]:
+    """Of every transfer and servo, from every pair. workers: processes, if None as many as processors.
+
+    tell(share done), as often as a pair is done with.
+    A script that asks for more than one process needs `if __name__ == "__main__":`, because they import it.
+    """
+    tasks = [
+        (msgspec.structs.replace(settings, transfer=name, start_deg=start, demonstrator_deg=demo), servos, max_motions)
+        for name in transfers
+        for start, demo in pairs
+    ]
+    workers = min(workers or os.cpu_count() or 1, len(tasks))
+    results = []
+    for runs in _in_processes(tasks, workers) if workers > 1 else map(run_pair, *zip(*tasks)):
+        results.append(runs)
+        tell(len(results) / len(tasks))
+    return [
+        summary(name, servo, max_motions, [runs[s] for runs in results[t * len(pairs) : (t + 1) * len(pairs)]])
+        for t, name in enumerate(transfers)
+        for s, servo in enumerate(servos)
+    ]
+
+
+def run_pair(settings: Settings, servos: Sequence[str], max_motions: int) -> list[Run]:
+    """A run of each servo, from the settings' start to their demonstrator."""
+    session = Session(settings)
+    targets = dict(zip(TARGETS, (own_minimum(session), session.snapshot.theta_demo)))
+    bias = _error_deg(*targets.values())
+    runs = []
+    for servo in servos:
+        session.begin(msgspec.structs.replace(settings, servo=servo))
+        while session.snapshot.motion < max_motions and session.step():
+            pass
+        visited = np.array([snapshot.theta for snapshot in session.history])
+        errors = {name: _error_deg(visited, target) for name, target in targets.items()}
+        ended, nearest = ({name: float(pick(e)) for name, e in errors.items()} for pick in (lambda e: e[-1], np.min))
+        last = session.snapshot
+        runs.append(Run(last.motion, last.status == "converged", ended, nearest, float(bias)))
+    return runs
 
 
 def own_minimum(session: Session) -> NDArray:
@@ -42,50 +155,57 @@ def own_minimum(session: Session) -> NDArray:
     return landscape(session.world, fit, views.demo, seen, axes).minimum
 
 
-def run(transfer: str, servo: str, grid: tuple[int, int] = (10, 13), max_motions: int = 100) -> Success:
-    """The scene's demonstrator, from a grid of starts over the range of both joints."""
-    settings = Settings(transfer=transfer, servo=servo)
-    session = Session(settings)
-    minimum = own_minimum(session)
-    starts = np.stack(
-        np.meshgrid(*(np.linspace(*limits, n) for limits, n in zip(session.scene.range_deg, grid)), indexing="ij"), -1
-    ).reshape(-1, 2)
-    ended, nearest, motions, claims = [], [], [], []
-    for start in starts:
-        session.begin(Settings(transfer=transfer, servo=servo, start_deg=tuple(start.tolist())))
-        while session.snapshot.motion < max_motions and session.step():
-            pass
-        errors = [np.abs(np.degrees(snapshot.theta - minimum)).max() for snapshot in session.history]
-        ended.append(errors[-1])
-        nearest.append(min(errors))
-        motions.append(session.snapshot.motion)
-        claims.append(session.snapshot.status == "converged")
-    ended, nearest, claims = np.array(ended), np.array(nearest), np.array(claims)
+def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) -> Success:
+    motions, bias = [run.motions for run in runs], [run.bias for run in runs]
+
+    def shares(errors: str) -> dict[str, dict[float, Share]]:
+        return {
+            target: {near: Share.of(getattr(run, errors)[target] <= near for run in runs) for near in WITHIN_DEG}
+            for target in TARGETS
+        }
+
     return Success(
         transfer,
         servo,
-        len(starts),
-        tuple(np.degrees(minimum).round(3).tolist()),
-        {within: float(np.mean(ended <= within)) for within in WITHIN_DEG},
-        {within: float(np.mean(nearest <= within)) for within in WITHIN_DEG},
-        float(np.median(motions)),
-        float(np.percentile(motions, 95)),
-        float(claims.mean()),
-        float(np.mean(claims & (ended > WITHIN_DEG[-1]))),
+        len(runs),
+        max_motions,
+        ended=shares("ended"),
+        came=shares("nearest"),
+        motions_median=float(np.median(motions)),
+        motions_95=float(np.percentile(motions, 95)),
+        claimed=Share.of(run.claimed for run in runs),
+        claimed_falsely=Share.of(run.claimed and run.ended["own_minimum"] > WITHIN_DEG[-1] for run in runs),
+        bias_deg_median=float(np.median(bias)),
+        bias_deg_95=float(np.percentile(bias, 95)),
     )
 
 
-def table(results: list[Success]) -> str:
-    """For people."""
-    lines = [
-        "from a grid of starts over the whole range, against the transfer's own minimum",
-        f"{'transfer':10}{'servo':18}{'starts':>7}{'ended ≤1°':>11}{'≤3°':>6}{'came ≤1°':>10}{'≤3°':>6}"
-        f"{'motions':>9}{'95 %':>7}{'claimed':>9}{'falsely':>9}",
-    ]
-    for r in results:
-        lines.append(
-            f"{r.transfer:10}{r.servo:18}{r.starts:7d}{r.ended_within[1.0]:11.0%}{r.ended_within[3.0]:6.0%}"
-            f"{r.came_within[1.0]:10.0%}{r.came_within[3.0]:6.0%}{r.motions_median:9.0f}{r.motions_95:7.0f}"
-            f"{r.claimed:9.0%}{r.claimed_falsely:9.0%}"
-        )
-    return "\n".join(lines)
+def wilson(count: int, runs: int) -> tuple[float, float]:
+    """Wilson's score interval (1927) of a share, for CONFIDENCE: low, high."""
+    z = NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
+    share, shrink = count / runs, 1 + z * z / runs
+    middle = (share + z * z / (2 * runs)) / shrink
+    half = z / shrink * math.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
+    return middle - half if count else 0.0, middle + half if count < runs else 1.0
+
+
+def _error_deg(theta: NDArray, target: NDArray) -> NDArray:
+    """Largest joint error. theta: (..., m) rad → (...) degrees."""
+    return np.degrees(np.abs(theta - target)).max(-1)
+
+
+def _in_processes(tasks: Sequence[tuple], workers: int) -> Iterator[list[Run]]:
+    """`run_pair` of every task, in their order. A task takes long enough to be sent alone."""
+    others = set(multiprocessing.active_children())
+    # Ctrl-C reaches the workers too: they leave it to this process, which ends them.
+    pool = ProcessPoolExecutor(
+        workers, multiprocessing.get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN)
+    )
+    try:
+        yield from pool.map(run_pair, *zip(*tasks))
+    except BaseException:
+        for worker in set(multiprocessing.active_children()) - others:
+            worker.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)

@@ -1,7 +1,7 @@
 """The command line: degrees at this surface, radians behind it.
 
-Exit status 0: done; 1: ran, but did not reach its target; 2: bad input; 130: interrupted. With --json exactly one JSON object goes to
-standard output, and all messages to standard error.
+Exit status 0: done; 1: ran, but did not reach its target; 2: bad input; 130: interrupted. With --json exactly one
+JSON object goes to standard output, and all messages to standard error.
 """
 
 import argparse

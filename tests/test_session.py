@@ -293,3 +293,14 @@ def test_one_jump_of_the_demonstrator_is_no_drift():
     session.step()
     session.step()
     assert not session._demo_drift().any()
+
+
+def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arrives():
+    session = run(Session(Settings(transfer="linear", gain_error=0.05, quantum_deg=0.2)))
+    exact = run(Session(Settings(transfer="linear")))
+    now = session.snapshot
+    assert np.degrees(np.abs(now.commanded - now.theta)).max() > 0.5
+    np.testing.assert_array_equal(exact.snapshot.commanded, exact.snapshot.theta)
+    assert np.degrees(np.abs(now.theta - exact.snapshot.theta)).max() < 0.5
+    told = session.observation(now).displacement
+    np.testing.assert_allclose(told, now.commanded - np.radians(session.settings.start_deg))

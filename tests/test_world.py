@@ -5,7 +5,7 @@ import pytest
 
 from viewimit.experiments.baselines import own_image
 from viewimit.scene import load_scene
-from viewimit.world import Disturbance, World
+from viewimit.world import Actuator, Disturbance, World
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +62,12 @@ def test_undisturbed_looks_are_the_images(world):
     views = world.look(theta_demo, theta_own)
     np.testing.assert_array_equal(views.demo, world.demo_images(theta_demo)[0])
     np.testing.assert_array_equal(views.own, world.own_images(theta_own)[0])
+
+
+def test_an_arm_obeys_by_its_gain_and_in_its_steps():
+    theta, command = np.radians([10.0, -20.0]), np.radians([10.0, -4.0])
+    np.testing.assert_allclose(Actuator().move(theta, command), theta + command)
+    np.testing.assert_allclose(np.degrees(Actuator(0.05).move(theta, command)), [20.5, -24.2])
+    np.testing.assert_allclose(np.degrees(Actuator(0.05, 0.4).move(theta, command)), [20.5, -24.2], atol=0.2 + 1e-9)
+    steps = np.degrees(Actuator(0.05, 0.4).move(theta, command)) / 0.4
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)

@@ -21,11 +21,12 @@ from .snapshot import Settings, Snapshot
 from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
 from .views import FourViews
-from .world import Disturbance, World
+from .world import Actuator, Disturbance, World
 
 DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
 BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg")  # settings that change body, camera or start
+EXACT = Actuator()
 MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
 
 
@@ -75,9 +76,11 @@ class Session:
             status = "stalled" if state.status == "moving" else state.status
             self._replace(replace(now, servo_state=state, status=status))
             return False
-        theta = np.clip(now.theta + displacement, self.scene.lower, self.scene.upper)
+        commanded = np.clip(now.commanded + displacement, self.scene.lower, self.scene.upper)
+        theta = obeyed(now.settings, self.scene, now.theta, now.commanded, commanded)
         after = self.observe(theta, now, motion=now.motion + 1, look=now.look + 1, status=state.status)
-        after = replace(after, moved=theta - now.theta, probe=state.probe, servo_state=state)
+        moved = theta - now.theta
+        after = replace(after, commanded=commanded, moved=moved, probe=state.probe, servo_state=state)
         self.history[self.cursor + 1 :] = [after]
         self.cursor += 1
         return True
@@ -119,7 +122,7 @@ class Session:
             own=now.views.own,
             seen=now.views.visible[:, 2:],
             E=now.E,
-            displacement=now.theta - start,
+            displacement=now.commanded - start,
             lower=self.scene.lower - start,
             upper=self.scene.upper - start,
             motion=now.motion,
@@ -181,7 +184,7 @@ class Session:
         nothing = FourViews(empty, empty, np.empty((0, 4), bool))
         blank = Snapshot(
             settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
-            np.zeros_like(start), False, "ready", None,
+            start, np.zeros_like(start), False, "ready", None,
         )  # fmt: skip
         self.world, self._demo_look, self._rest = world, None, None
         self.history, self.cursor = [self.observe(start, blank)], 0
@@ -246,6 +249,14 @@ def merged_look(settings: Settings, images: tuple[NDArray, NDArray], *stream: in
     if settings.frames == 1:
         return disturbance(settings).apply(*images, seed)
     return frames.merge(*disturbance(settings).frames(*images, seed, settings.frames))
+
+
+def obeyed(settings: Settings, scene: Scene, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+    """Where an arm at theta that was last sent to `sent` stands once sent to `commanded`; (m,) rad each."""
+    arm = Actuator(settings.gain_error, settings.quantum_deg)
+    if arm == EXACT:
+        return commanded
+    return np.clip(arm.move(theta, commanded - sent), scene.lower, scene.upper)
 
 
 def _awake(now: Snapshot) -> str:

@@ -18,6 +18,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """All that a run depends on: with equal settings it repeats itself to the last bit.
 
     demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    gain_error, quantum_deg: of the arm, which the learner is not told of.
     frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
     """
@@ -34,6 +35,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     missing: float = 0.0
     outliers: float = 0.0
     frames: int = 1
+    gain_error: float = 0.0
+    quantum_deg: float = 0.0
     seed: int = 7
 
     def __post_init__(self):
@@ -42,6 +45,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("noise_px", self.noise_px, 0, 20)
         _require_range("missing", self.missing, 0, 1)
         _require_range("outliers", self.outliers, 0, 1)
+        _require_range("gain_error", self.gain_error, -0.5, 0.5)
+        _require_range("quantum_deg", self.quantum_deg, 0, 5)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
 
@@ -53,6 +58,7 @@ class Snapshot:
     theta, theta_demo: (m,) rad, the truth, for viewers only; views: what the learner saw;
     usable: (N,) bool, seen in all four views; transfer: None with too few of them, E then NaN;
     flatness: σ1/σ3 of the demonstrator's usable points in [l, r]; recovered, e: (N, 4) px in [L, R];
+    commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
     status: ready, moving, converged, stalled, stopped.
     """
@@ -69,6 +75,7 @@ class Snapshot:
     recovered: NDArray
     e: NDArray
     E: float
+    commanded: NDArray
     moved: NDArray
     probe: bool
     status: str

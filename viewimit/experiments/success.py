@@ -5,11 +5,7 @@ as many processes as there are; the result does not depend on how many.
 """
 
 import math
-import multiprocessing
-import os
-import signal
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 
@@ -22,6 +18,7 @@ from ..scene import Scene
 from ..session import Session
 from ..snapshot import Settings
 from ..transfer import TRANSFERS
+from . import processes
 
 FINE_DEG, AROUND_DEG = 0.05, 1.5  # of the search for the transfer's own minimum about the grid's
 WITHIN_DEG = (1.0, 3.0)
@@ -107,16 +104,14 @@ def run(
     """Of every transfer and servo, from every pair. workers: processes, if None as many as processors.
 
     tell(share done), as often as a pair is done with.
-    A script that asks for more than one process needs `if __name__ == "__main__":`, because they import it.
     """
     tasks = [
         (msgspec.structs.replace(settings, transfer=name, start_deg=start, demonstrator_deg=demo), servos, max_motions)
         for name in transfers
         for start, demo in pairs
     ]
-    workers = min(workers or os.cpu_count() or 1, len(tasks))
     results = []
-    for runs in _in_processes(tasks, workers) if workers > 1 else map(run_pair, *zip(*tasks)):
+    for runs in processes.each(run_pair, tasks, workers):
         results.append(runs)
         tell(len(results) / len(tasks))
     return [
@@ -192,20 +187,3 @@ def wilson(count: int, runs: int) -> tuple[float, float]:
 def _error_deg(theta: NDArray, target: NDArray) -> NDArray:
     """Largest joint error. theta: (..., m) rad → (...) degrees."""
     return np.degrees(np.abs(theta - target)).max(-1)
-
-
-def _in_processes(tasks: Sequence[tuple], workers: int) -> Iterator[list[Run]]:
-    """`run_pair` of every task, in their order. A task takes long enough to be sent alone."""
-    others = set(multiprocessing.active_children())
-    # Ctrl-C reaches the workers too: they leave it to this process, which ends them.
-    pool = ProcessPoolExecutor(
-        workers, multiprocessing.get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN)
-    )
-    try:
-        yield from pool.map(run_pair, *zip(*tasks))
-    except BaseException:
-        for worker in set(multiprocessing.active_children()) - others:
-            worker.terminate()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)

@@ -10,7 +10,7 @@ from ..landscape import Landscape
 
 FINEST = np.radians(1e-4)  # of the descent's steps
 SAME = np.radians(0.1)  # descents that end nearer than that have found one minimum
-LONG = 2_000  # steps at most
+LONG = 1_000  # steps at most
 DIRECTIONS = 8
 TURN = np.pi * (3 - np.sqrt(5))  # the golden angle: compasses turned by it again and again come to point everywhere
 
@@ -42,15 +42,14 @@ def local_minima(found: Landscape, E_at: Conflict) -> Minima:
     return Minima(ends, E[kept], (np.abs(ends[:, :, None] - bounds) < FINEST).any((1, 2)))
 
 
-def descend(E_at: Conflict, theta: NDArray, bounds: NDArray, first_step: float) -> tuple[NDArray, NDArray]:
-    """Compass search from each posture: to the lowest of eight neighbours, or half as far if none is lower.
+def descend(E_at: Conflict, theta: NDArray, bounds: NDArray, longest: float) -> tuple[NDArray, NDArray]:
+    """Downhill from each posture: to the lowest of eight neighbours and Newton's point, half as far if none is lower.
 
-    The compass turns at each step, or a narrow valley between two of its directions would pass for a minimum.
-
-    theta: (k, 2) rad; bounds: (2, 2) rad, low and high a joint; first_step: rad → ends (k, 2), E (k,).
-    Steps never grow, so that a descent stays in the basin in which it began.
+    Newton's point leads along narrow valleys, whose floor no compass hits; the compass leads where E has a crease.
+    theta: (k, 2) rad; bounds: (2, 2) rad, low and high a joint; longest: rad, a step, so that no basin of the grid's
+    size is jumped over → ends (k, 2), E (k,).
     """
-    theta, step = theta.copy(), np.full(len(theta), first_step)
+    theta, step = theta.copy(), np.full(len(theta), longest)
     E = E_at(theta.T) if len(theta) else np.empty(0)
     for turn in range(LONG):
         going = np.flatnonzero(step > FINEST)
@@ -58,12 +57,35 @@ def descend(E_at: Conflict, theta: NDArray, bounds: NDArray, first_step: float) 
             break
         angle = turn * TURN + np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
         compass = np.stack([np.cos(angle), np.sin(angle)], -1)
-        asked = np.clip(theta[going, None] + step[going, None, None] * compass, *bounds.T)
+        ways = np.concatenate([np.tile(compass, (len(going), 1, 1)), _newton(E_at, theta[going], step[going])], 1)
+        asked = np.clip(theta[going, None] + step[going, None, None] * ways, *bounds.T)
         E_there = np.nan_to_num(E_at(np.moveaxis(asked, -1, 0)), nan=np.inf)
         best = E_there.argmin(1)
         lowest = E_there[np.arange(len(going)), best]
         lower = lowest < E[going]
         theta[going[lower]] = asked[lower, best[lower]]
         E[going[lower]] = lowest[lower]
-        step[going[~lower]] /= 2
+        step[going] = np.where(lower, np.minimum(2 * step[going], longest), step[going] / 2)
     return theta, E
+
+
+def _newton(E_at: Conflict, theta: NDArray, step: NDArray) -> NDArray:
+    """Newton's step from differences over a quarter of a step, no longer than one: (k, 1, 2) in steps."""
+    h = 0.25
+    places = theta[:, None, None] + h * step[:, None, None, None] * np.stack(
+        np.meshgrid(*2 * [[-1, 0, 1]], indexing="ij"), -1
+    )
+    E = E_at(np.moveaxis(places, -1, 0))
+    gradient = np.stack([E[:, 2, 1] - E[:, 0, 1], E[:, 1, 2] - E[:, 1, 0]], -1) / (2 * h)
+    straight = E[:, 2, 1] + E[:, 0, 1], E[:, 1, 2] + E[:, 1, 0]
+    across = (E[:, 2, 2] - E[:, 2, 0] - E[:, 0, 2] + E[:, 0, 0]) / (4 * h * h)
+    H = np.empty((len(theta), 2, 2))
+    H[:, 0, 0], H[:, 1, 1] = ((both - 2 * E[:, 1, 1]) / (h * h) for both in straight)
+    H[:, 0, 1] = H[:, 1, 0] = across
+    known = np.isfinite(H).all((1, 2)) & np.isfinite(gradient).all(1)
+    values, vectors = np.linalg.eigh(np.where(known[:, None, None], H, np.eye(2)))
+    bent = np.maximum(np.abs(values), 1e-12 * np.abs(values).max(1, keepdims=True) + 1e-300)
+    way = -np.einsum(
+        "kij,kj->ki", vectors, np.einsum("kji,kj->ki", vectors, np.where(known[:, None], gradient, 0.0)) / bent
+    )
+    return (way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1.0))[:, None]

@@ -1,0 +1,117 @@
+"""A frozen transfer carries a motion over; the learner knows images and its own displacements only."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from viewimit import motion
+from viewimit.posing import hand_position
+from viewimit.session import Session
+from viewimit.snapshot import Settings
+from viewimit.trajectory import follow, hand_points, learned_images
+
+QUICK = {"start_deg": (30, -70)}
+
+
+def converged(**settings):
+    session = Session(Settings(**{**QUICK, **settings}))
+    while session.snapshot.motion < 60 and session.step():
+        pass
+    return session
+
+
+@pytest.fixture(scope="module")
+def session():
+    return converged()
+
+
+class Oracle:
+    """The demonstrator's own views of itself, looked up by what [l], [r] show: a transfer without error."""
+
+    def __init__(self, session, moves):
+        world = session.world
+        self.seen = np.array([world.demo_images(theta)[0] for theta in moves.theta])
+        self.own = np.array([world.own_images(theta)[0] for theta in moves.theta])
+
+    def recover(self, left, right):
+        here = np.concatenate([left, right], -1)
+        return self.own[np.abs(self.seen - here).max((1, 2)).argmin()]
+
+
+def test_with_a_transfer_without_error_the_posture_itself_is_imitated(session):
+    """What is left is how fast J turns in one frame: 1.6° a frame times J's change, a few hundredths of a degree."""
+    moves = motion.sinusoid(session.world, session.snapshot.theta_demo)
+    found = follow(session, Oracle(session, moves), moves, np.ones(10, bool))
+    assert np.median(found.joint_deg) < 0.05 and found.joint_deg.max() < 0.3
+    assert np.median(found.hand_m) < 0.5e-3
+    np.testing.assert_allclose(found.target, found.desired, atol=1e-9)
+
+
+def test_what_is_told_is_what_it_is(session):
+    moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=15)
+    hand = hand_points(session)
+    found = follow(session, session.snapshot.transfer, moves, hand)
+    world = session.world
+    np.testing.assert_array_equal(found.theta_demo, moves.theta)
+    for t, (theta, theta_demo) in enumerate(zip(found.theta, moves.theta)):
+        own, desired = world.own_images(theta)[0], world.own_images(theta_demo)[0]
+        demo = world.demo_images(theta_demo)[0]
+        target = session.snapshot.transfer.recover(demo[:, :2], demo[:, 2:])
+        apart = [np.hypot(*(own - desired)[i, k : k + 2]) for i in np.flatnonzero(hand) for k in (0, 2)]
+        missed = [np.hypot(*(own - target)[i, k : k + 2]) for i in np.flatnonzero(hand) for k in (0, 2)]
+        assert found.image_px[t] == pytest.approx(np.mean(apart)) and found.target_px[t] == pytest.approx(
+            np.mean(missed)
+        )
+        assert found.joint_deg[t] == pytest.approx(np.degrees(np.abs(theta - theta_demo)).max())
+        hands = [hand_position(world, posture, world.T_world_own) for posture in (theta, theta_demo)]
+        assert found.hand_m[t] == pytest.approx(np.linalg.norm(hands[0] - hands[1]))
+
+
+def test_the_hand_is_the_three_points_farthest_out(session):
+    assert np.flatnonzero(hand_points(session)).tolist() == [7, 8, 9]
+    assert hand_points(Session(Settings(points=20))).sum() >= 3
+
+
+def test_the_learner_sees_no_truth(session, monkeypatch):
+    """The same way of the arm, whatever the truth that is kept for people says."""
+    moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=10)
+    honest = follow(session, session.snapshot.transfer, moves, np.ones(10, bool))
+    poisoned = Session(Settings(**QUICK))
+    poisoned.history = [replace(moment, theta_demo=moment.theta_demo * np.nan) for moment in session.history]
+    poisoned.cursor = session.cursor
+    monkeypatch.setattr("viewimit.trajectory.hand_position", lambda *_: np.full(3, np.nan))
+    blind = follow(poisoned, session.snapshot.transfer, moves, np.ones(10, bool))
+    np.testing.assert_array_equal(blind.theta, honest.theta)
+
+
+def test_the_session_stays_as_it_is(session):
+    before = session.snapshot
+    follow(session, before.transfer, motion.sinusoid(session.world, before.theta_demo, frames=5), np.ones(10, bool))
+    assert session.snapshot is before
+
+
+def test_noise_repeats_itself_by_its_seed_and_missing_points_are_survived():
+    def found(seed):
+        session = converged(noise_px=0.1, missing=0.2, frames=9, points=16, seed=seed, transfer="linear")
+        moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=20)
+        return follow(session, session.snapshot.transfer, moves, np.ones(16, bool))
+
+    first, again, other = found(3), found(3), found(4)
+    np.testing.assert_array_equal(first.theta, again.theta)
+    assert not np.array_equal(first.theta, other.theta)
+    assert np.median(first.joint_deg) < 5
+
+
+def test_what_was_learned_is_what_broyden_knows_nearly():
+    """Only the first probes are weighed otherwise, by (0.2°/15°)²."""
+    session = converged()
+    learned, known = learned_images(session).jacobian, session.snapshot.servo_state.model.jacobian
+    assert np.abs(learned - known).max() < 0.05 * np.abs(known).max()
+
+
+def test_the_share_done_grows_to_one(session):
+    told = []
+    moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=8)
+    follow(session, session.snapshot.transfer, moves, np.ones(10, bool), told.append)
+    assert told == sorted(told) and len(told) == 8 and told[-1] == 1

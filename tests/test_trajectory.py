@@ -115,3 +115,9 @@ def test_the_share_done_grows_to_one(session):
     moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=8)
     follow(session, session.snapshot.transfer, moves, np.ones(10, bool), told.append)
     assert told == sorted(told) and len(told) == 8 and told[-1] == 1
+
+
+def test_the_first_frame_is_approached_with_as_many_motions_as_it_needs(session):
+    far = motion.sinusoid(session.world, np.radians([75.0, -40.0]), frames=10)
+    found = follow(session, Oracle(session, far), far, np.ones(10, bool))
+    assert found.joint_deg[0] < 0.1  # from 50° away, at most 10° a motion

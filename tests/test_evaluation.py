@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from viewimit.evaluation import conflict, residual
+from viewimit.transfer.transfer import Transfer
 from viewimit.views import FourViews
 
 
-class Constant:
+class Constant(Transfer):
     """A transfer that recovers the same point for all."""
 
     def recover(self, demo_left, demo_right):

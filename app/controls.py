@@ -1,10 +1,4 @@
-"""The left panel: every control, and the inbox into which they write.
-
-viser runs callbacks on its own threads. Each does nothing but put the newest value, or an action, into the
-inbox; the scheduler's thread takes them out.
-"""
-
-import threading
+"""The left panel: every control. What a person does with them goes into the inbox."""
 
 import numpy as np
 from viser import ClientHandle
@@ -15,6 +9,7 @@ from viewimit.session import Session
 from viewimit.snapshot import MOST_SEED, Settings
 from viewimit.transfer import TRANSFERS
 
+from .inbox import Inbox, on_click, on_value, put, put_html, put_label
 from .learner_bars import draw_learner
 from .presets import Preset
 
@@ -33,7 +28,7 @@ SERVO_NAMES = {
     "broyden": "Broyden on images",
 }
 NO_POINT = "none"
-PENDING_LIMIT = 200  # actions that wait for the scheduler, per page
+MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}
 HINTED = ("space", "→", "←", "H")  # keys named in the panel; the help names all
 KEYS = (
     ("space", "play"),
@@ -44,30 +39,6 @@ KEYS = (
     ("V", "view"),
     ("H", "help"),
 )
-
-
-class Inbox:
-    """Newest value a name, and actions in order; written by viser's threads, taken by the scheduler."""
-
-    def __init__(self):
-        self._lock = threading.Lock()
-        self._values: dict[str, object] = {}
-        self._actions: list[str] = []
-
-    def put(self, name: str, value) -> None:
-        with self._lock:
-            self._values[name] = value
-
-    def act(self, action: str) -> None:
-        with self._lock:
-            if len(self._actions) < PENDING_LIMIT:
-                self._actions.append(action)
-
-    def take(self) -> tuple[dict[str, object], list[str]]:
-        with self._lock:
-            values, actions = self._values, self._actions
-            self._values, self._actions = {}, []
-        return values, actions
 
 
 class Controls:
@@ -81,15 +52,16 @@ class Controls:
         self.preset = self._dropdown("Preset", list(presets), begun.name, "preset")
         self.lesson = gui.add_html(lesson(begun.lesson))
         self.play = gui.add_button("Play", icon="player-play")
-        self._on_click(self.play, "play")
-        motion = gui.add_button_group("Motion", ("Step", "Undo", "Reset"))
+        on_click(self.play, inbox, "play")
+        motion = gui.add_button_group("Motion", list(MOTIONS))
 
         @motion.on_click
         async def _(event) -> None:
-            inbox.act(str(event.target.value).lower())
+            if event.target.value in MOTIONS:
+                inbox.act(MOTIONS[event.target.value])
 
         self.history = gui.add_slider("History", 0, 1, 1, 0)
-        self._on_value(self.history, "history")
+        on_value(self.history, inbox, "history")
         self.speed = self._dropdown("Speed", list(SPEEDS), "2 a second", "speed")
         with gui.add_folder("Demonstrator"):
             gui.add_html('<span class="vi-demonstrator-folder"></span>')
@@ -128,7 +100,7 @@ class Controls:
                 slider = self._client.gui.add_slider(
                     joint_symbol(joint), low, high, 0.5, settings.demonstrator_deg[k], hint="degrees"
                 )
-                self._on_value(slider, f"joint{k}")
+                on_value(slider, self._inbox, f"joint{k}")
                 self.sliders.append(slider)
         self.points.options = [f"{count} points" for count in scene.points]
         self.chosen.options = [NO_POINT, *(str(i) for i in range(settings.points))]
@@ -163,15 +135,10 @@ class Controls:
         put(self.history, cursor)
 
     def show_playing(self, playing: bool) -> None:
-        label = "Pause" if playing else "Play"
-        if self.play.label != label:
-            self.play.label = label
-            self.play.icon = "player-pause" if playing else "player-play"
+        put_label(self.play, *(("Pause", "player-pause") if playing else ("Play", "player-play")))
 
     def show_learner(self, scene: Scene, theta, theta_demo) -> None:
-        content = draw_learner(scene, theta, theta_demo)
-        if self.learner.content != content:
-            self.learner.content = content
+        put_html(self.learner, draw_learner(scene, theta, theta_demo))
 
     def _build_display(self) -> None:
         gui = self._client.gui
@@ -184,29 +151,18 @@ class Controls:
             ("Whole frames", "whole_frames", False),
             ("Dark", "dark", False),
         ):
-            self._on_value(gui.add_checkbox(label, value), name)
+            on_value(gui.add_checkbox(label, value), self._inbox, name)
         fit = gui.add_button("Fit view")
-        self._on_click(fit, "view")
+        on_click(fit, self._inbox, "view")
 
     def _dropdown(self, label: str, options: list[str], value: str, name: str):
         handle = self._client.gui.add_dropdown(label, options, initial_value=value)
-        self._on_value(handle, name)
+        on_value(handle, self._inbox, name)
         return handle
 
     def _number(self, handle, name: str):
-        self._on_value(handle, name)
+        on_value(handle, self._inbox, name)
         return handle
-
-    def _on_value(self, handle, name: str) -> None:
-        @handle.on_update
-        async def _(event) -> None:
-            if event.client_id is not None:  # None: the page itself wrote it
-                self._inbox.put(name, event.target.value)
-
-    def _on_click(self, handle, action: str) -> None:
-        @handle.on_click
-        async def _(_event) -> None:
-            self._inbox.act(action)
 
     def _hotkeys(self) -> None:
         for label, hotkey, action in (
@@ -223,12 +179,6 @@ class Controls:
             @command.on_trigger
             async def _(_event, action=action) -> None:
                 self._inbox.act(action)
-
-
-def put(handle, value) -> None:
-    """Write a value only if it differs: nothing is sent when nothing changes."""
-    if handle.value != value:
-        handle.value = value
 
 
 def joint_symbol(joint: int) -> str:

@@ -1,4 +1,4 @@
-"""Landscapes are computed beside the scheduler, in one thread for all pages; the newest wish of a page wins."""
+"""What takes long is made beside the scheduler, in one thread for all pages; of a kind, a page's newest wish wins."""
 
 import threading
 import traceback
@@ -11,9 +11,9 @@ from viewimit.world import World
 
 
 def landscape_key(snapshot: Snapshot) -> tuple:
-    """Everything that E over the postures depends on."""
-    s = snapshot.settings
-    return s.scene, s.robot, s.points, s.transfer, s.demonstrator_deg, s.noise_px, s.missing, s.seed
+    """Everything that E over the postures depends on: all settings but where the learner starts and how it moves."""
+    settings = snapshot.settings
+    return tuple(getattr(settings, name) for name in settings.__struct_fields__ if name not in ("start_deg", "servo"))
 
 
 def compute(world: World, snapshot: Snapshot) -> Landscape | None:
@@ -28,26 +28,28 @@ class LandscapeWorker:
     """`ask` returns at once; `done(result or exception)` is called from the worker's thread."""
 
     def __init__(self):
-        self._wishes: dict[int, tuple] = {}
+        self._wishes: dict[tuple[int, str], tuple] = {}
         self._changed = threading.Condition()
         threading.Thread(target=self._run, name="viewimit-landscapes", daemon=True).start()
 
-    def ask(self, page_id: int, make: Callable[[], object], done: Callable[[object], None]) -> None:
+    def ask(
+        self, page_id: int, make: Callable[[], object], done: Callable[[object], None], kind: str = "landscape"
+    ) -> None:
         with self._changed:
-            self._wishes[page_id] = make, done
+            self._wishes[page_id, kind] = make, done
             self._changed.notify()
 
     def forget(self, page_id: int) -> None:
         with self._changed:
-            self._wishes.pop(page_id, None)
+            for wish in [wish for wish in self._wishes if wish[0] == page_id]:
+                del self._wishes[wish]
 
     def _run(self) -> None:
         while True:
             with self._changed:
                 while not self._wishes:
                     self._changed.wait()
-                page_id = next(iter(self._wishes))
-                make, done = self._wishes.pop(page_id)
+                make, done = self._wishes.pop(next(iter(self._wishes)))
             try:
                 made = make()
             except Exception as error:  # one page's fault must not end the others' landscapes; its page says so

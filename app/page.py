@@ -8,7 +8,10 @@ from viser import ClientHandle
 from viewimit.session import Session
 from viewimit.snapshot import Settings, Snapshot
 
-from .controls import Controls, Inbox
+from .controls import Controls
+from .experiment_worker import ExperimentWorker
+from .inbox import Inbox
+from .laboratory import Laboratory
 from .landscape_worker import LandscapeWorker, landscape_key
 from .pace import Pace
 from .panels import Panels
@@ -25,7 +28,9 @@ MESSAGE_STAYS = 6.0  # s
 class Page:
     """tick(now) takes what the visitor did, moves the loop on, and draws what changed."""
 
-    def __init__(self, client: ClientHandle, worker: LandscapeWorker, settings: Settings):
+    def __init__(
+        self, client: ClientHandle, worker: LandscapeWorker, experiments: ExperimentWorker, settings: Settings
+    ):
         self._client, self._worker = client, worker
         self._inbox, self._view = Inbox(), View()
         self._session = Session(settings)
@@ -41,6 +46,9 @@ class Page:
             client.gui.main_panel.set_width(300 if wide else 280)
             self._controls = Controls(client, self._inbox, presets, self._session)
             self._panels = Panels(client, wide, lambda: self._inbox.act("help"))
+            tab = self._panels.lower.add_tab("Experiments")
+            pose = lambda theta: self._visitor.pose(theta)
+            self._laboratory = Laboratory(client, tab, self._inbox, self._session, experiments, worker, pose)
             self._scene = Scene3D(client, lambda point: self._inbox.put("chosen", point), COVERED[wide])
             self._gizmo = self._add_gizmo()
             self._show_world()
@@ -50,6 +58,7 @@ class Page:
             "dark": self._set_dark,
             "hand dropped": self._drop_hand,
             "landscape": self._panels.show_landscape,
+            **self._laboratory.wishes,
         }
         self._visitor = Visitor(
             self._session, self._pace, self._controls, self._view, presets, self._show_world, elsewhere
@@ -59,7 +68,7 @@ class Page:
         """Show a fault of this session in its own page, and hold still."""
         self._pace.pause()
         self._say(f"This session met an error, {error!r}. Reset begins anew.", np.inf)
-        self._panels.draw_message(self._message[0])
+        self._panels.draw_state("message", self._message[0])
 
     def tick(self, now: float) -> None:
         values, actions = self._inbox.take()
@@ -67,6 +76,7 @@ class Page:
             self._allow(now, self._visitor.set, name, value)
         for action in actions:
             self._allow(now, self._visitor.act, action, now)
+        self._laboratory.tick()
         self._pace.advance(now)
         self._draw(now)
 
@@ -79,6 +89,7 @@ class Page:
         except ValueError as refusal:
             self._say(str(refusal), now + MESSAGE_STAYS)
             self._controls.show(self._session.settings)
+            self._drawn.pop("laboratory", None)
 
     def _draw(self, now: float) -> None:
         present = self._session.snapshot
@@ -96,12 +107,10 @@ class Page:
             shown = self._session.observe(theta, present) if moving else present
             with self._client.atomic():
                 self._draw_panels(shown, present)
-        if self._message and now > self._message[1]:
-            self._message = None
-        if self._message:
-            self._panels.draw_message(self._message[0])
-        else:
-            self._panels.draw_status(self._session, self._pace.playing)
+        self._draw_status(now)
+        if self._changed("laboratory", *self._laboratory.state):
+            with self._client.atomic():
+                self._laboratory.draw()
         if self._due("curves", now, CURVES_EVERY) and self._changed(
             "curves", present, len(self._session.history), self._view.chosen, self._panels.landscape
         ):
@@ -109,6 +118,17 @@ class Page:
                 self._panels.draw_curves(self._session)
                 self._panels.draw_equations(self._session, self._view.chosen)
                 self._controls.show_history(self._session.cursor, len(self._session.history))
+
+    def _draw_status(self, now: float) -> None:
+        """A message as long as it stays, else what is recorded or replayed, else the diagnosis."""
+        if self._message and now > self._message[1]:
+            self._message = None
+        if self._message:
+            self._panels.draw_state("message", self._message[0])
+        elif busy := self._laboratory.describe():
+            self._panels.draw_state(*busy)
+        else:
+            self._panels.draw_status(self._session, self._pace.playing)
 
     def _draw_panels(self, shown: Snapshot, present: Snapshot) -> None:
         self._scene.draw(shown, self._view.chosen, self._view.show)

@@ -17,6 +17,7 @@ from .curves import draw_curves
 from .equations import draw_conflict, draw_equations, draw_law
 from .help import help_html
 from .images import draw_images, image_windows
+from .inbox import put_html
 from .landscape_view import LandscapePicture
 from .silhouette import Silhouettes
 from .status import describe, draw_status
@@ -35,7 +36,7 @@ class MadeLandscape:
 
 
 class Panels:
-    """Builds the panels in __init__; every draw_… writes into its element what is new.
+    """Builds the panels in __init__; every draw_… writes into its element what is new. lower: takes further tabs.
 
     In a wide window the curves stand over the scene instead of in a tab, and Eq. (6) and the servo's law under
     the drawings that they belong to.
@@ -47,6 +48,7 @@ class Panels:
         gui = client.gui
         self._status = gui.add_html("")
         upper, lower = gui.add_panel(), gui.add_panel()
+        self.lower = lower
         with upper.add_tab("Images"):
             self._images = gui.add_html("")
             self._conflict = gui.add_html("", visible=wide)
@@ -74,33 +76,33 @@ class Panels:
 
     def draw_images(self, snapshot: Snapshot, chosen: int | None, whole_frames: bool) -> None:
         drawn = draw_images(snapshot, self._silhouettes, self._windows, chosen, whole_frames, wide=self._wide)
-        _put(self._images, drawn)
+        put_html(self._images, drawn)
 
     def draw_path(self, session: Session, shown: Snapshot) -> None:
         moving = shown is not session.snapshot
         theta = shown.theta if moving else None
-        _put(self._path, self.landscape.picture.draw_path(session.history, session.cursor, theta))
+        put_html(self._path, self.landscape.picture.draw_path(session.history, session.cursor, theta))
 
     def draw_curves(self, session: Session) -> None:
         joints = session.scene.moving_joints
         if self._wide:
             drawn = draw_curves(session.history, session.cursor, self.landscape.E_true, joints, CARD_WIDTH)
-            _put(self._curves, f'<div class="vi-card">{drawn}</div>')
+            put_html(self._curves, f'<div class="vi-card">{drawn}</div>')
         else:
-            _put(self._curves, draw_curves(session.history, session.cursor, self.landscape.E_true, joints))
+            put_html(self._curves, draw_curves(session.history, session.cursor, self.landscape.E_true, joints))
 
     def draw_equations(self, session: Session, chosen: int | None) -> None:
-        _put(self._equations, draw_equations(session.snapshot, chosen))
+        put_html(self._equations, draw_equations(session.snapshot, chosen))
         if self._wide:
-            _put(self._conflict, draw_conflict(session.snapshot))
-            _put(self._law, draw_law(session.snapshot))
+            put_html(self._conflict, draw_conflict(session.snapshot))
+            put_html(self._law, draw_law(session.snapshot))
 
     def draw_status(self, session: Session, playing: bool) -> None:
         before = session.history[max(session.cursor - 5, 0) : session.cursor]
-        _put(self._status, draw_status(*describe(session.snapshot, before, playing)))
+        put_html(self._status, draw_status(*describe(session.snapshot, before, playing)))
 
-    def draw_message(self, text: str) -> None:
-        _put(self._status, draw_status("message", text))
+    def draw_state(self, state: str, sentence: str) -> None:
+        put_html(self._status, draw_status(state, sentence))
 
     def make_landscape(self, world: World, snapshot: Snapshot) -> MadeLandscape:
         """E over all postures, and its picture. Runs in the worker's thread."""
@@ -120,7 +122,7 @@ class Panels:
             made = MadeLandscape(self._world, picture, None)
         if made.world is self._world:
             self.landscape = made
-            _put(self._landscape, made.picture.html)
+            put_html(self._landscape, made.picture.html)
 
     def show_help(self) -> None:
         """Open the help, or close it."""
@@ -136,9 +138,3 @@ class Panels:
         @done.on_click
         async def _(_event) -> None:
             self._on_help()
-
-
-def _put(handle, content: str) -> None:
-    """Send html only if it differs."""
-    if handle.content != content:
-        handle.content = content

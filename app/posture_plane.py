@@ -15,17 +15,18 @@ PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene withou
 
 
 class PosturePlane:
-    """scale: px a degree. box: (x, y, w, h) px of the plot. labels: what is taken of it."""
+    """scale: px a degree. box: (x, y, w, h) px of the plot. labels: what is taken of it. width: px, with its axes."""
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: Scene, width: float = WIDTH, most_high: float = MOST_HIGH):
+        self._width = width
         self.has_plane = len(scene.moving_joints) == 2
         ranges = scene.range_deg if self.has_plane else PAPER_RANGE_DEG
         self._joints = [svg.joint_symbol(joint) for joint in scene.moving_joints] if self.has_plane else ["", ""]
         self._low, self._high = np.array(ranges, float).T
         span = self._high - self._low
-        self.scale = float(min((WIDTH - LEFT - RIGHT) / span[1], MOST_HIGH / span[0]))
+        self.scale = float(min((width - LEFT - RIGHT) / span[1], most_high / span[0]))
         w, h = span[1] * self.scale, span[0] * self.scale
-        self.box = float(LEFT + (WIDTH - LEFT - RIGHT - w) / 2), TOP, float(w), float(h)
+        self.box = float(LEFT + (width - LEFT - RIGHT - w) / 2), TOP, float(w), float(h)
         self.labels = Labels(self.box[0], TOP, self.box[0] + w, TOP + h)
 
     def place(self, degrees: NDArray) -> NDArray:
@@ -44,7 +45,7 @@ class PosturePlane:
     def wrap(self, inside: str, over: str = "") -> str:
         """A drawing of the plane's size. over: class of an element that lies over another."""
         drawing = (
-            f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {TOP + self.box[3] + BOTTOM:.1f}">'
+            f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {TOP + self.box[3] + BOTTOM:.1f}">'
             f"{inside}</svg></div>"
         )
         return f'<div class="{over}">{drawing}</div>' if over else drawing
@@ -72,8 +73,8 @@ class PosturePlane:
         for angle in _ticks(self._low[1], self._high[1]):
             x = self.place(np.array([self._low[0], angle]))[0]
             ticks.append(f"M{x:.1f} {bottom:.1f}v4")
-            anchor = "vi-2nd vi-end" if x > WIDTH - 16 else "vi-2nd vi-mid"
-            parts.append(svg.text(min(x, WIDTH - 2), bottom + 15, svg.number(angle, 0) + "°", anchor))
+            anchor = "vi-2nd vi-end" if x > self._width - 16 else "vi-2nd vi-mid"
+            parts.append(svg.text(min(x, self._width - 2), bottom + 15, svg.number(angle, 0) + "°", anchor))
         for angle in _ticks(self._low[0], self._high[0]):
             y = self.place(np.array([angle, self._low[1]]))[1]
             ticks.append(f"M{left:.1f} {y:.1f}h-4")

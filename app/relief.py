@@ -6,6 +6,7 @@ The shading's picture holds opacity only, so that the valley has the paper's col
 import base64
 import io
 import itertools
+import secrets
 
 import numpy as np
 from contourpy import contour_generator
@@ -22,7 +23,7 @@ DARKEST = 0.78
 FLOOR = 2000  # E below the largest divided by that is shaded as the valley's floor
 SPACING = 2.6  # px between vertices of a contour
 AWAY = np.radians(40)  # a label may stand off its ray by that
-_ids = itertools.count()
+_OWN, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes meet in one page
 
 Grid = tuple[NDArray, NDArray]
 
@@ -38,7 +39,7 @@ def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> s
     alpha = np.where(blind, 0, 255 * DARKEST * np.clip(height, 0, 1) ** 0.85)
     parts = [_masked(grid, alpha, box, "vi-hills")]
     if blind.any():
-        name = f"vi-h{next(_ids)}"
+        name = f"vi-h{_OWN}-{next(_ids)}"
         parts.append(
             f'<pattern id="{name}" width="6" height="6" patternUnits="userSpaceOnUse">'
             '<path class="vi-blind" d="M0 6L6 0"/></pattern>'
@@ -57,7 +58,7 @@ def _masked(grid: Grid, alpha: NDArray, box: tuple[float, float, float, float], 
     dx, dy = 2 * (x[1] - x[0]), 2 * (y[0] - y[1])
     top = y[2 * (rows - 1)]
     left, upper, w, h = box
-    name, place = f"vi-m{next(_ids)}", f'x="{left:.1f}" y="{upper:.1f}" width="{w:.1f}" height="{h:.1f}"'
+    name, place = f"vi-m{_OWN}-{next(_ids)}", f'x="{left:.1f}" y="{upper:.1f}" width="{w:.1f}" height="{h:.1f}"'
     return (
         f'<mask id="{name}" maskUnits="userSpaceOnUse" {place}><image x="{x[0] - dx / 2:.2f}" y="{top - dy / 2:.2f}"'
         f' width="{columns * dx:.2f}" height="{rows * dy:.2f}" preserveAspectRatio="none"'

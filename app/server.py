@@ -15,7 +15,8 @@ import viser
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 
-from . import help, learner_bars, theme
+from . import experiments_tab, help, learner_bars, plots, theme, verdict
+from .experiment_worker import ExperimentWorker
 from .landscape_worker import LandscapeWorker
 from .page import Page
 from .scene3d import share_scene
@@ -94,9 +95,10 @@ class App:
         self._server, self._settings, self._max_clients = server, settings, max_clients
         self._pages: dict[int, Page] = {}
         self._lock = threading.Lock()
-        self._scheduler, self._worker = Scheduler(), LandscapeWorker()
+        self._scheduler, self._worker, self._experiments = Scheduler(), LandscapeWorker(), ExperimentWorker()
         server.gui.configure_theme(show_logo=False, show_share_button=False)
-        server.gui.add_html(f"<style>{theme.CSS}{learner_bars.CSS}{help.CSS}</style>")
+        css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments_tab))
+        server.gui.add_html(f"<style>{css}</style>")
         share_scene(server)
         server.on_client_connect(self._connect)
         server.on_client_disconnect(self._disconnect)
@@ -104,6 +106,7 @@ class App:
 
     def stop(self) -> None:
         self._scheduler.stop()
+        self._experiments.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
         with self._lock:
@@ -114,7 +117,7 @@ class App:
             client.gui.add_html("<p>All seats are taken. Close a tab elsewhere, then reload this one.</p>")
             return
         try:
-            page = Page(client, self._worker, self._settings)
+            page = Page(client, self._worker, self._experiments, self._settings)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
             client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             self._disconnect(client)
@@ -132,4 +135,5 @@ class App:
         if page is not None:
             self._scheduler.remove(page)
             self._worker.forget(client.client_id)
+            self._experiments.forget(client.client_id)
         gc.collect()  # viser's handles are reference cycles

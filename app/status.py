@@ -22,6 +22,8 @@ TITLES = {
     "stalled": "Stalled",
     "stopped": "Stopped",
     "message": "Note",
+    "recording": "Recording",
+    "replaying": "Replaying",
 }
 ILL = {
     "epipolar": "epipolar lines nearly parallel, E may mislead",
@@ -40,12 +42,18 @@ SQUARE = (
     '<rect x="5.5" y="5.5" width="11" height="11" rx="1.5" class="vi-red"/>'
 )
 RING = '<circle cx="11" cy="11" r="5.5" fill="none" stroke="var(--secondary)" stroke-width="2"/>'
+PLAY = (
+    '<circle cx="11" cy="11" r="10" fill="var(--demonstrator)" fill-opacity=".28"/>'
+    '<path d="M8 5.5v11l9-5.5z" class="vi-amber"/>'
+)
 SHAPES = {
     "moving": DOT.format("learner"),
     "converged": DOT.format("recovered"),
     "ill-conditioned": DIAMOND,
     "stalled": DIAMOND,
     "stopped": SQUARE,
+    "recording": DOT.format("stopped"),
+    "replaying": PLAY,
 }
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from viewimit.posing import pose_for_hand
 from viewimit.session import Session
 
+from .checks import choice, number
 from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
 from .pace import Pace
 from .presets import Preset
@@ -71,19 +72,18 @@ class Visitor:
         elif name in SETTERS:
             self._change(**SETTERS[name](value))
         elif name == "hand":
-            self._pose(pose_for_hand(self._session.world, value, self._session.snapshot.theta_demo))
-            self._controls.show(self._session.settings)
+            self.pose(pose_for_hand(self._session.world, value, self._session.snapshot.theta_demo))
         elif name == "preset":
-            self._begin(_choice(value, self._presets, "preset"))
+            self._begin(choice(value, self._presets, "preset"))
         elif name == "speed":
-            self._pace.speed = _choice(value, SPEEDS, "speed")
+            self._pace.speed = choice(value, SPEEDS, "speed")
         elif name == "history":
             self._pace.pause()
-            self._session.scrub(round(_number(value)))
+            self._session.scrub(round(number(value)))
             self._pace.settle()
             self._controls.show(self._session.settings)
         elif name == "chosen":
-            self._choose(None if value == NO_POINT else round(_number(value)))
+            self._choose(None if value == NO_POINT else round(number(value)))
         elif name in self._view.show:
             self._view.show[name] = bool(value)
         else:
@@ -92,8 +92,13 @@ class Visitor:
     def _set_joint(self, k: int, value) -> None:
         theta = self._session.snapshot.theta_demo.copy()
         if k < len(theta):  # a slider of the scene before may still have sent
-            theta[k] = np.radians(_number(value))
+            theta[k] = np.radians(number(value))
             self._pose(theta)
+
+    def pose(self, theta: NDArray) -> None:
+        """Move the demonstrator to theta, (m,) rad; its sliders follow."""
+        self._pose(theta)
+        self._controls.show(self._session.settings)
 
     def _pose(self, theta: NDArray) -> None:
         self._session.pose(theta)
@@ -128,33 +133,16 @@ class Visitor:
         self._controls.show_chosen(point)
 
 
-def _number(value) -> float:
-    """A finite number, from whatever a browser sent."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = np.nan
-    if not np.isfinite(number):
-        raise ValueError(f"{str(value)[:40]!r} is not a number")
-    return number
-
-
-def _choice(value, options: dict, what: str):
-    if not isinstance(value, str) or value not in options:
-        raise ValueError(f"no {what} {str(value)[:40]!r}")
-    return options[value]
-
-
 def _named(names: dict[str, str], what: str) -> Callable[[object], dict]:
     keys = {name: key for key, name in names.items()}
-    return lambda value: {what: _choice(value, keys, what)}
+    return lambda value: {what: choice(value, keys, what)}
 
 
 SETTERS: dict[str, Callable[[object], dict]] = {
     "transfer": _named(TRANSFER_NAMES, "transfer"),
     "servo": _named(SERVO_NAMES, "servo"),
-    "noise_px": lambda value: {"noise_px": _number(value)},
-    "missing": lambda value: {"missing": _number(value) / 100},
-    "seed": lambda value: {"seed": round(_number(value))},
-    "points": lambda value: {"points": round(_number(str(value).split()[0]))},
+    "noise_px": lambda value: {"noise_px": number(value)},
+    "missing": lambda value: {"missing": number(value) / 100},
+    "seed": lambda value: {"seed": round(number(value))},
+    "points": lambda value: {"points": round(number(str(value).split()[0]))},
 }

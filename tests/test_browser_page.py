@@ -1,8 +1,11 @@
 """The page in a real browser: what a visitor sees and does. Software rendering, so everything waits patiently."""
 
 import io
+import json
 import re
 import time
+import zipfile
+from pathlib import Path
 from urllib.parse import urlparse
 
 import numpy as np
@@ -111,7 +114,7 @@ def test_a_new_visitor_sees_everything(page):
     names = page.locator(".vi-name").all_text_contents()
     assert sorted(names) == sorted(["l", "r", "L", "R"])
     assert posture(page) == [25, -25]
-    assert page.get_by_role("tab").all_inner_texts() == ["Images", "Landscape", "Curves", "Equations"]
+    assert page.get_by_role("tab").all_inner_texts() == ["Images", "Landscape", "Curves", "Equations", "Experiments"]
 
 
 def test_playing_converges_and_says_so(page):
@@ -257,6 +260,112 @@ def test_a_reloaded_tab_is_served_again(page):
     page.wait_for_selector(".vi-status", timeout=30_000)
     page.wait_for_function("document.querySelectorAll('.vi-contour').length > 0", timeout=20_000)
     assert posture(page) == [25, -25]
+
+
+@pytest.fixture
+def laboratory(browser, server):
+    """A page with the tab Experiments open."""
+    page = open_page(browser, server, "small")
+    page.get_by_role("tab", name="Experiments").click()
+    page.wait_for_selector(".vi-figure")
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+def progress(page) -> str:
+    return page.text_content(".vi-progress span")
+
+
+def wait_for_progress(page, pattern: str, seconds: float = 60.0) -> None:
+    wait_until(page, lambda: re.search(pattern, progress(page)), seconds)
+
+
+def click(page, words: str) -> None:
+    page.get_by_text(words, exact=True).click()
+    page.wait_for_timeout(1000 * PAUSE)
+
+
+def downloaded(page, button: str) -> tuple[str, bytes]:
+    with page.expect_download() as download:
+        click(page, button)
+    return download.value.suggested_filename, Path(download.value.path()).read_bytes()
+
+
+def demonstrator(page) -> float:
+    """The slider of joint 2, degrees."""
+    return float(row(page, "θ₂").get_by_role("slider").get_attribute("aria-valuenow"))
+
+
+def test_an_experiment_is_run_judged_and_downloaded(laboratory):
+    page = laboratory
+    choose(page, "Experiment", "Fig. 10: trajectory imitation")
+    assert "frozen" in page.text_content(".vi-figure") and page.get_by_text("Download figure and data").is_disabled()
+    click(page, "Run")
+    seen = set()
+    wait_until(page, lambda: seen.add(progress(page)) or "done" in progress(page), 60)
+    assert any(re.search(r"^\d+ %$", words) for words in seen), seen
+    for selector in (".vi-progress", ".vi-figure"):  # seen together with the button, without scrolling
+        box = page.locator(selector).bounding_box()
+        assert 400 < box["y"] and box["y"] + box["height"] <= SIZES["small"][1], selector
+    assert "Demonstrator (45.0°, −90.0°) · epipolar" in page.text_content(".vi-figure")
+    rows = page.locator(".vi-verdict tr").all_text_contents()
+    assert len(rows) == 14 and sum(text.endswith("pass") for text in rows) == 4, rows
+    name, data = downloaded(page, "Download figure and data")
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert name == "viewimit-fig10.zip" and {"fig10.npz", "fig10.json"} <= set(archive.namelist())
+        assert b"demonstrator2_deg" in archive.read("fig10-frames.csv")
+    set_number(page, "θ₂", 60)  # the result remains, and says for which demonstrator it was made
+    page.wait_for_timeout(500)
+    assert "Demonstrator (45.0°, −90.0°)" in page.text_content(".vi-figure")
+
+
+def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(page):
+    page.get_by_role("tab", name="Experiments").click()
+    choose(page, "Experiment", "Fig. 9: posture imitation")
+    click(page, "Run")
+    wait_until(page, lambda: "0 of 1" in page.text_content(".vi-figure"))
+    assert re.search(r"[1-9]\d? %", progress(page))
+    press(page, "ArrowRight")
+    wait_until(page, lambda: posture(page) == [40, -25])
+    click(page, "Cancel")
+    wait_for_progress(page, r"cancelled at \d+ %", 5)
+    page.get_by_text("Run", exact=True).wait_for(timeout=5_000)
+    assert "0 of" in page.text_content(".vi-figure") and page.locator(".vi-verdict").count() == 0
+
+
+def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_path):
+    page.get_by_role("tab", name="Experiments").click()
+    choose(page, "Experiment", "Fig. 10: trajectory imitation")
+    click(page, "Demonstrator's motion")
+    page.wait_for_timeout(300)
+    choose(page, "Chosen motion", "recorded")
+    wait_for_status(page, "nothing is recorded yet")
+    click(page, "Record")
+    for angle in (50, 55, 60, 65):
+        set_number(page, "θ₂", angle)
+        page.wait_for_timeout(600)  # so that the replay shows each for long enough
+    click(page, "Stop")
+    wait_until(page, lambda: "recorded: " in page.text_content(".vi-said"))
+    click(page, "Replay")
+    wait_until(page, lambda: demonstrator(page) in (50, 55, 60))
+    wait_for_status(page, "Replaying · recorded")
+    wait_until(page, lambda: demonstrator(page) == 65 and "Replaying" not in status(page))
+    set_number(page, "Moment", 0)
+    wait_until(page, lambda: demonstrator(page) == 45)
+    name, data = downloaded(page, "Save")
+    saved = json.loads(data)
+    assert name == "viewimit-motion.json" and saved["theta_deg"][0] == [45, -90] and saved["theta_deg"][-1] == [65, -90]
+    (tmp_path / "broken.json").write_text('{"format": "viewimit motion 1"}')
+    upload = page.locator("input[type=file]")
+    upload.set_input_files(tmp_path / "broken.json")
+    wait_for_status(page, "not a recorded motion: .*missing required field")
+    (tmp_path / "wave.json").write_text(json.dumps({**saved, "name": "<b>wave</b>"}))
+    upload.set_input_files(tmp_path / "wave.json")
+    wait_until(page, lambda: "<b>wave</b>: " in page.text_content(".vi-said"))
+    click(page, "Run")
+    wait_for_progress(page, "done")
+    assert "<b>wave</b>" in page.text_content(".vi-figure")
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])

@@ -2,11 +2,17 @@
 
 import numpy as np
 import pytest
-from viewimit.app.controls import SERVO_NAMES, TRANSFER_NAMES, Inbox
+from viewimit.app.controls import SERVO_NAMES, TRANSFER_NAMES
+from viewimit.app.experiment_worker import Run
+from viewimit.app.experiments import TITLES, Experiments
+from viewimit.app.inbox import Inbox
+from viewimit.app.motions import Motions
 from viewimit.app.pace import Pace
 from viewimit.app.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.visitor import View, Visitor
 
+from viewimit.experiments import EXPERIMENTS
+from viewimit.motion import motion
 from viewimit.posing import hand_position
 from viewimit.servo import SERVOS
 from viewimit.session import Session
@@ -173,3 +179,135 @@ def test_motions_keep_their_distance_in_time(page, speed):
         if session.snapshot.motion > before:
             motions.append(0.05 * tick)
     assert len(motions) >= 3 and np.diff(motions) == pytest.approx(1 / speed, abs=0.051)
+
+
+class QuietWorker:
+    """Takes what is asked of it."""
+
+    def __init__(self):
+        self.asked, self.cancelled = [], 0
+
+    def ask(self, page_id, wish, tell):
+        self.asked.append(wish)
+        self.tell = tell
+
+    def cancel(self, page_id):
+        self.cancelled += 1
+
+
+@pytest.fixture
+def laboratory():
+    """A visitor with experiments and motions: session, worker, experiments, motions, visitor, what was sent."""
+    session, worker, sent = Session(Settings()), QuietWorker(), []
+    send = lambda *file: sent.append(file)
+    motions = Motions(session, session.pose, lambda make: None, send)
+    experiments = Experiments(worker, 1, session, motions, lambda run: experiments.take(run), send)
+    wishes = {**experiments.wishes, **motions.wishes}
+    pace = Pace(session)
+    visitor = Visitor(session, pace, QuietControls(), View(), presets_from(Settings()), lambda: None, wishes)
+    return session, worker, experiments, motions, visitor, sent
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        *[(name, value) for name in ("experiment", "motion", "moment") for value in HOSTILE],
+        ("experiment", "fig7"),
+        ("motion", "sinusoid "),
+        ("motion", "recorded"),
+        ("moment", -1),
+        ("moment", 120),
+        ("moment", 1e300),
+        ("motion file", b"[]"),
+        ("motion file", b"\x00" * 1000),
+        ("motion file", 3 << 20),
+    ],
+    ids=repr,
+)
+def test_what_cannot_be_asked_of_the_experiments_is_refused_and_changes_nothing(laboratory, name, value):
+    session, worker, experiments, motions, visitor, sent = laboratory
+    before = session.snapshot
+    with pytest.raises(ValueError):
+        visitor.set(name, value)
+    assert session.snapshot is before and (experiments.chosen, motions.name) == ("fig7", "sinusoid")
+    assert motions.recorded is None and not worker.asked and not sent
+
+
+@pytest.mark.parametrize("title, name", [(title, name) for name, title in TITLES.items()])
+def test_an_experiment_is_asked_for_with_what_the_session_has_now(laboratory, title, name):
+    session, worker, _, _, visitor, _ = laboratory
+    session.change(transfer="linear", noise_px=0.5, seed=3)
+    session.pose(np.radians([60.0, -60.0]))
+    visitor.set("experiment", title)
+    visitor.set("motion", "circle of the hand")
+    visitor.act("run", 0.0)
+    (wish,) = worker.asked
+    assert (wish.name, wish.settings) == (name, session.settings) and wish.settings.demonstrator_deg == (60, -60)
+    assert wish.options == ({"motion": "circle"} if name == "fig10" else {})
+    assert set(TITLES) == set(EXPERIMENTS)
+
+
+def test_run_becomes_cancel_while_an_experiment_goes_on(laboratory):
+    _, worker, experiments, _, visitor, sent = laboratory
+    visitor.act("run", 0.0)
+    for state in ("waiting", "running", "writing"):
+        worker.tell(Run("fig7", state))
+        assert experiments.going_on
+        visitor.act("run", 0.0)
+    assert len(worker.asked) == 1 and worker.cancelled == 3
+    with pytest.raises(ValueError, match="nothing to download"):
+        visitor.act("download", 0.0)
+    worker.tell(Run("fig7", "done", archive=b"zip"))
+    visitor.act("download", 0.0)
+    assert sent == [("viewimit-fig7.zip", b"zip")] and not experiments.going_on
+    visitor.act("run", 0.0)
+    assert len(worker.asked) == 2
+
+
+def test_a_result_stays_while_other_experiments_are_looked_at(laboratory):
+    _, worker, experiments, _, visitor, _ = laboratory
+    visitor.act("run", 0.0)
+    done = Run("fig7", "done", figure="<svg/>", archive=b"zip")
+    worker.tell(done)
+    visitor.set("experiment", TITLES["fig9"])
+    assert experiments.shown is None
+    with pytest.raises(ValueError, match="nothing to download"):
+        visitor.act("download", 0.0)
+    visitor.act("run", 0.0)
+    worker.tell(Run("fig9", "running", share=0.4))
+    visitor.set("experiment", TITLES["fig7"])
+    assert experiments.shown is done and experiments.latest.name == "fig9" and experiments.going_on
+
+
+def test_a_failed_run_is_kept_and_said(laboratory):
+    _, worker, experiments, _, visitor, _ = laboratory
+    visitor.act("run", 0.0)
+    with pytest.raises(ValueError, match="Fig. 7 failed: too few points"):
+        visitor.set("run told", Run("fig7", "failed", problem="too few points"))
+    assert experiments.shown.problem == "too few points" and not experiments.going_on
+
+
+def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(laboratory):
+    session, worker, _, motions, visitor, _ = laboratory
+    visitor.set("experiment", TITLES["fig10"])
+    motions.recorded = motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
+    visitor.set("motion", "recorded")
+    visitor.act("run", 0.0)
+    assert worker.asked.pop().options == {"motion": motions.recorded}
+    session.change(scene="iiwa", demonstrator_deg=None)
+    motions.tick()
+    with pytest.raises(ValueError, match="outside its limits"):
+        visitor.act("run", 0.0)
+    assert not worker.asked
+
+
+def test_posing_by_a_motion_wakes_the_loop(page):
+    session, pace, _, visitor, _ = page
+    pace.toggle()
+    pace.speed = 0
+    for now in range(200):
+        pace.advance(float(now))
+    rested = session.snapshot.motion
+    visitor.pose(np.radians([70.0, -60.0]))
+    pace.advance(300.0)
+    assert session.snapshot.motion > rested and session.settings.demonstrator_deg == (70, -60)

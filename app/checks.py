@@ -1,0 +1,23 @@
+"""Checks of what a browser sent: anything may come."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+
+def number(value) -> float:
+    """A finite number. Raises ValueError."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError, OverflowError):
+        found = np.nan
+    if not np.isfinite(found):
+        raise ValueError(f"{str(value)[:40]!r} is not a number")
+    return found
+
+
+def choice(value, options: Mapping, what: str):
+    """What an option stands for. Raises ValueError."""
+    if not isinstance(value, str) or value not in options:
+        raise ValueError(f"no {what} {str(value)[:40]!r}")
+    return options[value]

@@ -1,0 +1,401 @@
+"""The experiments' figures say what their results say: whole, in part, and where numbers are missing."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+from viewimit.app import experiments_tab, fig7_view, fig9_view, fig10_view, plots, theme, verdict
+from viewimit.app.experiment_figures import VIEWS, draw, draw_empty
+from viewimit.app.experiment_worker import Run
+from viewimit.app.plots import Plot, decades, log10
+from viewimit.app.posture_plane import PosturePlane
+
+from viewimit.experiments import fig7, fig9, fig10
+from viewimit.experiments.claims import Claim
+from viewimit.scene import load_scene
+from viewimit.snapshot import Settings
+from viewimit.transfer import TRANSFERS
+
+MINUS = "−"
+SCENE = load_scene("panda")
+HOSTILE = '<img src=x onerror="1">&'
+
+
+@pytest.fixture(scope="module")
+def landscape():
+    return fig7.run(Settings(), step_deg=15.0, study=(2, 2))
+
+
+@pytest.fixture(scope="module")
+def imitation():
+    return fig9.run(Settings(), starts=(1, 1), max_motions=300)
+
+
+@pytest.fixture(scope="module")
+def trajectory():
+    return fig10.run(Settings(), max_motions=30)
+
+
+def parsed(html):
+    return ElementTree.fromstring(f"<root>{html}</root>")
+
+
+def words(html):
+    return " ".join(parsed(html).itertext())
+
+
+def paths(html, *classes):
+    """What is drawn by all these classes, in order."""
+    return [p.get("d") for p in parsed(html).iter("path") if set(classes) <= set(p.get("class", "").split())]
+
+
+def lines(html, *classes):
+    """Curves, without the legend's samples."""
+    return [d for d in paths(html, "vi-x", *classes) if "h22" not in d]
+
+
+def numbers(text):
+    return np.array([float(word) for word in re.findall(r"-?\d+\.?\d*", text)])
+
+
+def vertices(d):
+    return numbers(d).reshape(-1, 2)
+
+
+def starts(d):
+    """Where each subpath begins."""
+    return np.array([numbers(part)[:2] for part in d.split("M")[1:]])
+
+
+class TestFig7:
+    def place(self, degrees):
+        plane = PosturePlane(SCENE, fig7_view.MAP_WIDTH, fig7_view.MAP_HIGH)
+        return plane.place(np.asarray(degrees, float))
+
+    def test_marks_are_at_the_demonstrator_and_at_the_minimum(self, landscape):
+        html = draw("fig7", landscape)
+        minimum = np.degrees(landscape.surfaces["epipolar"].minima.theta[0])
+        cross = starts(paths(html, "vi-cross")[0])
+        assert [cross[0, 0] + fig7_view.CROSS, cross[0, 1]] == pytest.approx(self.place(minimum), abs=0.06)
+        diamond = starts(paths(html, "vi-seen")[0])[0]
+        assert diamond == pytest.approx(self.place([45, -90]), abs=0.06)
+        off = minimum - (45, -90)
+        said = "smallest E (" + ", ".join(f"{angle:.1f}°".replace("-", MINUS) for angle in off) + ") off"
+        assert said in words(html)
+
+    def test_the_ellipse_is_a_level_of_the_parabola_as_far_as_it_holds(self, landscape):
+        surface = landscape.surfaces["epipolar"]
+        scale = PosturePlane(SCENE, fig7_view.MAP_WIDTH, fig7_view.MAP_HIGH).scale
+        away = vertices(paths(draw("fig7", landscape), "vi-x-ellipse")[0])
+        away = (away - self.place(np.degrees(surface.minima.theta[0])))[:, ::-1] * (-1, 1) / scale
+        level = np.einsum("ni,ij,nj->n", away, surface.convexity.Q, away)
+        assert level == pytest.approx(np.full(len(level), level.mean()), rel=0.05)
+        assert np.linalg.norm(away, axis=1).max() == pytest.approx(surface.convexity.holds_to_deg, rel=0.02)
+
+    def test_every_other_demonstrators_bias_is_a_dot(self, landscape):
+        html = draw("fig7", landscape)
+        most = np.ceil(max(5, *(np.abs(study.bias_deg).max() for study in landscape.studies.values())))
+        left, top, right, bottom = fig7_view.CLOSE
+        scale = (bottom - top) / (2 * most)
+        for transfer, kind in (("epipolar", "vi-x-fill-learner"), ("linear", "vi-x-recovered")):
+            bias = landscape.studies[transfer].bias_deg
+            dots = next(starts(d) for d in paths(html, kind) if d.count("M") == len(bias))
+            dots = dots - ((left + right) / 2, (top + bottom) / 2)
+            np.testing.assert_allclose(dots, np.stack([bias[:, 1], -bias[:, 0]], -1) * scale, atol=0.06)
+
+    def test_the_error_of_the_parabola_is_drawn_over_the_radius(self, landscape):
+        html = draw("fig7", landscape)
+        worst = 100 * landscape.surfaces["epipolar"].convexity.worst
+        drawn = vertices(lines(html, "vi-x-learner")[0])
+        assert len(drawn) == np.isfinite(worst).sum()
+        assert drawn[[0, -1], 0] == pytest.approx([fig7_view.VALID[0], fig7_view.VALID[2]], abs=0.06)
+        heights = np.log10(worst[np.isfinite(worst)])
+        assert np.corrcoef(heights, drawn[:, 1])[0, 1] == pytest.approx(-1, abs=1e-3)
+
+    def test_parts_of_it_are_drawn_too(self, landscape):
+        nothing = replace(landscape, surfaces={}, studies={})
+        assert "computing" in words(draw("fig7", nothing))
+        first = replace(nothing, surfaces={"epipolar": landscape.surfaces["epipolar"]})
+        assert paths(draw("fig7", first), "vi-contour") and len(lines(draw("fig7", first))) == 1
+        some = replace(landscape.studies["epipolar"], bias_deg=landscape.studies["epipolar"].bias_deg[:3])
+        html = draw("fig7", replace(landscape, studies={"epipolar": some}))
+        assert 3 in [d.count("M") for d in paths(html, "vi-x-fill-learner")]
+
+    def test_what_has_no_number_is_left_out(self, landscape):
+        surface = landscape.surfaces["epipolar"]
+        bias = landscape.studies["epipolar"].bias_deg.copy()
+        bias[1] = np.nan
+        studies = {"epipolar": replace(landscape.studies["epipolar"], bias_deg=bias)}
+        html = draw("fig7", replace(landscape, studies=studies))
+        assert 3 in [d.count("M") for d in paths(html, "vi-x-fill-learner")] and "nan" not in html
+        blind = replace(surface.landscape, E=np.full_like(surface.landscape.E, np.nan))
+        none = replace(surface.minima, theta=np.empty((0, 2)), E=np.empty(0), on_limit=np.empty(0, bool))
+        unseen = replace(surface, landscape=blind, minima=none, convexity=None, E_demo=np.nan)
+        html = draw("fig7", replace(landscape, surfaces={"epipolar": unseen}, studies={}))
+        assert "nowhere are five points seen" in words(html) and "nan" not in html
+
+    def test_the_papers_minimum_is_shown_for_the_papers_demonstrator_only(self, landscape):
+        elsewhere = replace(landscape, demonstrator_deg=(60.0, -60.0))
+        marks = [len(paths(draw("fig7", found), "vi-x-paper")) for found in (landscape, elsewhere)]
+        assert marks == [2, 1]  # in the legend, too
+
+
+class TestFig9:
+    def x(self, motions):
+        width = fig9_view.RIGHT - fig9_view.LEFT
+        return fig9_view.LEFT + width * np.log1p(motions) / np.log1p(fig9.MOTIONS)
+
+    def test_motions_are_logarithmic_and_angles_true(self, imitation):
+        run = imitation.of("broyden")[0]
+        html = draw("fig9", imitation)
+        curves = [vertices(d) for d in lines(html, "vi-x-learner", "vi-x-solid")][-3:]
+        top, bottom = fig9_view.ANGLES
+        for curve, angle in zip(curves, run.theta_deg.T):
+            np.testing.assert_allclose(curve[:, 0], self.x(np.arange(len(run.E))), atol=0.06)
+            np.testing.assert_allclose(curve[:, 1], top + (bottom - top) * (90 - angle) / 270, atol=0.06)
+        slope = np.polyfit(np.log10(run.E), curves[2][:, 1], 1)[0]
+        low, high = decades(np.concatenate([run.E for run in imitation.runs]), 1, 100)
+        top, bottom = fig9_view.CONFLICT
+        assert slope == pytest.approx((top - bottom) / np.log10(high / low), rel=1e-3)
+
+    def test_what_does_not_arrive_ends_in_crosses_and_says_so(self, imitation):
+        html = draw("fig9", imitation)
+        stuck = imitation.of("gradient")[0]
+        late = [run for run in (imitation.of(law)[0] for law in fig9.LAWS) if run.error_deg[-1] > 3]
+        crosses = [starts(d)[:, 0] for d in paths(html, "vi-x-off-mark")]
+        assert stuck in late and len(crosses) == len(late) < 3
+        for x, run in zip(crosses, late):
+            np.testing.assert_allclose(x, self.x(len(run.E) - 1), atol=0.06)
+        best = min(run.error_deg[-1] for run in imitation.of("gradient"))
+        assert f"0 of 2, best {best:.0f}° off" in words(html)
+        broyden = imitation.of("broyden")
+        median = np.median([run.motions_until(3.0) for run in broyden])
+        assert f"2 of 2, median {median:.0f}" in words(html)
+        arrived = replace(stuck, theta_deg=stuck.theta_deg * 0 + stuck.demonstrator_deg)
+        assert not paths(draw("fig9", replace(imitation, runs=(arrived,))), "vi-x-off-mark")
+
+    def test_the_demonstrators_angles_and_E_are_broken_lines(self, imitation):
+        levels = [vertices(d)[:, 1] for d in paths(draw("fig9", imitation), "vi-line-demo")]
+        top, bottom = fig9_view.ANGLES
+        expected = [top + (bottom - top) * (90 - angle) / 270 for angle in (45, -90)]
+        assert [level[0] for level in levels[:2]] == pytest.approx(expected, abs=0.06)
+        assert all(level[0] == level[1] for level in levels) and len(levels) == 3
+
+    def test_a_long_run_stays_light_and_keeps_its_end(self):
+        count = 3001
+        theta = np.stack([np.linspace(25, 60, count), np.linspace(-25, -80, count)], -1)
+        probe = np.zeros(count, bool)
+        run = fig9.Run("gradient", (25.0, -25.0), (45.0, -90.0), theta, np.geomspace(200, 3, count), probe, "stalled")
+        settings = Settings(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -25.0))
+        runs = tuple(replace(run, law=law) for law in fig9.LAWS for _ in range(7))
+        html = draw("fig9", fig9.Fig9(settings, (2, 4), ((25.0, -25.0),) * 7, 1.6, runs))
+        assert len(html) < 50_000
+        ends = [vertices(d)[-1, 0] for d in lines(html)]
+        assert ends and ends == pytest.approx([self.x(3000)] * len(ends), abs=0.06)
+
+    def test_parts_of_it_are_drawn_too(self, imitation):
+        for count in range(len(imitation.runs)):
+            part = replace(imitation, runs=imitation.runs[:count])
+            html = draw("fig9", part)
+            assert len(lines(html)) == 3 * count
+
+    def test_unknown_E_interrupts_the_line(self, imitation):
+        run = imitation.of("broyden")[0]
+        E = run.E.copy()
+        E[2] = np.nan
+        html = draw("fig9", replace(imitation, runs=(replace(run, E=E),), E_demo=np.nan))
+        assert "nan" not in html and [d.count("M") for d in lines(html, "vi-x-solid")] == [1, 1, 2]
+
+
+class TestFig10:
+    def panels(self, html):
+        """Four (own path, true path, words), L and R of each pair."""
+        boxes = [box for box in parsed(html).iter("svg") if box.get("width") == str(fig10_view.PANEL)]
+        found = []
+        for box in boxes:
+            own = [p.get("d") for p in box.iter("path") if p.get("class", "").startswith("vi-line-own")]
+            true = [p.get("d") for p in box.iter("path") if p.get("class") == "vi-line-demo"]
+            found.append((own, true, " ".join(box.itertext())))
+        return found
+
+    def test_own_and_true_paths_are_as_far_apart_as_in_the_images(self, trajectory):
+        panels = self.panels(draw("fig10", trajectory))
+        for name, pair in ((fig10.CONVERGED, panels[:2]), (fig10.BEFORE, panels[2:])):
+            run, scales = trajectory.runs[name], []
+            for k, ((own,), (true,), said) in enumerate(pair):
+                assert "LR"[k] in said and own.count("M") == true.count("M") == run.wanted.sum()
+                kept = np.linspace(0, len(run.own) - 1, fig10_view.VERTICES - 1).round().astype(int)
+                view = slice(2 * k, 2 * k + 2)
+                apart = (run.own - run.desired)[kept][:, run.wanted, view]
+                drawn = (vertices(own.replace("M", " ")) - vertices(true.replace("M", " "))).reshape(
+                    run.wanted.sum(), -1, 2
+                )
+                span = np.ptp(run.desired[kept][:, run.wanted, view], (0, 1)).max()
+                scales.append(np.ptp(vertices(true.replace("M", " ")), 0).max() / span)
+                np.testing.assert_allclose(drawn, scales[-1] * np.moveaxis(apart, 1, 0), atol=0.25)
+            assert scales[0] == pytest.approx(scales[1], rel=0.02)
+
+    def test_the_bar_tells_the_scale(self, trajectory):
+        html = draw("fig10", trajectory)
+        run = trajectory.runs[fig10.CONVERGED]
+        own = vertices(self.panels(html)[1][0][0].replace("M", " "))
+        scale = np.ptp(own, 0)[1] / np.ptp(run.own[:, run.wanted, 3])
+        x, _, end = numbers(paths(html, "vi-lead")[0])
+        said = float(re.search(r"(\d+) px", self.panels(html)[1][2])[1])
+        assert (end - x) / said == pytest.approx(scale, rel=0.03)
+
+    def test_errors_of_all_runs_are_drawn(self, trajectory):
+        html = draw("fig10", trajectory)
+        styles = [("learner", "solid"), ("recovered", "dash-dot"), ("residual", "dashed"), ("ink", "dotted")]
+        low, high = decades(np.concatenate([1e3 * run.hand_m for run in trajectory.runs.values()]), 1, 1000)
+        top, bottom = fig10_view.LOWER
+        for run, (role, dash) in zip(trajectory.runs.values(), styles):
+            curve = vertices(lines(html, f"vi-x-{role}", f"vi-x-{dash}")[1])
+            y = bottom - (bottom - top) * np.log10(1e3 * run.hand_m[[0, -1]] / low) / np.log10(high / low)
+            assert curve[[0, -1], 1] == pytest.approx(y, abs=0.06)
+        assert "5.95 s" in words(html) and "sinusoid" in words(html)
+
+    def test_parts_of_it_are_drawn_too(self, trajectory):
+        for count in range(4):
+            part = replace(trajectory, runs=dict(list(trajectory.runs.items())[:count]))
+            html = draw("fig10", part)
+            assert sum(bool(own) for own, *_ in self.panels(html)) == (0, 2, 2, 4)[count]
+            assert len(lines(html)) == 2 * count
+
+    def test_points_that_are_lost_interrupt_the_paths(self, trajectory):
+        run = trajectory.runs[fig10.CONVERGED]
+        own = run.own.copy()
+        own[40:50] = np.nan
+        own[-1] = np.nan
+        lost = replace(run, own=own)
+        html = draw("fig10", replace(trajectory, runs={fig10.CONVERGED: lost}))
+        assert "nan" not in html
+        assert self.panels(html)[0][0][0].count("M") == 2 * run.wanted.sum()
+        gone = replace(run, own=np.full_like(own, np.nan), desired=np.full_like(own, np.nan))
+        assert "nan" not in draw("fig10", replace(trajectory, runs={fig10.CONVERGED: gone}))
+
+    def test_a_motions_name_is_escaped(self, trajectory):
+        named = msgspec.structs.replace(trajectory.motion, name=HOSTILE)
+        html = draw("fig10", replace(trajectory, motion=named))
+        assert "<img" not in html and parsed(html)
+
+
+@pytest.fixture(scope="module")
+def drawings(landscape, imitation, trajectory):
+    found = {"fig7": landscape, "fig9": imitation, "fig10": trajectory}
+    return [*(draw(name, result) for name, result in found.items()), *(draw_empty(name, SCENE) for name in VIEWS)]
+
+
+class TestAll:
+    def test_every_figure_is_as_large_as_the_others_and_valid(self, drawings):
+        for drawing in drawings:
+            (svg,) = parsed(drawing)
+            assert svg.get("viewBox") == f"0 0 {plots.WIDTH} {plots.HEIGHT}"
+
+    def test_each_says_of_what_it_was_made_and_an_empty_one_what_it_shows(self, drawings):
+        for drawing in drawings[:3]:
+            assert f"Demonstrator (45.0°, {MINUS}90.0°) · epipolar transfer · panda, 10 points" in words(drawing)
+        for drawing, module in zip(drawings[3:], (fig7_view, fig9_view, fig10_view)):
+            assert "Demonstrator (" not in drawing and all(line in words(drawing) for line in module.SENTENCE)
+            assert paths(drawing, "vi-axis")
+
+    def test_disturbances_are_among_what_it_was_made_of(self):
+        settings = Settings(demonstrator_deg=(45.0, -90.0), noise_px=0.5, missing=0.1, transfer="linear")
+        assert plots.described(settings).endswith("linear transfer · panda, 10 points · noise 0.5 px, missing 10%")
+        assert "<img" not in plots.figure(msgspec.structs.replace(settings, scene=HOSTILE), "")
+
+    def test_seven_joints_are_drawn_too(self, trajectory):
+        scene = load_scene("panda", None, (1, 2, 3, 4, 5, 6, 7))
+        for name in VIEWS:
+            assert parsed(draw_empty(name, scene))
+        settings = Settings(joints=(1, 2, 3, 4, 5, 6, 7), demonstrator_deg=(0.0, 45.0, 0.0, -90.0, 0.0, 90.0, 45.0))
+        (caption,) = parsed(plots.figure(settings, "", " · a motion of a very long name")).iter("text")
+        assert caption.get("textLength") == str(plots.WIDTH) and len(caption.text) <= plots.LONGEST
+        assert caption.text.startswith(f"Demonstrator (0°, 45°, 0°, {MINUS}90°, 0°, 90°, 45°) · epipolar")
+        assert "two joints must move" in words(draw_empty("fig7", scene))
+
+    def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
+        styles = plots.CSS + verdict.CSS + experiments_tab.CSS
+        for drawing in [*drawings, styles]:
+            without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
+            assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
+            assert set(re.findall(r"var\(--([a-z-]+)", drawing)) <= set(theme.ROLES)
+
+    def test_every_class_is_styled(self, drawings):
+        used = set(" ".join(re.findall(r'class="([^"]+)"', "".join(drawings))).split())
+        unstyled = used - set(re.findall(r"\.(vi[\w-]*)", theme.CSS + plots.CSS))
+        assert unstyled <= {"vi-figure", "vi-x-solid"}
+
+    def test_writes_a_real_minus(self, drawings):
+        for drawing in drawings:
+            assert not re.search(r"-\d", words(drawing))
+
+    @pytest.mark.parametrize("scene", ["iiwa", "panda-facing"])
+    def test_other_scenes_are_drawn_empty(self, scene):
+        for name in VIEWS:
+            assert parsed(draw_empty(name, load_scene(scene)))
+
+    def test_transfers_and_laws_have_styles_of_their_own(self):
+        for names in (list(TRANSFERS), list(fig9.LAWS), list(fig10.RUNS)):
+            assert len({plots.style_of(name, names) for name in names}) == len(names)
+            assert len({(style.dash, style.mark) for style in plots.STYLES}) == len(plots.STYLES)
+
+
+class TestPlot:
+    def test_places(self):
+        plot = Plot(10, 20, 110, 220, (0, 10), (1, 100), up=log10)
+        np.testing.assert_allclose(plot.place([0, 5, 10], [1, 10, 100]), [[10, 220], [60, 120], [110, 20]])
+        assert np.isnan(plot.place([1, 1, np.nan], [0, -3, 5])).all()
+
+    def test_decades(self):
+        assert decades(np.array([0.3, 20, np.nan, -1]), 1, 10) == (0.1, 100)
+        assert decades(np.empty(0), 1, 100) == (1, 100) == decades(np.array([1.0, 100.0]), 1, 100)
+        assert [value for value, _ in plots.decade_ticks(0.01, 1000, 3)] == [0.01, 1, 100]
+
+
+CLAIMS = (
+    Claim("Fig. 9: broyden, came within 3°", "converges", "7 of 7 starts", "≥ 80% of starts", True),
+    Claim("Eq. (11): E convex", "nearby", HOSTILE, "–", None),
+    Claim("Fig. 9: broyden, smallest E", "0", "5 px²", "≤ 1.64 px²", False),
+)
+
+
+class TestVerdict:
+    def test_rows_are_judged_by_shape_colour_and_word(self):
+        html = verdict.draw_verdict(Run("fig9", "done", claims=CLAIMS))
+        rows = list(parsed(html).iter("tr"))[1:]
+        assert [row[0].text for row in rows] == ["broyden, came within 3°", "Eq. (11): E convex", "broyden, smallest E"]
+        assert ["".join(row[4].itertext()) for row in rows] == ["pass", "–", "miss"]
+        assert [len(list(row.iter("circle"))) for row in rows] == [1, 0, 0]
+        assert [len(list(row.iter("rect"))) for row in rows] == [0, 0, 1]
+        assert rows[1][2].text == HOSTILE and "nothing is judged" not in html
+
+    def test_where_nothing_is_judged_or_found_it_says_why(self):
+        claims = [replace(claim, holds=None) for claim in CLAIMS]
+        assert "nothing is judged here" in verdict.draw_verdict(Run("fig9", "done", claims=tuple(claims)))
+        assert words(verdict.draw_verdict(Run("fig9", "failed", problem=HOSTILE))) == f"Fig. 9 failed: {HOSTILE}"
+        assert verdict.draw_verdict(None) == verdict.draw_verdict(Run("fig9", "running")) == ""
+
+    @pytest.mark.parametrize(
+        "run, said, percent",
+        [
+            (None, "not run yet", 0),
+            (Run("fig9", "waiting", before=2), "waiting, 2 before you", 0),
+            (Run("fig9", "waiting"), "starting …", 0),
+            (Run("fig9", "running", share=0.428), "43 %", 43),
+            (Run("fig7", "running", share=0.5), "Fig. 7: 50 %", 50),
+            (Run("fig9", "writing", share=1.0), "writing the files …", 100),
+            (Run("fig9", "done", share=1.0, claims=CLAIMS, seconds=5.2), "done in 5 s, 1/2 hold", 100),
+            (Run("fig9", "cancelled", share=0.31), "cancelled at 31 %", 31),
+            (Run("fig9", "failed", problem=HOSTILE), f"failed: {HOSTILE}", 0),
+        ],
+        ids=str,
+    )
+    def test_progress(self, run, said, percent):
+        root = parsed(verdict.draw_progress(run, "fig9"))
+        bar = next(box for box in root.iter("div") if box.get("role") == "progressbar")
+        assert "".join(root.itertext()) == said and bar.get("aria-valuenow") == str(percent)
+        assert bar[0].get("style") == f"width:{percent}%"

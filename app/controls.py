@@ -11,6 +11,7 @@ from viewimit.transfer import TRANSFERS
 
 from .inbox import Inbox, on_click, on_value, put, put_html, put_label
 from .learner_bars import draw_learner
+from .methods import SERVO_NOTES, TRANSFER_NOTES
 from .presets import Preset
 
 SPEEDS = {
@@ -21,12 +22,8 @@ SPEEDS = {
     "10 a second": 10.0,
     "all it can": 0.0,
 }
-TRANSFER_NAMES = {"epipolar": "Epipolar (paper)", "linear": "Linear combination"}
-SERVO_NAMES = {
-    "gradient": "Gradient (paper)",
-    "gradient-retuned": "Gradient, retuned",
-    "broyden": "Broyden on images",
-}
+TRANSFER_NAMES = {name: note.name for name, note in TRANSFER_NOTES.items()}
+SERVO_NAMES = {name: note.name for name, note in SERVO_NOTES.items()}
 NO_POINT = "none"
 MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}
 HINTED = ("space", "→", "←", "H")  # keys named in the panel; the help names all

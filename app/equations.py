@@ -12,6 +12,7 @@ from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.servo import SERVOS
 from viewimit.servo.broyden import BroydenState
 from viewimit.servo.gradient import GradientState
+from viewimit.servo.trust_region import TrustState
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 from viewimit.transfer.epipolar import constraints, linear_system
@@ -52,9 +53,16 @@ def _shown_point(snapshot: Snapshot, chosen: int | None) -> int:
 _CONFLICT = r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_i+{}^{R}𝐞_i^{\top}\,{}^{R}𝐞_i\right)"
 
 
+_RANK3 = rf"E=\frac{{1}}{{2N}}\sum_{{k=1}}^{{5}}\lambda_k(𝐖)={_N}"
+
+
 def _conflict(snapshot: Snapshot) -> str:
     if snapshot.transfer is None:
         return _card("(6)", "", _fill(_CONFLICT + rf"={_N}", [svg.MISSING]), "too few points are seen in all images")
+    if snapshot.settings.transfer == "rank3":
+        return _card(
+            "", "in place of (6): what all four images leave beyond rank 3", _fill(_RANK3, [_short(snapshot.E)]), ""
+        )
     e = snapshot.e[snapshot.usable]
     left, right = (e[:, :2] ** 2).sum(), (e[:, 2:] ** 2).sum()
     numbers = [*(_short(value) for value in (left, right)), str(2 * len(e)), _short(snapshot.E)]
@@ -96,6 +104,8 @@ def _transfer(snapshot: Snapshot, point: int) -> str:
             "vi-wide",
         )
         return _card("(4)", f"point {name} recovered, px about the centroids: so f₃₃ = 0", math, "")
+    if snapshot.settings.transfer == "projective":
+        return _projective(snapshot, point)
     M = snapshot.transfer.matrix
     math = _fill(
         rf"{{}}^{{LR}}\hat{{𝐮}}_{{{_N}}}={_column(4)}+{_matrix(4, 4)}{_column(4)}={_column(4)}",
@@ -106,6 +116,22 @@ def _transfer(snapshot: Snapshot, point: int) -> str:
         "vi-wide",
     )  # fmt: skip
     return _card("", f"in place of (4), point {name}: centroid + map · (c − its centroid), px", math, "")
+
+
+def _projective(snapshot: Snapshot, point: int) -> str:
+    fitted, name = snapshot.transfer, svg.point_name(point)
+    u = (snapshot.views.demo[point] - fitted.demo_mean) @ fitted.basis
+    shape = fitted.coefficients[0] + u @ fitted.coefficients[1:]
+    math = _fill(
+        rf"{{}}^{{LR}}\hat{{𝐮}}_{{{_N}}}=\bar{{𝐲}}+\frac{{𝐚_0+𝐀^{{\top}}𝐮_{{{_N}}}}}{{1+𝐩\cdot 𝐮_{{{_N}}}}}"
+        rf"={_column(4)}+{_column(4)}\big/{_N}={_column(4)}",
+        [
+            name, name, name, *_each(fitted.own_mean, 0), *_each(shape, 1), svg.number(float(1 + u @ fitted.p), 3),
+            *_each(snapshot.recovered[point], 1),
+        ],
+        "vi-wide",
+    )  # fmt: skip
+    return _card("", f"in place of (4), point {name}: one depth for L and R, px", math, "")
 
 
 def _system(demo: NDArray, own: NDArray) -> tuple[NDArray, NDArray]:
@@ -123,12 +149,14 @@ def _law(snapshot: Snapshot) -> str:
         return _gradient(snapshot, state)
     if isinstance(state, BroydenState):
         return _broyden(snapshot, state)
+    if isinstance(state, TrustState):
+        return _trust_region(snapshot, state)
     if snapshot.settings.servo.startswith("gradient"):
         c = SERVOS[snapshot.settings.servo].constants
         first = [svg.number(value) for value in c.jacobian]
         math = _fill(_GRADIENT + rf",\quad\hat{{𝐉}}_0={_row(2)}", first)
         return _card("(13), (14)", "no motion yet", math, "")
-    return _card("", "no motion yet", _fill(_BROYDEN, []), "")
+    return _card("", "no motion yet", _fill(_TRUST if snapshot.settings.servo == "trust-region" else _BROYDEN, []), "")
 
 
 _GRADIENT = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
@@ -171,6 +199,26 @@ def _broyden(snapshot: Snapshot, state: BroydenState) -> str:
             f"<b>{_short(measured)}</b> px²."
         )
     return _card("", "servo: the images are learned, not E", math, note)
+
+
+_TRUST = (
+    r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
+    r"𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
+)
+
+
+def _trust_region(snapshot: Snapshot, state: TrustState) -> str:
+    made, count = _degrees(np.degrees(snapshot.moved)), len(state.visits)
+    note = f"The images are predicted from {count} postures visited; D = {np.degrees(state.radius):.3g}°. "
+    if state.probe:
+        note += f"This motion, ({made}), is a probe: it teaches what the predictions know least."
+    elif snapshot.status == "converged":
+        note += "What is left of E leaves no room for a displacement worth a motion: the servo rests."
+    elif snapshot.status == "stalled":
+        note += "Neither transfer nor restart led further: the servo rests."
+    elif state.promised is not None:
+        note += f"This motion, ({made}), was to lower E by <b>{_short(state.promised)}</b> px²."
+    return _card("", "servo: the images are predicted, E is asked", _fill(_TRUST, [], "vi-wide"), note)
 
 
 def _E_of(snapshot: Snapshot, own: NDArray) -> float:

@@ -1,6 +1,7 @@
 """The help panel: what the page shows, in reading order, and its keys."""
 
 from .controls import KEYS
+from .methods import SERVO_NOTES, TRANSFER_NOTES
 
 PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "
@@ -18,6 +19,9 @@ PARAGRAPHS = (
 )  # fmt: skip
 
 
+METHODS = (("Transfers", TRANSFER_NOTES), ("Servos", SERVO_NOTES))
+
+
 def help_html() -> str:
     """For a modal."""
     texts = "".join(f"<p><b>{title}</b> {text}</p>" for title, text in PARAGRAPHS)
@@ -26,7 +30,13 @@ def help_html() -> str:
         "<p class='vi-help-note'>Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the "
         "simulation's truth, for the viewer only; no transfer or servo is given any of it.</p>"
     )
-    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{note}</div>'
+    methods = "".join(
+        f"<p><b>{title}</b></p><dl>"
+        + "".join(f"<dt>{m.name}</dt><dd>Assumes: {m.assumes} Fails: {m.fails}</dd>" for m in notes.values())
+        + "</dl>"
+        for title, notes in METHODS
+    )
+    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{note}</div>'
 
 
 CSS = """
@@ -35,5 +45,8 @@ CSS = """
 .vi-help-keys{display:flex;flex-wrap:wrap;gap:6px 14px;margin:0 0 12px}
 .vi-help kbd{font:600 12px Inter,sans-serif;border:1px solid var(--rule);border-radius:4px;padding:1px 7px;
 background:var(--card)}
+.vi-help dl{margin:0 0 8px}
+.vi-help dt{font-weight:600}
+.vi-help dd{margin:0 0 4px 14px;color:var(--secondary)}
 .vi-help-note{color:var(--secondary);margin-top:10px}
 """

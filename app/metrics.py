@@ -13,7 +13,8 @@ from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
 COLUMNS = (0, 84, 160, 268, 364)  # px
-CONDITION = {"epipolar": "cond A", "linear": "σ₁/σ₃"}
+FLATNESS = "σ₁/σ₃"
+CONDITION = {"epipolar": "cond A"}
 
 
 @lru_cache(256)
@@ -62,7 +63,7 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray, y: float) -> str:
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)
-    name = CONDITION.get(snapshot.settings.transfer, "condition")
+    name = CONDITION.get(snapshot.settings.transfer, FLATNESS)
     few = used < MIN_POINTS
     columns = (
         ("", "E", _short(snapshot.E), " px²" if known else ""),

@@ -2,7 +2,11 @@
 
 from dataclasses import dataclass
 
-from viewimit.snapshot import Settings
+import msgspec
+
+from viewimit.snapshot import BEST, Settings
+
+replace = msgspec.structs.replace
 
 
 @dataclass(frozen=True)
@@ -16,6 +20,12 @@ class Preset:
 
 
 PRESETS = (
+    Preset(
+        "Beyond the paper",
+        BEST,
+        2,
+        "No bias, a handful of motions: it asks for E of images that it predicts.",
+    ),
     Preset(
         "Paper, Section 5.3",
         Settings(),
@@ -39,6 +49,18 @@ PRESETS = (
         Settings(transfer="linear", start_deg=(75, -150)),
         2,
         "No lines are intersected, so none can be parallel.",
+    ),
+    Preset(
+        "Seven joints",
+        replace(
+            BEST,
+            joints=tuple(range(1, 8)),
+            points=16,
+            demonstrator_deg=(10, 40, -10, -80, 15, 100, 30),
+            start_deg=(-10, 25, 10, -50, -15, 75, 60),
+        ),
+        2,
+        "More unknowns, the same method. The wrist moves its points least.",
     ),
     Preset(
         "Verged cameras",

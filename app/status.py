@@ -6,11 +6,12 @@ import numpy as np
 
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo.gradient import GradientState
+from viewimit.servo.trust_region import CERTAIN
 from viewimit.session import MAX_HISTORY
 from viewimit.snapshot import Snapshot
 
 from . import svg
-from .metrics import AMBER, CONDITION, RED
+from .metrics import AMBER, CONDITION, FLATNESS, RED
 
 TREND = 4  # motions over which the change of E is averaged
 TITLES = {
@@ -25,10 +26,8 @@ TITLES = {
     "recording": "Recording",
     "replaying": "Replaying",
 }
-ILL = {
-    "epipolar": "epipolar lines nearly parallel, E may mislead",
-    "linear": "the points nearly lie in a plane, E may mislead",
-}
+ILL = {"epipolar": "epipolar lines nearly parallel, E may mislead"}
+FLAT = "the points nearly lie in a plane, E may mislead"
 DOT = (
     '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/>'
     '<circle cx="11" cy="11" r="6" fill="var(--{0})"/>'
@@ -68,13 +67,13 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
     if snapshot.status == "stopped":
         return "stopped", f"{E} after {MAX_HISTORY} motions, the most that are kept; reset to go on."
     condition = float(snapshot.transfer.condition)
-    gauge = f"{CONDITION.get(snapshot.settings.transfer, 'condition')} {_short(condition, 0)}"
+    gauge = f"{CONDITION.get(snapshot.settings.transfer, FLATNESS)} {_short(condition, 0)}"
     if snapshot.flatness >= RED > condition:
-        return "ill-conditioned", f"σ₁/σ₃ {_short(snapshot.flatness, 0)}: {ILL['linear']}; {E}."
+        return "ill-conditioned", f"σ₁/σ₃ {_short(snapshot.flatness, 0)}: {FLAT}; {E}."
     if condition >= RED:
-        return "ill-conditioned", f"{gauge}, far too high: {ILL[snapshot.settings.transfer]}; {E}."
+        return "ill-conditioned", f"{gauge}, far too high: {ILL.get(snapshot.settings.transfer, FLAT)}; {E}."
     if condition >= AMBER:
-        return "ill-conditioned", f"{gauge}: {ILL[snapshot.settings.transfer]}; {E}."
+        return "ill-conditioned", f"{gauge}: {ILL.get(snapshot.settings.transfer, FLAT)}; {E}."
     if snapshot.status == "converged":
         return "converged", f"{E} after {_motions(snapshot.motion)}; {_rest(snapshot)}."
     if isinstance(snapshot.servo_state, GradientState) and snapshot.status == "stalled":
@@ -113,6 +112,8 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 
 
 def _rest(snapshot: Snapshot) -> str:
+    if snapshot.settings.servo == "trust-region":
+        return f"E leaves no room for {np.degrees(CERTAIN):.1g}°, or is noise"
     if snapshot.settings.servo == "broyden":
         return "next step under 0.1°"
     return "E no longer falls"

@@ -92,19 +92,17 @@ def skirted(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     shrink away from its border. A strip at an angle turns the border into a crease,
     which is kept; it also closes the view through the cracks between shells.
     """
-    _, edge, count = np.unique(
-        mesh.edges_sorted, axis=0, return_inverse=True, return_counts=True
-    )
+    _, edge, count = np.unique(mesh.edges_sorted, axis=0, return_inverse=True, return_counts=True)
     start, end = mesh.edges[count[edge.ravel()] == 1].T
     below = len(mesh.vertices)  # offset from a vertex to its copy at the strip's foot
-    strips = np.vstack([
-        np.column_stack([end, start, start + below]),
-        np.column_stack([end, start + below, end + below]),
-    ])
-    foot = mesh.vertices - SKIRT_M * mesh.vertex_normals
-    return trimesh.Trimesh(
-        np.vstack([mesh.vertices, foot]), np.vstack([mesh.faces, strips]), process=False
+    strips = np.vstack(
+        [
+            np.column_stack([end, start, start + below]),
+            np.column_stack([end, start + below, end + below]),
+        ]
     )
+    foot = mesh.vertices - SKIRT_M * mesh.vertex_normals
+    return trimesh.Trimesh(np.vstack([mesh.vertices, foot]), np.vstack([mesh.faces, strips]), process=False)
 
 
 def decimated(mesh: trimesh.Trimesh, max_faces: int) -> trimesh.Trimesh:

@@ -266,6 +266,7 @@ def test_a_reloaded_tab_is_served_again(page):
 def laboratory(browser, server):
     """A page with the tab Experiments open."""
     page = open_page(browser, server, "small")
+    choose(page, "Preset", "Paper, Section 5.3")
     page.get_by_role("tab", name="Experiments").click()
     page.wait_for_selector(".vi-figure")
     yield page

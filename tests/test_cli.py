@@ -226,10 +226,15 @@ def test_a_robot_is_a_scene_of_its_name_or_a_urdf_beside_the_scene(ask_json, fil
 
 
 def test_reports_for_people_carry_the_same_figures(ask, ask_json):
-    _, told = ask_json("imitate")
-    status, out, err = ask("imitate")
+    affine = ("imitate", "--transfer", "linear", "--servo", "broyden")
+    _, told = ask_json(*affine)
+    status, out, err = ask(*affine)
     assert status == 0 and err == ""
     assert f"after {told['motions']} motions, converged" in out and f"{told['E']:.4g} px²" in out
+    _, told = ask_json("imitate")
+    _, out, _ = ask("imitate")
+    assert told["error_deg"] < 0.01 and "joint error   below 0.01° at most" in out
+    assert told["E"] < 0.001 and "E             below 0.001 px²" in out
 
 
 def test_bench_prints_one_object(ask_json, monkeypatch):
@@ -239,7 +244,11 @@ def test_bench_prints_one_object(ask_json, monkeypatch):
     assert status == 0 and list(told) == ["speed"] and told["speed"]["postures"] == 91 * 121
     status, told = ask_json("bench", "success", "--runs", 4, "--max-motions", 3)
     assert status == 0 and list(told) == ["success"]
-    assert [(row["transfer"], row["servo"]) for row in told["success"]] == [(t, s) for t in TRANSFERS for s in SERVOS]
+    pairs = [(row["transfer"], row["servo"]) for row in told["success"]]
+    assert pairs[: len(SERVOS)] == [("epipolar", servo) for servo in SERVOS]
+    assert set(pairs[len(SERVOS) :]) == {
+        (t, s) for t in TRANSFERS for s in ("broyden", "trust-region") if t != "epipolar"
+    }
     assert all(row["runs"] == 4 and row["motions_95"] <= 3 for row in told["success"])
 
 

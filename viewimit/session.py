@@ -233,8 +233,11 @@ class Session:
         def predicted(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
             known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
             imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
-            e = residual(TRANSFERS[by or now.settings.transfer](imagined), imagined)
-            return e if like is None else e @ noise_weight(imagined.with_own(like[known]))
+            transfer = TRANSFERS[by or now.settings.transfer](imagined)
+            e = residual(transfer, imagined)
+            if like is None or transfer.weighs_noise:
+                return e
+            return e @ noise_weight(imagined.with_own(like[known]))
 
         return predicted
 

@@ -90,3 +90,6 @@ def _require_choice(name: str, value: str, choices) -> None:
 def _require_range(name: str, value: float, low: float, high: float) -> None:
     if not low <= value <= high:
         raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
+
+
+BEST = Settings(transfer="projective", servo="trust-region")  # what the page and `imitate` begin with

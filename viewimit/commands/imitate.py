@@ -6,6 +6,7 @@ import sys
 import numpy as np
 
 from ..session import MAX_HISTORY, Session
+from ..snapshot import BEST
 from .options import (
     DONE,
     MISSED,
@@ -22,15 +23,15 @@ PATIENCE = 100  # looks in a row with too few points, after which the learner is
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser)
-    add_run_options(parser)
+    add_setting_options(parser, BEST)
+    add_run_options(parser, BEST)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    session = Session(settings_from(args))
+    session = Session(settings_from(args, BEST))
     imitate(session, args.max_motions)
     result = outcome(session)
     if args.json:
@@ -38,13 +39,18 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f"demonstrator  {posture(result['demonstrator_deg'])}")
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
-        print(f"joint error   {result['error_deg']:.3g}° at most")
-        print(f"E             {result['E']:.4g} px²")
+        print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g')}° at most")
+        print(f"E             {_at_least(result['E'], 0.001, '.4g')} px²")
     if result["converged"]:
         return DONE
     why = "too few points are seen in all four images" if session.snapshot.transfer is None else result["status"]
     print(f"viewimit imitate: not converged after {result['motions']} motions: {why}", file=sys.stderr)
     return MISSED
+
+
+def _at_least(value: float, least: float, form: str) -> str:
+    """Digits below `least` are the machine's, not the method's."""
+    return f"below {least:g}" if value < least else f"{value:{form}}"
 
 
 def imitate(session: Session, max_motions: int) -> None:

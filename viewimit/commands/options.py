@@ -16,12 +16,13 @@ from ..transfer import TRANSFERS
 from . import BadInput
 
 DONE, MISSED = 0, 1
+PAPER = Settings()
 ALL = "all"
 
 
-def add_setting_options(parser: argparse.ArgumentParser) -> None:
+def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
     """What is seen, and how it is transferred."""
-    defaults, scenes = Settings(), ", ".join(scene_names())
+    scenes = ", ".join(scene_names())
     parser.add_argument("--scene", help=f"{scenes}, or the path of a .toml file ({defaults.scene})")
     parser.add_argument(
         "--robot",
@@ -39,21 +40,21 @@ def add_setting_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
 
 
-def add_run_options(parser: argparse.ArgumentParser) -> None:
+def add_run_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
     """Where the learner starts, and how it moves."""
     parser.add_argument("--start", type=angles, metavar="DEG,DEG", help="the learner's moving joints (the scene's)")
-    parser.add_argument("--servo", metavar="NAME", help=f"{', '.join(SERVOS)} ({Settings().servo})")
+    parser.add_argument("--servo", metavar="NAME", help=f"{', '.join(SERVOS)} ({defaults.servo})")
 
 
 def add_json_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def settings_from(args: argparse.Namespace) -> Settings:
-    """Settings of the options given, each checked under its own name. Raises BadInput."""
+def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:
+    """Settings of the options given, the rest by default, each checked under its own name. Raises BadInput."""
     if args.scene is None and args.robot in scene_names():
         args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
-    settings = Settings()
+    settings = defaults
     names = ("transfer", "servo", "noise_px", "missing", "outliers", "frames", "seed")
     given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():

@@ -2,6 +2,7 @@
 
 import argparse
 
+from ..snapshot import BEST
 from .options import DONE, add_run_options, add_setting_options, between, naming, settings_from
 
 
@@ -10,12 +11,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
     parser.add_argument("--max-clients", type=between(int, 1, 10_000), default=40, help="tabs at a time (%(default)s)")
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
-    add_setting_options(parser)
-    add_run_options(parser)
+    add_setting_options(parser, BEST)
+    add_run_options(parser, BEST)
 
 
 def run(args: argparse.Namespace) -> int:
-    settings = settings_from(args)
+    settings = settings_from(args, BEST)
     from ..app.server import serve  # the one place below the page that knows it
 
     with naming("--host, --port"):

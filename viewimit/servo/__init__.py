@@ -10,7 +10,13 @@ NaN for points that it knows nothing of; by: the name of another transfer than t
 from .broyden import Broyden
 from .gradient import PAPER, RETUNED, Gradient
 from .observation import Observation
+from .trust_region import TrustRegion
 
-SERVOS = {"gradient": Gradient(PAPER), "gradient-retuned": Gradient(RETUNED), "broyden": Broyden()}
+SERVOS = {
+    "gradient": Gradient(PAPER),
+    "gradient-retuned": Gradient(RETUNED),
+    "broyden": Broyden(),
+    "trust-region": TrustRegion(),
+}
 
-__all__ = ["SERVOS", "Broyden", "Gradient", "Observation"]
+__all__ = ["SERVOS", "Broyden", "Gradient", "Observation", "TrustRegion"]

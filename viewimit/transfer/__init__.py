@@ -5,6 +5,11 @@ Each is one function `fit(views) -> transfer`, where `transfer.recover(l, r)` gi
 `views` are `FourViews` of points that are all seen; leading axes are a batch of postures.
 """
 
-from . import epipolar, linear_combination
+from . import epipolar, linear_combination, projective, rank3
 
-TRANSFERS = {"epipolar": epipolar.fit, "linear": linear_combination.fit}
+TRANSFERS = {
+    "epipolar": epipolar.fit,
+    "linear": linear_combination.fit,
+    "rank3": rank3.fit,
+    "projective": projective.fit,
+}

@@ -21,6 +21,7 @@ RANK = 3
 class Rank3Transfer(Transfer):
     """scatter: (..., 8, 8) px² of the centred [l r L R]; demo_mean, own_mean: (..., 4) px; flat: σ1/σ3 of [l r]."""
 
+    weighs_noise = True
     scatter: NDArray
     demo_mean: NDArray
     own_mean: NDArray

@@ -10,6 +10,7 @@ class Transfer:
     """A map of image points from [l], [r] to [L], [R], fitted to `FourViews`."""
 
     condition: NDArray
+    weighs_noise = False  # whether residuals answer for the noise of the demonstrator's images already
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
         """demo_left, demo_right: (..., M, 2) px, any points seen in [l], [r] → (..., M, 4) px in [L, R]."""

@@ -8,7 +8,12 @@ LAWS = {
     "gradient-retuned": ("the paper's law, retuned", LEARNER),
     "broyden": ("broyden", RECOVERED),
 }
-TRANSFERS = {"epipolar": ("epipolar (the paper)", LEARNER), "linear": ("linear combination", RECOVERED)}
+TRANSFERS = {
+    "epipolar": ("epipolar (the paper)", LEARNER),
+    "linear": ("linear combination", RECOVERED),
+    "rank3": ("rank 3", "#b0508a"),
+    "projective": ("projective combination", RESIDUAL),
+}
 STYLE = {
     "font.size": 9,
     "axes.titlesize": 10,

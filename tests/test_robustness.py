@@ -1,0 +1,46 @@
+"""The robustness table counts what happened, and the cases that are easy are met."""
+
+import numpy as np
+import pytest
+
+from viewimit.experiments import robustness
+from viewimit.experiments.robustness import CASES, Case, run, run_once
+from viewimit.session import Session
+from viewimit.snapshot import BEST
+
+
+def test_every_case_can_be_set():
+    for case in CASES:
+        session = Session(robustness.msgspec.structs.replace(BEST, **case.changes))
+        assert np.isfinite(session.snapshot.E) or case.changes.get("missing")
+
+
+@pytest.mark.parametrize("name", ["undisturbed", "gain error 5 %", "steps of 0.2°", "outliers 10%, 5 frames"])
+def test_these_lose_nothing(name):
+    (case,) = (case for case in CASES if case.name == name)
+    (found,) = run(BEST, [case], runs=4, seed=3, workers=1)
+    assert found.ended[0.5].count == found.claimed.count == 4 and found.claimed_falsely.count == 0
+    assert found.rms_deg < 0.3 and found.motions_95 <= 14
+
+
+def test_seven_joints_arrive():
+    case = Case("seven", {"joints": robustness.SEVEN, "points": 16}, 30.0)
+    (found,) = run(BEST, [case], runs=3, seed=1, workers=1)
+    assert found.ended[0.5].count == 3
+
+
+def test_the_table_is_of_the_runs(monkeypatch):
+    ended = iter([(0.1, 5, True), (0.7, 9, True), (2.0, 80, False), (0.2, 6, True)])
+    monkeypatch.setattr(robustness, "run_once", lambda *_: next(ended))
+    (found,) = run(BEST, [Case("a", {})], runs=4, workers=1)
+    assert found.rms_deg == pytest.approx(np.sqrt((0.01 + 0.49 + 4 + 0.04) / 4))
+    assert [share.count for share in found.ended.values()] == [2, 3, 4]
+    assert (found.claimed.count, found.claimed_falsely.count, found.motions_median) == (3, 1, 7.5)
+
+
+def test_a_run_repeats_itself_and_gives_up_when_blind():
+    settings = robustness.msgspec.structs.replace(BEST, noise_px=0.5, frames=3)
+    assert run_once(settings, None, [0, 1], 12) == run_once(settings, None, [0, 1], 12)
+    blind = robustness.msgspec.structs.replace(BEST, missing=1.0)
+    error, motions, claimed = run_once(blind, None, [0, 1], 12)
+    assert motions == 0 and not claimed

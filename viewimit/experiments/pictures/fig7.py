@@ -126,16 +126,19 @@ def _parabola(axes, found: Fig7, surface: Surface, curved: Convexity) -> None:
 
 def _study(found: Fig7) -> Figure:
     """Where the minimum is for other demonstrators."""
-    figure = Figure(figsize=(9.6, 3.9), layout="constrained")
-    plots = figure.subplots(1, len(TRANSFER_NAMES), sharey=True, squeeze=False)[0]
-    for axes, name in zip(plots, TRANSFER_NAMES):
+    rows = -(-len(TRANSFER_NAMES) // 2)
+    figure = Figure(figsize=(9.6, 0.7 + 2.7 * rows), layout="constrained")
+    plots = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
+    for axes, name in zip(plots.flat, TRANSFER_NAMES):
         words, colour = TRANSFERS[name]
         axes.set_title(words)
-        axes.set_xlabel(f"{angle_name(found.joints[1])} (°)")
         if name in found.studies:
             _biases(axes, found.studies[name], colour)
-    plots[0].set_ylabel(f"{angle_name(found.joints[0])} (°)")
-    figure.legend(*plots[0].get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=2)
+    for axes in plots[:, 0]:
+        axes.set_ylabel(f"{angle_name(found.joints[0])} (°)")
+    for axes in plots[-1]:
+        axes.set_xlabel(f"{angle_name(found.joints[1])} (°)")
+    figure.legend(*plots[0, 0].get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=2)
     figure.suptitle(f"Bias of E's minimum, drawn {ENLARGED} times longer")
     return figure
 

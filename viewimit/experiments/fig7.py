@@ -16,6 +16,7 @@ from .minima import Conflict, Minima, local_minima
 from .tables import Tables, joint_columns, stacked
 
 PAPER_MINIMUM_DEG = (41.0, -90.0)
+PAPER_RANGE_DEG2 = 90.0 * 180.0
 STUDY = (6, 5)  # demonstrators a joint, spread evenly over the middle of its range
 MARGIN_DEG = 10.0
 
@@ -66,12 +67,15 @@ class Fig7:
 def run(
     settings: Settings,
     tell: Callable[[float, Fig7 | None], None] = lambda share, partial: None,
-    step_deg: float = 1.0,
+    step_deg: float | None = None,
     study: tuple[int, int] = STUDY,
 ) -> Fig7:
-    """For every transfer. tell(share done, what is there so far). Raises ValueError unless two joints move."""
+    """For every transfer. tell(share done, what is there so far). Raises ValueError unless two joints move.
+
+    step_deg: of the grid; if None 1°, as for the paper's ranges, and coarser for larger ones.
+    """
     session = Session(settings)
-    axes = grid_axes(session.world, step_deg)
+    axes = grid_axes(session.world, step_deg or _step_deg(session))
     demo_deg, joints = session.settings.demonstrator_deg, session.scene.moving_joints
     found = Fig7(session.settings, demo_deg, joints, {}, {})
     others = _demonstrators(axes, study)
@@ -89,6 +93,11 @@ def run(
             found, done = replace(found, studies={**found.studies, transfer: study_so_far}), done + 1
             tell(done / total, found)
     return found
+
+
+def _step_deg(session: Session) -> float:
+    """As many postures as the paper's ranges have at 1°, or fewer."""
+    return max(1.0, float(np.sqrt(np.prod(np.diff(session.scene.range_deg)) / PAPER_RANGE_DEG2)))
 
 
 def conflict_of(session: Session, transfer: str) -> Conflict:

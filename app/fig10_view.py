@@ -22,6 +22,7 @@ MARGIN = 6  # image px around the paths
 BARS = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # image px
 VERTICES = 80
 DEGREES, MILLIMETRES = (0.1, 100.0), (1.0, 1000.0)  # that the axes show in any case
+FLOOR = 0.01  # of them, below which errors are drawn as this
 
 
 def draw(scene: Scene, found: Fig10 | None = None) -> str:
@@ -103,8 +104,8 @@ def _errors(found: Fig10 | None) -> str:
     )
     parts = []
     for title, unit, left, right, least, values in plots:
-        everything = np.concatenate([*values.values(), np.empty(0)])
-        y = decades(everything, *least)
+        values = {name: np.maximum(errors, FLOOR) for name, errors in values.items()}
+        y = decades(np.concatenate([*values.values(), np.empty(0)]), *least)
         plot = Plot(left, LOWER[0], right, LOWER[1], (0.0, max(seconds, 1e-3)), y, up=log10)
         ticks = [(time, f"{time:g}") for time in (0, float(f"{seconds / 2:.1g}"))]
         parts.append(plot.frame(title, f"{unit}, log", ticks, decade_ticks(*y, 3)))

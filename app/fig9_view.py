@@ -8,6 +8,7 @@ from viewimit.experiments.fig9 import LAWS, MOTIONS, Fig9, Run
 from viewimit.scene import Scene
 
 from . import svg
+from .methods import SERVO_NOTES
 from .plots import Plot, Style, decade_ticks, decades, figure, log10, sentence, style_of
 
 SENTENCE = (
@@ -15,13 +16,14 @@ SENTENCE = (
     "arrive at the demonstrator's posture,",
     "and after how many motions?",
 )
-NAMES = {"gradient": "the paper's law", "gradient-retuned": "paper's, retuned", "broyden": "Broyden on images"}
+NAMES = {law: note.name for law, note in SERVO_NOTES.items()}
 LEFT, RIGHT, LEGEND = 36, 276, 288  # px
 ANGLES, CONFLICT = (30, 106), (130, 194)  # px from top to bottom
 TICKS = [(motions, str(motions)) for motions in (0, 1, 3, 10, 30, 100, 300, 1000, 3000)]
 STYLED = LAWS[::-1]  # the last law has the plainest line
 VERTICES, FAINT_VERTICES = 160, 40
 SMALLEST_E, LARGEST_E = 1.0, 100.0  # px² that the axis shows in any case
+FLOOR_E = 1e-3  # px² below which it is drawn as this: nobody could see that conflict
 
 
 def draw(scene: Scene, found: Fig9 | None = None) -> str:
@@ -32,7 +34,7 @@ def draw(scene: Scene, found: Fig9 | None = None) -> str:
         return figure(None, "".join(parts) + sentence(SENTENCE, (LEFT + RIGHT) / 2, 68) + _legend(None))
     parts += [angles.level(angle, "vi-line-demo") for angle in found.settings.demonstrator_deg]
     if found.E_demo > 0:
-        parts.append(conflict.level(found.E_demo, "vi-line-demo"))
+        parts.append(conflict.level(max(found.E_demo, FLOOR_E), "vi-line-demo"))
     runs = [(k, run) for law in LAWS for k, run in enumerate(found.of(law))]
     for k, run in sorted(runs, key=lambda ranked: ranked[0] == 0):  # those from the first start lie over the others
         parts.append(_run(angles, conflict, run, faint=k > 0))
@@ -44,7 +46,7 @@ def _plots(scene: Scene, found: Fig9 | None) -> tuple[Plot, Plot]:
     low, high = np.min(scene.range_deg), np.max(scene.range_deg)
     E = np.concatenate([run.E for run in found.runs]) if found and found.runs else np.empty(0)
     if found is not None:
-        E = np.append(E, found.E_demo)
+        E = np.maximum(np.append(E, found.E_demo), FLOOR_E)
     x = (0.0, float(max(MOTIONS, *(len(run.E) - 1 for run in (found.runs if found else ())), 0)))
     return (
         Plot(LEFT, ANGLES[0], RIGHT, ANGLES[1], x, (float(low), float(high)), np.log1p),
@@ -69,7 +71,7 @@ def _run(angles: Plot, conflict: Plot, run: Run, faint: bool) -> str:
     style = style_of(run.law, STYLED)
     kept = _thinned(len(run.E), FAINT_VERTICES if faint else VERTICES)
     classes = style.line + (" vi-x-faint" if faint else "")
-    lines = [(angles, angle) for angle in run.theta_deg.T] + [(conflict, run.E)]
+    lines = [(angles, angle) for angle in run.theta_deg.T] + [(conflict, np.maximum(run.E, FLOOR_E))]
     drawn = "".join(plot.line(kept, values[kept], classes) for plot, values in lines)
     if not faint:
         ends = np.concatenate([plot.place(kept[-1:], values[-1:]) for plot, values in lines])
@@ -88,12 +90,14 @@ def _ends(style: Style, places: NDArray, good: bool) -> str:
 
 def _values(conflict: Plot, runs: list[Run]) -> str:
     """E where the runs ended, beside the plot."""
-    ended = sorted((float(conflict.place(0, run.E[-1])[1]), k) for k, run in enumerate(runs) if run.E[-1] > 0)
+    ended = sorted(
+        (float(conflict.place(0, max(run.E[-1], FLOOR_E))[1]), k) for k, run in enumerate(runs) if run.E[-1] > 0
+    )
     parts, above = [], -np.inf
     for rank, (y, k) in enumerate(ended):
         above = max(min(y, conflict.bottom - 13 * (len(ended) - 1 - rank)), above + 13)
         E, style = runs[k].E[-1], style_of(runs[k].law, STYLED)
-        words = f"E {svg.number(E, 2 if E < 10 else 0)} px²"
+        words = "E < 0.01 px²" if E < 0.01 else f"E {svg.number(E, 2 if E < 10 else 0)} px²"
         parts.append(svg.text(LEGEND, above, words, f"vi-x-of-{style.role}"))
     return "".join(parts)
 

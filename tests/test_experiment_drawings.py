@@ -196,6 +196,14 @@ class TestFig9:
         ends = [vertices(d)[-1, 0] for d in lines(html)]
         assert ends and ends == pytest.approx([self.x(3000)] * len(ends), abs=0.06)
 
+    def test_a_conflict_that_nobody_could_see_does_not_stretch_the_axis(self, imitation):
+        run = imitation.of("broyden")[0]
+        found = replace(imitation, runs=(replace(run, E=run.E * 1e-12),), E_demo=1e-12)
+        html = draw("fig9", found)
+        assert "E < 0.01 px²" in words(html) and "1e-" not in words(html)
+        bottom = vertices(lines(html, "vi-x-solid")[2])[-1, 1]
+        assert bottom == pytest.approx(fig9_view.CONFLICT[1], abs=0.06)
+
     def test_parts_of_it_are_drawn_too(self, imitation):
         for count in range(len(imitation.runs)):
             part = replace(imitation, runs=imitation.runs[:count])
@@ -276,6 +284,14 @@ class TestFig10:
         assert self.panels(html)[0][0][0].count("M") == 2 * run.wanted.sum()
         gone = replace(run, own=np.full_like(own, np.nan), desired=np.full_like(own, np.nan))
         assert "nan" not in draw("fig10", replace(trajectory, runs={fig10.CONVERGED: gone}))
+
+    def test_an_error_that_nobody_could_see_does_not_stretch_the_axes(self, trajectory):
+        run = trajectory.runs[fig10.CONVERGED]
+        exact = replace(run, theta=run.theta_demo, hand_m=run.hand_m * 1e-12)
+        html = draw("fig10", replace(trajectory, runs={fig10.CONVERGED: exact}))
+        for curve in lines(html, "vi-x-solid"):
+            np.testing.assert_allclose(vertices(curve)[:, 1], fig10_view.LOWER[1], atol=0.06)
+        assert "0.01" in words(html) and "0.001" not in words(html)
 
     def test_a_motions_name_is_escaped(self, trajectory):
         named = msgspec.structs.replace(trajectory.motion, name=HOSTILE)

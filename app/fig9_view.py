@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.experiments.claims import TOLERANCES
-from viewimit.experiments.fig9 import LAWS, MOTIONS, Fig9, Run
+from viewimit.experiments.fig9 import BESIDE, MOTIONS, PAPERS_LAWS, Fig9, Run
 from viewimit.scene import Scene
 
 from . import svg
@@ -20,7 +20,6 @@ NAMES = {law: note.name for law, note in SERVO_NOTES.items()}
 LEFT, RIGHT, LEGEND = 36, 276, 288  # px
 ANGLES, CONFLICT = (30, 106), (130, 194)  # px from top to bottom
 TICKS = [(motions, str(motions)) for motions in (0, 1, 3, 10, 30, 100, 300, 1000, 3000)]
-STYLED = LAWS[::-1]  # the last law has the plainest line
 VERTICES, FAINT_VERTICES = 160, 40
 SMALLEST_E, LARGEST_E = 1.0, 100.0  # px² that the axis shows in any case
 FLOOR_E = 1e-3  # px² below which it is drawn as this: nobody could see that conflict
@@ -35,7 +34,7 @@ def draw(scene: Scene, found: Fig9 | None = None) -> str:
     parts += [angles.level(angle, "vi-line-demo") for angle in found.settings.demonstrator_deg]
     if found.E_demo > 0:
         parts.append(conflict.level(max(found.E_demo, FLOOR_E), "vi-line-demo"))
-    runs = [(k, run) for law in LAWS for k, run in enumerate(found.of(law))]
+    runs = [(k, run) for law in found.laws for k, run in enumerate(found.of(law))]
     for k, run in sorted(runs, key=lambda ranked: ranked[0] == 0):  # those from the first start lie over the others
         parts.append(_run(angles, conflict, run, faint=k > 0))
     parts.append(_values(conflict, [run for k, run in runs if k == 0]))
@@ -68,7 +67,7 @@ def _frames(scene: Scene, angles: Plot, conflict: Plot, found: Fig9 | None) -> s
 
 
 def _run(angles: Plot, conflict: Plot, run: Run, faint: bool) -> str:
-    style = style_of(run.law, STYLED)
+    style = _style(run.law)
     kept = _thinned(len(run.E), FAINT_VERTICES if faint else VERTICES)
     classes = style.line + (" vi-x-faint" if faint else "")
     lines = [(angles, angle) for angle in run.theta_deg.T] + [(conflict, np.maximum(run.E, FLOOR_E))]
@@ -77,6 +76,11 @@ def _run(angles: Plot, conflict: Plot, run: Run, faint: bool) -> str:
         ends = np.concatenate([plot.place(kept[-1:], values[-1:]) for plot, values in lines])
         drawn += _ends(style, ends, arrived(run))
     return drawn
+
+
+def _style(law: str) -> Style:
+    """What stands beside the paper's laws has the plainest line."""
+    return style_of(law if law in PAPERS_LAWS else BESIDE, (BESIDE, *PAPERS_LAWS[::-1]))
 
 
 def _ends(style: Style, places: NDArray, good: bool) -> str:
@@ -96,7 +100,7 @@ def _values(conflict: Plot, runs: list[Run]) -> str:
     parts, above = [], -np.inf
     for rank, (y, k) in enumerate(ended):
         above = max(min(y, conflict.bottom - 13 * (len(ended) - 1 - rank)), above + 13)
-        E, style = runs[k].E[-1], style_of(runs[k].law, STYLED)
+        E, style = runs[k].E[-1], _style(runs[k].law)
         words = "E < 0.01 px²" if E < 0.01 else f"E {svg.number(E, 2 if E < 10 else 0)} px²"
         parts.append(svg.text(LEGEND, above, words, f"vi-x-of-{style.role}"))
     return "".join(parts)
@@ -109,9 +113,9 @@ def arrived(run: Run) -> bool:
 def _legend(found: Fig9 | None) -> str:
     """A law: its line, from how many starts it came near, and how soon; or how far off it is still."""
     parts = []
-    for k, law in enumerate(LAWS):
+    for k, law in enumerate(found.laws if found else (*PAPERS_LAWS, BESIDE)):
         y, runs = ANGLES[0] + 4 + 31 * k, found.of(law) if found else []
-        parts.append(style_of(law, STYLED).sample(LEGEND, y))
+        parts.append(_style(law).sample(LEGEND, y))
         parts.append(svg.text(LEGEND + 27, y + 4, NAMES.get(law, law), "vi-b"))
         for words, classes in [_outcome(runs)] if runs else []:
             parts.append(svg.text(LEGEND + 27, y + 18, words, classes))

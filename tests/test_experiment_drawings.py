@@ -164,7 +164,7 @@ class TestFig9:
     def test_what_does_not_arrive_ends_in_crosses_and_says_so(self, imitation):
         html = draw("fig9", imitation)
         stuck = imitation.of("gradient")[0]
-        late = [run for run in (imitation.of(law)[0] for law in fig9.LAWS) if run.error_deg[-1] > 3]
+        late = [run for run in (imitation.of(law)[0] for law in imitation.laws) if run.error_deg[-1] > 3]
         crosses = [starts(d)[:, 0] for d in paths(html, "vi-x-off-mark")]
         assert stuck in late and len(crosses) == len(late) < 3
         for x, run in zip(crosses, late):
@@ -190,7 +190,7 @@ class TestFig9:
         probe = np.zeros(count, bool)
         run = fig9.Run("gradient", (25.0, -25.0), (45.0, -90.0), theta, np.geomspace(200, 3, count), probe, "stalled")
         settings = Settings(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -25.0))
-        runs = tuple(replace(run, law=law) for law in fig9.LAWS for _ in range(7))
+        runs = tuple(replace(run, law=law) for law in fig9.laws_of(settings) for _ in range(7))
         html = draw("fig9", fig9.Fig9(settings, (2, 4), ((25.0, -25.0),) * 7, 1.6, runs))
         assert len(html) < 50_000
         ends = [vertices(d)[-1, 0] for d in lines(html)]
@@ -355,7 +355,7 @@ class TestAll:
             assert parsed(draw_empty(name, load_scene(scene)))
 
     def test_transfers_and_laws_have_styles_of_their_own(self):
-        for names in (list(TRANSFERS), list(fig9.LAWS), list(fig10.RUNS)):
+        for names in (list(TRANSFERS), list(fig9.laws_of(Settings())), list(fig10.RUNS)):
             assert len({plots.style_of(name, names) for name in names}) == len(names)
             assert len({(style.dash, style.mark) for style in plots.STYLES}) == len(plots.STYLES)
 

@@ -86,6 +86,17 @@ def test_fig9_a_run_is_the_sessions_own(ninth):
     assert run.motions_until(3) == next(k for k, error in enumerate(errors) if error <= 3)
 
 
+def test_fig9_of_seven_joints_starts_about_the_demonstrator_and_shows_the_settings_own_servo():
+    settings = Settings(joints=tuple(range(1, 8)), points=16, transfer="projective", servo="trust-region")
+    result = fig9.run(settings, starts=(1, 2), max_motions=25, laws=("trust-region",))
+    assert result.laws == ("gradient", "gradient-retuned", "trust-region")
+    np.testing.assert_allclose([run.start_deg for run in result.runs], result.starts_deg)
+    assert len(result.runs) == 3
+    offsets = np.abs(np.array(result.starts_deg[1:]) - result.settings.demonstrator_deg)
+    assert (offsets <= fig9.OFFSET_DEG + 1e-9).all() and (offsets.max(1) > 10).all()
+    assert all(run.motions_until(0.5) is not None for run in result.runs[1:])
+
+
 def test_fig9_progress_grows_to_one(ninth):
     shares = [share for share, _ in ninth[1]]
     assert shares == sorted(shares) and shares[-1] == 1

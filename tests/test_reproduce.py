@@ -73,6 +73,14 @@ def test_a_recorded_motion_is_imitated(ask_json, tmp_path):
     assert status == 0 and len(frames) == 20 and float(frames[0]["demonstrator2_deg"]) == pytest.approx(40)
 
 
+def test_a_recorded_motion_of_other_joints_is_imitated(ask_json, tmp_path):
+    path, scene = tmp_path / "wave.json", load_scene("panda", joints=(2, 4, 6))
+    rest = np.radians(scene.posture_deg)[scene.moving]
+    motion.save(path, motion.sinusoid(World(scene, 16), rest, frames=5))
+    asked = ("reproduce", "fig10", "--joints", "2,4,6", "--points", "16", "--motion", path)
+    assert ask_json(*asked)[0] == 0
+
+
 def test_without_matplotlib_it_says_what_to_install(ask, tmp_path, monkeypatch):
     monkeypatch.setattr("viewimit.experiments.files.can_draw", lambda: False)
     status, _, err = ask("reproduce", "fig10", "--out", tmp_path)

@@ -82,7 +82,7 @@ def _motion(name: str, settings):
         return name
     if not name.endswith(".json"):
         raise ValueError(f"no motion {name!r}; there are {', '.join(MOTIONS)}, or the path of a .json file")
-    return load(name, load_scene(settings.scene, settings.robot))
+    return load(name, load_scene(settings.scene, settings.robot, settings.joints))
 
 
 def _with_bar(name: str, work: Callable) -> object:

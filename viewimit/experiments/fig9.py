@@ -1,5 +1,6 @@
-"""Fig. 9: posture imitation by the paper's law with its own and with retuned constants, beside `broyden`."""
+"""Fig. 9: posture imitation by the paper's law with its own and with retuned constants, beside another servo."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -12,9 +13,10 @@ from ..snapshot import Settings
 from .claims import TOLERANCES, Claims
 from .tables import Tables, joint_columns, stacked
 
-LAWS = ("gradient", "gradient-retuned", "broyden")
+PAPERS_LAWS, BESIDE = ("gradient", "gradient-retuned"), "broyden"
 MOTIONS = 3_000
-STARTS = (2, 3)  # a joint: spread evenly over its range, besides the scene's own
+STARTS = (2, 3)  # a joint of two, spread evenly over its range, besides the scene's own
+OFFSET_DEG = 30.0  # of each start from the demonstrator if other than two joints move
 WITHIN_DEG = (3.0, 1.0)
 MARGIN = 1 / 6  # of a joint's range that is left free at both ends
 
@@ -52,6 +54,10 @@ class Fig9:
     E_demo: float
     runs: tuple[Run, ...]
 
+    @property
+    def laws(self) -> tuple[str, ...]:
+        return laws_of(self.settings)
+
     def of(self, law: str) -> list[Run]:
         return [run for run in self.runs if run.law == law]
 
@@ -64,18 +70,25 @@ class Fig9:
         return _tables(self)
 
 
+def laws_of(settings: Settings) -> tuple[str, ...]:
+    """The paper's two, and the settings' own servo if it is another."""
+    return *PAPERS_LAWS, BESIDE if settings.servo in PAPERS_LAWS else settings.servo
+
+
 def run(
     settings: Settings,
     tell: Callable[[float, Fig9 | None], None] = lambda share, partial: None,
     starts: tuple[int, ...] = STARTS,
     max_motions: int = MOTIONS,
-    laws: tuple[str, ...] = LAWS,
+    laws: tuple[str, ...] | None = None,
 ) -> Fig9:
-    """starts: how many a joint, besides the settings' own. tell(share done, what is there so far)."""
+    """starts: how many a joint of two, besides the settings' own; as many in all, drawn about the demonstrator by the
+    settings' seed, if other than two joints move. tell(share done, what is there so far)."""
     session = Session(settings)
-    settings = session.settings
+    settings, laws = session.settings, laws or laws_of(settings)
     truth = session.observe(session.snapshot.theta_demo, session.snapshot)
-    starts_deg = (settings.start_deg, *_starts(session, starts))
+    others = _spread(session, starts) if len(starts) == len(settings.start_deg) else _drawn(session, math.prod(starts))
+    starts_deg = (settings.start_deg, *others)
     found = Fig9(settings, session.scene.moving_joints, starts_deg, truth.E, ())
     total = len(starts_deg) * len(laws)
     for start in starts_deg:
@@ -90,11 +103,18 @@ def run(
     return found
 
 
-def _starts(session: Session, counts: tuple[int, ...]) -> list[tuple[float, ...]]:
+def _spread(session: Session, counts: tuple[int, ...]) -> list[tuple[float, ...]]:
     scene = session.scene
     margin = MARGIN * (np.degrees(scene.upper) - np.degrees(scene.lower))
     spread = [np.linspace(low + free, high - free, n) for (low, high), free, n in zip(scene.range_deg, margin, counts)]
     return [tuple(row) for row in np.stack(np.meshgrid(*spread, indexing="ij"), -1).reshape(-1, len(spread)).tolist()]
+
+
+def _drawn(session: Session, count: int) -> list[tuple[float, ...]]:
+    low, high = np.transpose(session.scene.range_deg)
+    demo = np.array(session.settings.demonstrator_deg)
+    offsets = np.random.default_rng(session.settings.seed).uniform(-OFFSET_DEG, OFFSET_DEG, (count, len(demo)))
+    return [tuple(row) for row in np.clip(demo + offsets, low, high).tolist()]
 
 
 def _run(session: Session) -> Run:

@@ -15,6 +15,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "assets",
     "geometry",
     "frames",
+    "latency",
     "camera",
     "robot",
     "views",
@@ -75,7 +76,7 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "evaluation", "frames", "geometry", "scene", "servo", "snapshot", "transfer", "views", "world",
+        "evaluation", "frames", "geometry", "latency", "scene", "servo", "snapshot", "transfer", "views", "world",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

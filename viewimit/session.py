@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import frames
 from .evaluation import residual
 from .geometry.affine import MIN_POINTS, flatness
+from .latency import MOST_LAG, lag_of
 from .scene import Scene, load_scene
 from .servo import SERVOS, Observation
 from .snapshot import Settings, Snapshot
@@ -25,7 +26,7 @@ from .world import Actuator, Disturbance, World
 
 DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
-BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg")  # settings that change body, camera or start
+BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "delay")  # what changes body, camera or start
 EXACT = Actuator()
 MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
 
@@ -78,7 +79,9 @@ class Session:
             return False
         commanded = np.clip(now.commanded + displacement, self.scene.lower, self.scene.upper)
         theta = obeyed(now.settings, self.scene, now.theta, now.commanded, commanded)
-        after = self.observe(theta, now, motion=now.motion + 1, look=now.look + 1, status=state.status)
+        waited, lag = self._wait(theta, now)
+        look = now.look + 1 + waited
+        after = self.observe(theta, now, motion=now.motion + 1, look=look, status=state.status, lag=lag)
         moved = theta - now.theta
         after = replace(after, commanded=commanded, moved=moved, probe=state.probe, servo_state=state)
         self.history[self.cursor + 1 :] = [after]
@@ -184,7 +187,7 @@ class Session:
         nothing = FourViews(empty, empty, np.empty((0, 4), bool))
         blank = Snapshot(
             settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
-            start, np.zeros_like(start), False, "ready", None,
+            start, np.zeros_like(start), False, "ready", None, None,
         )  # fmt: skip
         self.world, self._demo_look, self._rest = world, None, None
         self.history, self.cursor = [self.observe(start, blank)], 0
@@ -199,6 +202,21 @@ class Session:
             return np.zeros(())
         before, last = np.diff([moment.views.demo for moment in recent], axis=0)
         return last if np.vdot(before, last) > 0 else np.zeros(())
+
+    def _wait(self, theta: NDArray, now: Snapshot) -> tuple[int, int | None]:
+        """After a motion to theta: for how many looks to wait until the picture shows it, and what is known of the lag.
+
+        Nobody tells how late pictures come: the first motion that shows does.
+        """
+        if now.lag is not None:
+            return now.lag, now.lag
+
+        def own(after: int) -> tuple[NDArray, NDArray]:
+            pictured = theta if after >= now.settings.delay else now.theta
+            return merged_look(now.settings, self.world.own_images(pictured), OWN_LOOK, now.look + 1 + after)
+
+        lag = lag_of((now.views.own, now.views.visible[:, 2:]), own, self._noise_at_rest(now.settings))
+        return MOST_LAG if lag is None else lag, lag
 
     def _look(self, theta: NDArray, theta_demo: NDArray, settings: Settings, look: int) -> FourViews:
         """The own body is looked at anew; the demonstrator only when it or its disturbance has changed."""

@@ -6,6 +6,7 @@ from typing import Any
 import msgspec
 from numpy.typing import NDArray
 
+from .latency import MOST_LAG
 from .servo import SERVOS
 from .transfer import TRANSFERS
 from .views import FourViews
@@ -18,7 +19,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """All that a run depends on: with equal settings it repeats itself to the last bit.
 
     demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
-    gain_error, quantum_deg: of the arm, which the learner is not told of.
+    gain_error, quantum_deg: of the arm; delay: looks after a motion that still show the posture before it. The learner
+    is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
     """
@@ -37,6 +39,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     frames: int = 1
     gain_error: float = 0.0
     quantum_deg: float = 0.0
+    delay: int = 0
     seed: int = 7
 
     def __post_init__(self):
@@ -47,6 +50,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("outliers", self.outliers, 0, 1)
         _require_range("gain_error", self.gain_error, -0.5, 0.5)
         _require_range("quantum_deg", self.quantum_deg, 0, 5)
+        _require_range("delay", self.delay, 0, MOST_LAG)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
 
@@ -60,7 +64,8 @@ class Snapshot:
     flatness: σ1/σ3 of the demonstrator's usable points in [l, r]; recovered, e: (N, 4) px in [L, R];
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: ready, moving, converged, stalled, stopped.
+    status: ready, moving, converged, stalled, stopped; lag: looks that pictures come late, None until a motion has
+    shown it.
     """
 
     settings: Settings
@@ -80,6 +85,7 @@ class Snapshot:
     probe: bool
     status: str
     servo_state: Any
+    lag: int | None
 
 
 def _require_choice(name: str, value: str, choices) -> None:

@@ -37,6 +37,7 @@ CASES = (
     *(Case(f"outliers 10%, {frames} frames", {"outliers": 0.1, "frames": frames}) for frames in (1, 5)),
     Case("gain error 5 %", {"gain_error": 0.05}),
     Case("steps of 0.2°", {"quantum_deg": 0.2}),
+    *(Case(f"pictures {late} looks late", {"delay": late}) for late in (1, 3)),
     *(
         Case(f"seven joints, ±{offset:g}°, {points} points", {"joints": SEVEN, "points": points}, offset)
         for points in (16, 20)

@@ -1,0 +1,54 @@
+"""Late pictures: the lag is found from the first motion that shows, and then costs no motion and no accuracy."""
+
+import numpy as np
+import pytest
+
+from viewimit.latency import MOST_LAG, lag_of
+from viewimit.session import Session
+from viewimit.snapshot import BEST, Settings
+from viewimit.world import Disturbance
+
+BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
+SEEN = np.ones((10, 2), bool)
+
+
+def late(by, moved_px=5.0, **disturbance):
+    def look(k):
+        true = BEFORE + (moved_px if k >= by else 0.0)
+        return Disturbance(**disturbance).apply(true, SEEN, [1, k])
+
+    return look
+
+
+@pytest.mark.parametrize("by", range(MOST_LAG + 1))
+def test_the_lag_is_how_many_looks_show_nothing_new(by):
+    assert lag_of((BEFORE, SEEN), late(by), 0.0) == by
+    assert lag_of((BEFORE, SEEN), late(by, noise_px=0.5, outliers=0.1, missing=0.1), 0.5) == by
+
+
+def test_a_motion_that_does_not_show_tells_nothing():
+    assert lag_of((BEFORE, SEEN), late(1, moved_px=0.0), 0.0) is None
+    assert lag_of((BEFORE, SEEN), late(1, moved_px=1.0, noise_px=0.5), 0.5) is None
+    assert lag_of((BEFORE, SEEN & False), late(0), 0.0) is None
+
+
+@pytest.mark.parametrize("settings", [Settings(), BEST])
+@pytest.mark.parametrize("delay", [1, MOST_LAG])
+def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
+    runs = []
+    for late_by in (0, delay):
+        session = Session(settings)
+        session.change(delay=late_by)
+        while session.step():
+            pass
+        assert session.snapshot.lag == late_by and session.snapshot.status == "converged"
+        runs.append([moment.theta for moment in session.history])
+    np.testing.assert_array_equal(*runs)
+
+
+def test_what_was_found_of_one_camera_is_not_believed_of_another():
+    session = Session(BEST)
+    session.step()
+    assert session.snapshot.lag == 0
+    session.change(delay=2)
+    assert session.snapshot.lag is None and session.snapshot.motion == 0

@@ -27,7 +27,7 @@ from .world import Actuator, Disturbance, World
 DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
 BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "delay")  # what changes body, camera or start
-EXACT = Actuator()
+EXACT, UNDISTURBED = Actuator(), Disturbance()
 MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
 
 
@@ -267,9 +267,10 @@ def disturbance(settings: Settings) -> Disturbance:
 def merged_look(settings: Settings, images: tuple[NDArray, NDArray], *stream: int) -> tuple[NDArray, NDArray]:
     """What is seen of images (N, 4) px, (N, 2): as many frames as are set, disturbed and merged."""
     seed = [settings.seed, *stream]
-    if settings.frames == 1:
-        return disturbance(settings).apply(*images, seed)
-    return frames.merge(*disturbance(settings).frames(*images, seed, settings.frames))
+    spoilt = disturbance(settings)
+    if settings.frames == 1 or spoilt == UNDISTURBED:
+        return spoilt.apply(*images, seed)
+    return frames.merge(*spoilt.frames(*images, seed, settings.frames))
 
 
 def obeyed(settings: Settings, scene: Scene, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:

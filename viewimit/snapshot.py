@@ -87,6 +87,12 @@ class Snapshot:
     servo_state: Any
     lag: int | None
 
+    @property
+    def expected_error(self) -> float | None:
+        """rad, a standard deviation: what the noise of the images leaves to the worst joint, as the servo reckons;
+        None if it gives none."""
+        return getattr(self.servo_state, "expected", None)
+
 
 def _require_choice(name: str, value: str, choices) -> None:
     if value not in choices:
@@ -98,4 +104,5 @@ def _require_range(name: str, value: float, low: float, high: float) -> None:
         raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
 
 
-BEST = Settings(transfer="projective", servo="trust-region")  # what the page and `imitate` begin with
+# What the page and `imitate` begin with; 25 images at each posture are a second of video
+BEST = Settings(transfer="projective", servo="trust-region", frames=25)

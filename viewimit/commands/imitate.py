@@ -39,7 +39,9 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f"demonstrator  {posture(result['demonstrator_deg'])}")
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
-        print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g')}° at most")
+        expected = result["expected_error_deg"]
+        by_noise = f"; the noise of the images leaves about {expected:.2g}°" if expected else ""
+        print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g')}° at most{by_noise}")
         print(f"E             {_at_least(result['E'], 0.001, '.4g')} px²")
     if result["converged"]:
         return DONE
@@ -64,12 +66,14 @@ def imitate(session: Session, max_motions: int) -> None:
 
 
 def outcome(session: Session) -> dict:
-    """`converged` is the servo's own claim; `error_deg` is the truth, the largest joint error."""
+    """`converged` and `expected_error_deg` are the servo's own claims; `error_deg`, of the worst joint, is true."""
     last = session.snapshot
+    expected = last.expected_error
     return {
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
         "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
+        "expected_error_deg": None if expected is None else np.degrees(expected),
         "E": last.E,
         "motions": last.motion,
         "converged": last.status == "converged",

@@ -17,12 +17,18 @@ ResidualAt = Callable[[NDArray], NDArray]
 
 @dataclass(frozen=True)
 class Minimum:
-    """theta: (m,) rad; E there and at the first start, px²; hessian: (m, m) px²/rad², Gauss and Newton's."""
+    """theta: (m,) rad; E there and at the first start, px²; hessian: (m, m) px²/rad², Gauss and Newton's; points: N."""
 
     theta: NDArray
     E: float
     E_first: float
     hessian: NDArray
+    points: int
+
+    def spread(self, noise_px: float) -> NDArray:
+        """(m,) rad: standard deviations that residuals of this noise leave to θ, √diag((JᵀJ)⁻¹) of it."""
+        regular = self.hessian + 1e-12 * np.trace(self.hessian) * np.eye(len(self.theta))
+        return noise_px * np.sqrt(np.diagonal(np.linalg.inv(regular)) / self.points)
 
 
 def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArray, rounds: int = ROUNDS) -> Minimum:
@@ -60,7 +66,7 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
             break  # by its own linear model nothing is left to gain
         candidates = np.clip(best[:, None] - steps, low, high)
     k = int(np.argmin(best_E))
-    return Minimum(best[k], float(best_E[k]), float(E_first), hessians[k])
+    return Minimum(best[k], float(best_E[k]), float(E_first), hessians[k], e.shape[-2])
 
 
 def _damped_steps(gradient: NDArray, normal: NDArray, free: NDArray) -> NDArray:

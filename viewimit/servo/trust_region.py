@@ -6,7 +6,8 @@ E leads on, then the first one's again; then it begins anew, far from all that w
 
 E small is no evidence of arrival by itself: a flat valley has small E far from its floor. With E ≈ δθᵀQδθ, what is
 left of E could be a displacement of up to √(E/λ), λ the smallest eigenvalue of Q; "converged" is said only when that
-is less than CERTAIN, or when E is what the noise of the images makes.
+is less than CERTAIN, or when E is what the noise of the images makes. With noise the images must also be known to
+change in every direction about the posture, from visits there: else a check motion is made first.
 """
 
 from dataclasses import dataclass, replace
@@ -24,9 +25,11 @@ PROBE, CHECK = np.radians((15.0, 2.0))
 FIRST_RADIUS, LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 12.0, 45.0, 0.5))
 LONGEST = np.radians(45.0)  # a joint and motion
 DONE_STEP, LEAST_STEP = np.radians((0.1, 0.01))
+SPAN, NEAR = np.radians((8.0, 15.0))  # of the visits that tell how the images change about the best
 CERTAIN, DOUBTFUL = np.radians((0.3, 5.0))
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
-NOISE_FLOOR = 1.5  # E up to so many times the noise's square is noise
+RESTS = 0.1  # of the expected error from the goal
+NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
 MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
 KEPT = 60  # visits
@@ -36,9 +39,11 @@ FAR_CANDIDATES = 200
 
 @dataclass(frozen=True)
 class TrustState:
-    """visits: the last of them is where the arm is. goal: (m,) rad, on the way to a restart or back to the best.
+    """visits: the last of them is where the arm is. goal: (m,) rad, on the way to a restart or back to the best, where
+    the status becomes `ending`.
 
-    promised: decrease of E predicted for the motion just made, None if it was not made for that.
+    promised: decrease of E predicted for the motion just made, None if it was not made for that. expected: rad, the
+    largest joint's standard error that the noise of the images leaves at the best posture.
     """
 
     visits: tuple[Visit, ...]
@@ -47,12 +52,13 @@ class TrustState:
     phase: int = 0
     promised: float | None = None
     goal: NDArray | None = None
-    arriving: bool = False
+    ending: str = ""
     restarts: int = 0
     checks: int = 0
     failures: int = 0
     status: str = "moving"
     probe: bool = False
+    expected: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -153,19 +159,31 @@ def _settle(
 ) -> tuple[TrustState, NDArray] | None:
     """Nothing is left to gain by what is known: arrived, or look for evidence, or elsewhere. None: the next phase."""
     doubt, flattest = _doubt(E, found), np.linalg.eigh(found.hessian)[1][:, 0]
-    state = replace(state, failures=0)
+    state = replace(state, failures=0, expected=float(found.spread(seen.noise_px).max()))
+    noisy = seen.noise_px > LEAST_NOISE
     if PHASES[state.phase][0] is None:
         if doubt < CERTAIN or E < NOISE_FLOOR * seen.noise_px**2:
-            return _towards(replace(state, goal=best, arriving=True), seen)
+            unknown = _unknown_direction(state.visits, best) if noisy else None
+            if unknown is not None and state.checks < MOST_CHECKS * len(best):
+                return _check(state, seen, best, SPAN * unknown)
+            return _towards(replace(state, goal=found.theta if noisy else best, ending="converged"), seen)
         if doubt < DOUBTFUL and state.checks < MOST_CHECKS:
-            return _check(replace(state, checks=state.checks + 1), seen, best, flattest)
+            return _check(state, seen, best, CHECK * flattest)
     if state.phase + 1 < len(PHASES):
         return None
     if state.restarts < MOST_RESTARTS:
         goal = _farthest(state.visits, seen)
         begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0, goal=goal)
         return _towards(begun, seen)
-    return replace(state, status="stalled", probe=False), np.zeros_like(best)
+    return _towards(replace(state, goal=best, ending="stalled"), seen)
+
+
+def _unknown_direction(visits: tuple[Visit, ...], best: NDArray) -> NDArray | None:
+    """(m,) of length 1: where no visit near the best tells how the images change; None if they tell of everywhere."""
+    away = np.array([visit.displacement for visit in visits]) - best
+    near = away[np.abs(away).max(1) <= NEAR]
+    spread, directions = np.linalg.eigh(near.T @ near)
+    return directions[:, 0] if spread[0] < (SPAN / 2) ** 2 else None
 
 
 def _doubt(E: float, found: Minimum) -> float:
@@ -182,12 +200,11 @@ def _probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
     return replace(state, probes=tuple(rest), status="moving", probe=True), step
 
 
-def _check(state: TrustState, seen: Observation, best: NDArray, direction: NDArray) -> tuple[TrustState, NDArray]:
-    """A short motion from the best posture where E is flattest: it teaches what the surrogate knows least."""
-    away = CHECK * direction / np.max(np.abs(direction))
+def _check(state: TrustState, seen: Observation, best: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:
+    """A short motion from the best posture, away or the other way: it teaches what the surrogate knows least."""
     either = np.clip(np.stack([best + away, best - away]), seen.lower, seen.upper)
     k = int(np.argmax(np.abs(either - best).sum(1)))
-    state, step = _move(state, seen, either[k])
+    state, step = _move(replace(state, checks=state.checks + 1), seen, either[k])
     return replace(state, probe=True), step
 
 
@@ -201,12 +218,12 @@ def _move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustS
 
 
 def _towards(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
-    """On to the goal; there, a learner that drove back to its best posture has arrived."""
+    """On to the goal; there, a learner that drove back to its best posture rests."""
     state, step = _move(replace(state, promised=None), seen, state.goal)
     if np.max(np.abs(state.goal - seen.displacement)) <= LONGEST:
         state = replace(state, goal=None)
-    if state.arriving and np.max(np.abs(step)) < DONE_STEP / 10:
-        return replace(state, arriving=False, status="converged"), np.zeros_like(step)
+    if state.ending and np.max(np.abs(step)) < max(DONE_STEP / 10, RESTS * state.expected):
+        return replace(state, ending="", status=state.ending), np.zeros_like(step)
     return state, step
 
 

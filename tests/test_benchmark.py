@@ -10,7 +10,7 @@ import pytest
 
 from viewimit import landscape
 from viewimit.cli import main
-from viewimit.commands import bench
+from viewimit.commands import bench_tables as tables
 from viewimit.experiments import baselines, benchmark, opencv_baseline
 from viewimit.scene import load_scene
 from viewimit.servo import SERVOS
@@ -121,7 +121,7 @@ def test_opencvs_E_is_timed_beside_ours_and_its_own_figures_are_told(cv2, quick)
     assert result.opencv.E_at_demonstrator < 1e-6 and result.opencv.E_median > 1
     assert result.opencv.loop_s > 50 * result.landscape_s["epipolar"]
     assert 0.3 * result.fit_s["epipolar"][1] < result.opencv.posture_s < result.opencv.loop_s / result.postures
-    table = bench.speed_table(result)
+    table = tables.speed_table(result)
     assert "OpenCV loop" in table and "OpenCV: perspective" in table and "pip install" not in table
 
 
@@ -167,8 +167,8 @@ def test_the_table_says_every_figure_in_120_columns():
         loop_agreement=2e-13,
         condition_agreement=3e-13,
     )
-    rows = {line[:62].strip(): line[62:].split() for line in bench.speed_table(found).splitlines()}
-    assert max(map(len, bench.speed_table(found).splitlines())) <= 120
+    rows = {line[:62].strip(): line[62:].split() for line in tables.speed_table(found).splitlines()}
+    assert max(map(len, tables.speed_table(found).splitlines())) <= 120
     assert rows["numpy batch: eigh and solve"] == ["200.0", "ms", "20.0", "x"]
     assert rows["numpy loop: eigh and lstsq (1647 postures, scaled)"] == ["4000.0", "ms", "400.0", "x"]
     assert rows["OpenCV loop: perspective, another E (1647 postures, scaled)"] == ["6000.0", "ms", "600.0", "x"]
@@ -180,4 +180,4 @@ def test_the_table_says_every_figure_in_120_columns():
     assert rows["linear, 8 postures together"] == ["200", "µs", "2.0", "x"]
     assert rows["linear, broyden"] == ["900", "µs"]
     assert rows["E to the loop, 1647 postures"] == ["2.0e-13"]
-    assert "(all postures)" in bench.speed_table(replace(found, loop_postures=16471))
+    assert "(all postures)" in tables.speed_table(replace(found, loop_postures=16471))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from viewimit.cli import main
-from viewimit.commands import bench
+from viewimit.commands import bench_tables as tables
 from viewimit.experiments import baselines, success
 from viewimit.scene import load_scene
 from viewimit.servo import SERVOS
@@ -252,7 +252,7 @@ def test_the_table_says_every_share_with_its_interval_in_120_columns():
         "projective", "gradient-retuned", 100, 3000, by_target, by_target, 7.0, 12.0, some(1999, 2000), some(1, 2000),
         0.5, 1.5,
     )  # fmt: skip
-    table = bench.success_table([result, result], "100 random starts")
+    table = tables.success_table([result, result], "100 random starts")
     assert max(map(len, table.splitlines())) <= 120
     assert table.count("97 % (91–99)") == 8 and table.count("100 % (96–100)") == 8  # 2 rows, 2 targets, ended and came
     assert ">99 % (99–100)" in table and "<1 % (0–1)" in table and "median 0.50°" in table

@@ -108,7 +108,8 @@ def robot_names() -> list[str]:
 def load_scene(
     name: str | Path = "panda", robot: str | Path | None = None, joints: tuple[int, ...] | None = None
 ) -> Scene:
-    """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated.
+    """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
+    scene of that name beside the file, or else from the shipped one.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
@@ -149,10 +150,10 @@ def _read(path: Path) -> dict:
     if "extends" not in fields:
         return fields
     parent = fields.pop("extends")
-    beside = path.parent / f"{parent}.toml"
-    if not beside.is_file():
-        raise ValueError(f"extends {parent!r}, but there is no {beside}")
-    return _merge(_read(beside), fields)
+    beside, shipped = (folder / f"{parent}.toml" for folder in (path.parent, ROOT / "scenes"))
+    if not (beside.is_file() or shipped.is_file()):
+        raise ValueError(f"extends {parent!r}, but there is no {beside}, nor a shipped scene of that name")
+    return _merge(_read(beside if beside.is_file() else shipped), fields)
 
 
 def _beside(path: Path, robot: str) -> str:

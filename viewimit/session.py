@@ -75,7 +75,8 @@ class Session:
         state, displacement = servo.step(state, seen, self._conflict(now))
         if not np.any(displacement):
             status = "stalled" if state.status == "moving" else state.status
-            self._replace(replace(now, servo_state=state, status=status))
+            frozen = now.transfer if status == "converged" else now.frozen
+            self._replace(replace(now, servo_state=state, status=status, frozen=frozen))
             return False
         commanded = np.clip(now.commanded + displacement, self.scene.lower, self.scene.upper)
         theta = obeyed(now.settings, self.scene, now.theta, now.commanded, commanded)
@@ -141,7 +142,7 @@ class Session:
         if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):
             self.begin(settings)
             return
-        now = self.snapshot
+        now = replace(self.snapshot, frozen=None)
         if settings.servo != now.settings.servo:
             now = replace(now, servo_state=None)
         rest = np.array(self.scene.posture_deg)[self.scene.moving]
@@ -187,7 +188,7 @@ class Session:
         nothing = FourViews(empty, empty, np.empty((0, 4), bool))
         blank = Snapshot(
             settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
-            start, np.zeros_like(start), False, "ready", None, None,
+            start, np.zeros_like(start), False, "ready", None, None, None,
         )  # fmt: skip
         self.world, self._demo_look, self._rest = world, None, None
         self.history, self.cursor = [self.observe(start, blank)], 0
@@ -244,14 +245,18 @@ class Session:
         """Residuals that own images (..., N, 4) would have against the demonstrator as now seen.
 
         Of the points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
-        images (N, 4) are given as `like`, as the noise of the demonstrator's would spread over those.
+        images (N, 4) are given as `like`, as the noise of the demonstrator's would spread over those. Behind a moving
+        demonstrator seen with noise the transfer of the last convergence serves (Section 5.4): fitted anew at postures
+        apart it would add its own noise to theirs.
         """
-        demo, demo_seen = now.views.demo + self._demo_drift(), now.views.visible[:, :2].all(-1)
+        drift = self._demo_drift()
+        demo, demo_seen = now.views.demo + drift, now.views.visible[:, :2].all(-1)
+        frozen = now.frozen if drift.any() and self._noise_at_rest(now.settings) > 0 else None
 
         def predicted(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
             known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
             imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
-            transfer = TRANSFERS[by or now.settings.transfer](imagined)
+            transfer = TRANSFERS[by or now.settings.transfer](imagined) if by or frozen is None else frozen
             e = residual(transfer, imagined)
             if like is None or transfer.weighs_noise:
                 return e

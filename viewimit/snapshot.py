@@ -65,7 +65,7 @@ class Snapshot:
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
     status: ready, moving, converged, stalled, stopped; lag: looks that pictures come late, None until a motion has
-    shown it.
+    shown it; frozen: the transfer as it was fitted at the last convergence, None before.
     """
 
     settings: Settings
@@ -86,6 +86,7 @@ class Snapshot:
     status: str
     servo_state: Any
     lag: int | None
+    frozen: Any
 
     @property
     def expected_error(self) -> float | None:

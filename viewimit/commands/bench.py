@@ -6,9 +6,10 @@ import sys
 from collections.abc import Callable
 from dataclasses import asdict
 
+import msgspec
 from tqdm import tqdm
 
-from ..experiments import benchmark, robustness, success
+from ..experiments import benchmark, following, random_scenes, robustness, success
 from ..geometry.affine import require_points
 from ..landscape import grid_axes
 from ..scene import Scene, load_scene
@@ -17,20 +18,23 @@ from ..session import MAX_HISTORY
 from ..snapshot import BEST, Settings
 from ..transfer import TRANSFERS
 from ..world import World
+from . import bench_tables as tables
 from .options import DONE, add_json_option, between, naming, print_json
 
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 RUNS, MAX_MOTIONS = 200, 500
 PAPER_TRANSFER = "epipolar"
+PAIRS_A_SCENE = 5
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("speed", "success", "robustness", "all"),
+        choices=(*PARTS, "all"),
         default="all",
-        help="all: speed and success",
+        help="success: of every transfer and servo; robustness: with noise, missing and wrong points, seven joints; "
+        "following: a demonstrator that moves; scenes: drawn at random; all: speed and success (%(default)s)",
     )
     parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
     parser.add_argument("--points", type=int, default=10, metavar="N", help="layout of the scene (%(default)s)")
@@ -68,24 +72,10 @@ def run(args: argparse.Namespace) -> int:
         grid_axes(world)
     told: dict = {}
     try:
-        if args.what in ("speed", "all"):
-            speed = _with_bar(
-                "speed", lambda tell: benchmark.run(args.scene, args.points, args.full_loop, args.seed, tell)
-            )
-            told["speed"] = asdict(speed)
+        for part in ("speed", "success") if args.what == "all" else (args.what,):
+            told[part], table = PARTS[part](args, world.scene)
             if not args.json:
-                print(speed_table(speed), flush=True)  # success takes minutes
-        if args.what == "robustness":
-            outcomes = _robustness(args)
-            told["robustness"] = [asdict(outcome) for outcome in outcomes]
-            if not args.json:
-                print(f"{args.runs} random runs a case, seed {args.seed}, largest joint error to the demonstrator")
-                print(robustness_table(outcomes))
-        if args.what in ("success", "all"):
-            results, pairs = _success(args, world.scene)
-            told["success"] = [{"pairs": pairs, **asdict(result)} for result in results]
-            if not args.json:
-                print(success_table(results, pairs))
+                print(table, flush=True)  # the next part takes minutes
     except KeyboardInterrupt:
         print("viewimit bench: interrupted", file=sys.stderr)
         return INTERRUPTED
@@ -94,107 +84,12 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def speed_table(found: benchmark.Benchmark) -> str:
-    """The figures for people, each block against its first row, and with cond(A) against ours with it."""
-    timed = "all postures" if found.loop_postures == found.postures else f"{found.loop_postures} postures, scaled"
-    return "\n".join(
-        [
-            f"E over {found.postures} postures of {found.scene}, {found.points} points",
-            "with kinematics and projection (CPU time on one thread, medians)",
-            *_landscape_rows(found, timed),
-            "one posture: fit, recovery, residual and E of given images, without kinematics and projection",
-            *_posture_rows(found),
-            f"one motion: a whole step with kinematics and projection, median of {benchmark.MOTIONS} from the start",
-            *(
-                f"  {f'{name}, {servo}':<60} {seconds * 1e6:9.0f} µs"
-                for name, times in found.motion_s.items()
-                for servo, seconds in times.items()
-            ),
-            "largest relative difference",
-            f"  {'E to the batch, all postures':<60} {found.batch_agreement:9.1e}",
-            f"  {f'E to the loop, {found.loop_postures} postures':<60} {found.loop_agreement:9.1e}",
-            f"  {'cond(A) to the batch, all postures':<60} {found.condition_agreement:9.1e}",
-        ]
-    )
+def _speed(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
+    found = _with_bar("speed", lambda tell: benchmark.run(args.scene, args.points, args.full_loop, args.seed, tell))
+    return asdict(found), tables.speed_table(found)
 
 
-def _landscape_rows(found: benchmark.Benchmark, timed: str) -> list[str]:
-    def row(what: str, seconds: float, against: float = found.landscape_s["epipolar"]) -> str:
-        return f"  {what:<60} {seconds * 1e3:9.1f} ms  {seconds / against:8.1f} x"
-
-    cv, with_condition = found.opencv, found.condition_s
-    return [
-        *(row(name, seconds) for name, seconds in found.landscape_s.items()),
-        row("numpy batch: eigh and solve", found.batch_s),
-        row(f"numpy loop: eigh and lstsq ({timed})", found.loop_s),
-        row(f"OpenCV loop: perspective, another E ({timed})", cv.loop_s) if cv else f"  {found.opencv_why_not}",
-        row("epipolar with cond(A)", with_condition, with_condition),
-        row("numpy batch, without cond(A)", found.batch_s, with_condition),
-        row("numpy batch with cond(A), eigvalsh of its AᵀA", found.batch_condition_s, with_condition),
-    ]
-
-
-def _posture_rows(found: benchmark.Benchmark) -> list[str]:
-    def row(what: str, seconds: float, against: float = found.fit_s["epipolar"][1]) -> str:
-        return f"  {what:<60} {seconds * 1e6:9.0f} µs  {seconds / against:8.1f} x"
-
-    cv = found.opencv
-    return [
-        *(row(name, times[1]) for name, times in found.fit_s.items()),
-        row("numpy batch of one: eigh and solve", found.batch_posture_s),
-        row("numpy loop: eigh and lstsq", found.loop_posture_s),
-        row("OpenCV: perspective, another E", cv.posture_s) if cv else f"  {found.opencv_why_not}",
-        *(
-            row(f"{name}, {count} postures together", seconds)
-            for name, times in found.fit_s.items()
-            for count, seconds in times.items()
-            if count > 1
-        ),
-    ]
-
-
-def success_table(results: list[success.Success], pairs: str) -> str:
-    """For people: a block a target, then motions and claims."""
-    named = {"own_minimum": "to the transfer's own minimum", "demonstrator": "to the demonstrator"}
-    lines = [
-        f"{pairs}, at most {results[0].max_motions} motions",
-        "share of runs, largest joint error (in brackets the 95 % confidence interval)",
-    ]
-    for target in success.TARGETS:
-        heads = [f"{what} ≤{near:g}°" for what in ("ended", "came") for near in success.WITHIN_DEG]
-        lines.append(_line(named[target], "", *heads))
-        for r in results:
-            lines.append(
-                _line(r.transfer, r.servo, *map(_share, (*r.ended[target].values(), *r.came[target].values())))
-            )
-    lines.append(_line("motions and claims", "", "median", "95 %", "claimed", "falsely, >3°"))
-    for r in results:
-        motions = f"{r.motions_median:.0f}", f"{r.motions_95:.0f}"
-        lines.append(_line(r.transfer, r.servo, *motions, _share(r.claimed), _share(r.claimed_falsely)))
-    lines.append("from the transfer's own minimum to the demonstrator")
-    for r in {r.transfer: r for r in results}.values():
-        lines.append(f"  {r.transfer:<12}median {r.bias_deg_median:.2f}°, 95 % within {r.bias_deg_95:.2f}°")
-    return "\n".join(lines)
-
-
-def _line(first: str, second: str, *cells: str) -> str:
-    """A heading, which has no second word, or a row below it."""
-    name = f"  {first:<12}{second:<18}" if second else f"{first:<32}"
-    return name + "".join(f"{cell:>17}" for cell in cells)
-
-
-def _share(share: success.Share) -> str:
-    """97 % (93–99), the interval rounded outwards. All and none are said of all and none only."""
-    text = f"{share.share:.0%}"
-    if text == "100%" and share.count < share.runs:
-        text = ">99%"
-    elif text == "0%" and share.count > 0:
-        text = "<1%"
-    return f"{text[:-1]} % ({math.floor(100 * share.low)}–{math.ceil(100 * share.high)})"
-
-
-def _success(args: argparse.Namespace, scene: Scene) -> tuple[list[success.Success], str]:
-    """What was found, and from which pairs."""
+def _success(args: argparse.Namespace, scene: Scene) -> tuple[list[dict], str]:
     if args.grid:
         pairs = success.grid_pairs(scene, args.grid)
         what = f"{len(pairs)} starts on a grid over the whole range, the scene's demonstrator"
@@ -209,7 +104,8 @@ def _success(args: argparse.Namespace, scene: Scene) -> tuple[list[success.Succe
             name,
             lambda tell: success.run(settings, pairs, transfers, servos, args.max_motions, tell=tell),  # noqa: B023
         )
-    return results, f"{what}, {args.points} points of {args.scene}"
+    pairs = f"{what}, {args.points} points of {args.scene}"
+    return [{"pairs": pairs, **asdict(result)} for result in results], tables.success_table(results, pairs)
 
 
 def _asked(args: argparse.Namespace) -> list[tuple[list[str], list[str]]]:
@@ -222,27 +118,41 @@ def _asked(args: argparse.Namespace) -> list[tuple[list[str], list[str]]]:
     return [([PAPER_TRANSFER], servos), (others, [name for name in servos if not name.startswith("gradient")])]
 
 
-def _robustness(args: argparse.Namespace) -> list[robustness.Outcome]:
-    settings = Settings(
-        scene=args.scene,
-        points=args.points,
-        transfer=args.transfer or BEST.transfer,
-        servo=args.servo or BEST.servo,
+def _robustness(args: argparse.Namespace, _: Scene) -> tuple[list[dict], str]:
+    settings = msgspec.structs.replace(_best(args), scene=args.scene, points=args.points)
+    found = _with_bar("robustness", lambda tell: robustness.run(settings, runs=args.runs, seed=args.seed, tell=tell))
+    heading = f"{args.runs} random runs a case, seed {args.seed}, largest joint error to the demonstrator"
+    return [asdict(outcome) for outcome in found], f"{heading}\n{tables.robustness_table(found)}"
+
+
+def _following(args: argparse.Namespace, _: Scene) -> tuple[list[dict], str]:
+    found = _with_bar("following", lambda tell: following.run(args.scene, args.points, seed=args.seed, tell=tell))
+    heading = f"{found[0].runs} paths, seed {args.seed}, {args.points} points of {args.scene}: largest joint error"
+    return [asdict(outcome) for outcome in found], f"{heading}\n{tables.following_table(found)}"
+
+
+def _scenes(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
+    scenes, settings = math.ceil(args.runs / PAIRS_A_SCENE), _best(args)
+    found = _with_bar(
+        "scenes",
+        lambda tell: random_scenes.run(settings, scenes, PAIRS_A_SCENE, args.seed, args.max_motions, tell=tell),
     )
-    return _with_bar("robustness", lambda tell: robustness.run(settings, runs=args.runs, seed=args.seed, tell=tell))
+    heading = f"{scenes} random scenes, {PAIRS_A_SCENE} random starts and demonstrators in each, seed {args.seed}"
+    return {"pairs": heading, **asdict(found)}, tables.success_table([found], heading)
 
 
-def robustness_table(outcomes: list[robustness.Outcome]) -> str:
-    """For people: a row a case. Falsely: beyond 0.5° and three times the error that the servo expects."""
-    heads = ("rms", "expected", "ended ≤0.5°", "ended ≤1°", "motions", "95 %", "claimed", "falsely")
-    widths = (9, 10, 18, 18, 9, 7, 18, 16)
-    lines = [" " * 46 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
-    for o in outcomes:
-        errors = f"{o.rms_deg:.2f}°", f"{o.expected_deg:.2f}°", _share(o.ended[0.5]), _share(o.ended[1.0])
-        motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
-        cells = (*errors, *motions, _share(o.claimed), _share(o.claimed_falsely))
-        lines.append(f"  {o.case:<44}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
-    return "\n".join(lines)
+def _best(args: argparse.Namespace) -> Settings:
+    """A frame at each posture, as the cases of a table set their own."""
+    return Settings(transfer=args.transfer or BEST.transfer, servo=args.servo or BEST.servo)
+
+
+PARTS = {
+    "speed": _speed,
+    "success": _success,
+    "robustness": _robustness,
+    "following": _following,
+    "scenes": _scenes,
+}
 
 
 def _with_bar(name: str, work: Callable):

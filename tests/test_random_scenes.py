@@ -1,0 +1,37 @@
+"""Random scenes hold what they promise, and the trust region arrives in a seeded set of them."""
+
+import numpy as np
+import pytest
+
+from viewimit.experiments import random_scenes
+from viewimit.experiments.random_scenes import draw, run, write
+from viewimit.scene import load_scene
+from viewimit.snapshot import BEST
+from viewimit.world import World
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_scene_is_read_back_as_it_was_written_and_shows_both_arms(seed, tmp_path):
+    scene, points = draw(np.random.default_rng(seed))
+    assert load_scene(write(scene, tmp_path, "drawn")) == scene
+    world = World(scene, points)
+    corners = np.stack(np.meshgrid(*np.radians(scene.range_deg)), -1).reshape(-1, 2)
+    assert len(world.body) == points
+    for theta in corners:
+        views = world.look(theta, theta)
+        assert views.visible.mean() > 0.9
+    again, _ = draw(np.random.default_rng(seed))
+    assert again == scene
+
+
+def test_scenes_differ_in_all_that_is_drawn():
+    scenes = [draw(np.random.default_rng(seed))[0] for seed in range(20)]
+    assert {scene.robot for scene in scenes} == set(random_scenes.ROBOTS)
+    assert len({scene.head.baseline for scene in scenes}) == len({scene.learner.yaw_deg for scene in scenes}) == 20
+
+
+def test_every_start_of_a_seeded_set_of_scenes_arrives():
+    """Of 4,000 runs in other such scenes all were within 0.2°, the median motions 6 and the 95th percentile 10."""
+    found = run(BEST, scenes=12, pairs=2, seed=5, max_motions=60, workers=1)
+    assert found.runs == found.claimed.count == found.ended["demonstrator"][1.0].count == 24
+    assert found.claimed_falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 14

@@ -1,0 +1,124 @@
+"""The tables that `viewimit bench` prints for people."""
+
+import math
+from collections.abc import Sequence
+
+from ..experiments import benchmark, following, robustness, success
+
+
+def speed_table(found: benchmark.Benchmark) -> str:
+    """The figures for people, each block against its first row, and with cond(A) against ours with it."""
+    timed = "all postures" if found.loop_postures == found.postures else f"{found.loop_postures} postures, scaled"
+    return "\n".join(
+        [
+            f"E over {found.postures} postures of {found.scene}, {found.points} points",
+            "with kinematics and projection (CPU time on one thread, medians)",
+            *_landscape_rows(found, timed),
+            "one posture: fit, recovery, residual and E of given images, without kinematics and projection",
+            *_posture_rows(found),
+            f"one motion: a whole step with kinematics and projection, median of {benchmark.MOTIONS} from the start",
+            *(
+                f"  {f'{name}, {servo}':<60} {seconds * 1e6:9.0f} µs"
+                for name, times in found.motion_s.items()
+                for servo, seconds in times.items()
+            ),
+            "largest relative difference",
+            f"  {'E to the batch, all postures':<60} {found.batch_agreement:9.1e}",
+            f"  {f'E to the loop, {found.loop_postures} postures':<60} {found.loop_agreement:9.1e}",
+            f"  {'cond(A) to the batch, all postures':<60} {found.condition_agreement:9.1e}",
+        ]
+    )
+
+
+def _landscape_rows(found: benchmark.Benchmark, timed: str) -> list[str]:
+    def row(what: str, seconds: float, against: float = found.landscape_s["epipolar"]) -> str:
+        return f"  {what:<60} {seconds * 1e3:9.1f} ms  {seconds / against:8.1f} x"
+
+    cv, with_condition = found.opencv, found.condition_s
+    return [
+        *(row(name, seconds) for name, seconds in found.landscape_s.items()),
+        row("numpy batch: eigh and solve", found.batch_s),
+        row(f"numpy loop: eigh and lstsq ({timed})", found.loop_s),
+        row(f"OpenCV loop: perspective, another E ({timed})", cv.loop_s) if cv else f"  {found.opencv_why_not}",
+        row("epipolar with cond(A)", with_condition, with_condition),
+        row("numpy batch, without cond(A)", found.batch_s, with_condition),
+        row("numpy batch with cond(A), eigvalsh of its AᵀA", found.batch_condition_s, with_condition),
+    ]
+
+
+def _posture_rows(found: benchmark.Benchmark) -> list[str]:
+    def row(what: str, seconds: float, against: float = found.fit_s["epipolar"][1]) -> str:
+        return f"  {what:<60} {seconds * 1e6:9.0f} µs  {seconds / against:8.1f} x"
+
+    cv = found.opencv
+    return [
+        *(row(name, times[1]) for name, times in found.fit_s.items()),
+        row("numpy batch of one: eigh and solve", found.batch_posture_s),
+        row("numpy loop: eigh and lstsq", found.loop_posture_s),
+        row("OpenCV: perspective, another E", cv.posture_s) if cv else f"  {found.opencv_why_not}",
+        *(
+            row(f"{name}, {count} postures together", seconds)
+            for name, times in found.fit_s.items()
+            for count, seconds in times.items()
+            if count > 1
+        ),
+    ]
+
+
+def success_table(results: list[success.Success], pairs: str) -> str:
+    """For people: a block a target, then motions and claims."""
+    named = {"own_minimum": "to the transfer's own minimum", "demonstrator": "to the demonstrator"}
+    lines = [
+        f"{pairs}, at most {results[0].max_motions} motions",
+        "share of runs, largest joint error (in brackets the 95 % confidence interval)",
+    ]
+    for target in success.TARGETS:
+        heads = [f"{what} ≤{near:g}°" for what in ("ended", "came") for near in success.WITHIN_DEG]
+        lines.append(_line(named[target], "", *heads))
+        for r in results:
+            lines.append(
+                _line(r.transfer, r.servo, *map(_share, (*r.ended[target].values(), *r.came[target].values())))
+            )
+    lines.append(_line("motions and claims", "", "median", "95 %", "claimed", "falsely, >3°"))
+    for r in results:
+        motions = f"{r.motions_median:.0f}", f"{r.motions_95:.0f}"
+        lines.append(_line(r.transfer, r.servo, *motions, _share(r.claimed), _share(r.claimed_falsely)))
+    lines.append("from the transfer's own minimum to the demonstrator")
+    for r in {r.transfer: r for r in results}.values():
+        lines.append(f"  {r.transfer:<12}median {r.bias_deg_median:.2f}°, 95 % within {r.bias_deg_95:.2f}°")
+    return "\n".join(lines)
+
+
+def _line(first: str, second: str, *cells: str) -> str:
+    """A heading, which has no second word, or a row below it."""
+    name = f"  {first:<12}{second:<18}" if second else f"{first:<32}"
+    return name + "".join(f"{cell:>17}" for cell in cells)
+
+
+def _share(share: success.Share) -> str:
+    """97 % (93–99), the interval rounded outwards. All and none are said of all and none only."""
+    text = f"{share.share:.0%}"
+    if text == "100%" and share.count < share.runs:
+        text = ">99%"
+    elif text == "0%" and share.count > 0:
+        text = "<1%"
+    return f"{text[:-1]} % ({math.floor(100 * share.low)}–{math.ceil(100 * share.high)})"
+
+
+def robustness_table(outcomes: list[robustness.Outcome]) -> str:
+    """For people: a row a case. Falsely: beyond 0.5° and three times the error that the servo expects."""
+    heads = ("rms", "expected", "ended ≤0.5°", "ended ≤1°", "motions", "95 %", "claimed", "falsely")
+    widths = (9, 10, 18, 18, 9, 7, 18, 16)
+    lines = [" " * 46 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
+    for o in outcomes:
+        errors = f"{o.rms_deg:.2f}°", f"{o.expected_deg:.2f}°", _share(o.ended[0.5]), _share(o.ended[1.0])
+        motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
+        cells = (*errors, *motions, _share(o.claimed), _share(o.claimed_falsely))
+        lines.append(f"  {o.case:<44}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
+    return "\n".join(lines)
+
+
+def following_table(outcomes: Sequence[following.Outcome]) -> str:
+    """For people: a row a case."""
+    rows = (f"  {o.case:<36}{o.rms_deg:8.2f}°{o.most_deg:8.2f}°" for o in outcomes)
+    return "\n".join([f"{'demonstrator, learner':<38}{'rms':>9}{'most':>9}", *rows])

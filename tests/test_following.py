@@ -27,14 +27,14 @@ def test_the_fastest_joint_of_a_path_has_its_speed_and_none_leaves_its_limits(se
 def test_one_degree_a_step_is_followed_closely_and_the_papers_law_is_left_behind():
     """At most 0.3° rms is asked; a learner that only reacts is a step, 1°, behind."""
     cases = [Case("best", BEST, 1.0), Case("paper", following.PAPER, 1.0)]
-    best, paper = run(cases=cases, runs=2, seed=1, workers=1)
+    best, paper = run(cases=cases, runs=1, seed=1, workers=1)
     assert best.rms_deg < 0.3
     assert paper.rms_deg > 3
 
 
 def test_behind_a_moving_demonstrator_seen_with_noise_the_transfer_is_kept(monkeypatch):
     """Fitted anew at every step it would add its own noise to that of the postures."""
-    (kept,) = run(cases=[NOISY], points=16, runs=2, workers=1)
+    (kept,) = run(cases=[NOISY], points=16, runs=1, workers=1)
 
     class Forgetful(Session):
         def step(self):
@@ -43,5 +43,5 @@ def test_behind_a_moving_demonstrator_seen_with_noise_the_transfer_is_kept(monke
             return moved
 
     monkeypatch.setattr(following, "Session", Forgetful)
-    (anew,) = run(cases=[NOISY], points=16, runs=2, workers=1)
+    (anew,) = run(cases=[NOISY], points=16, runs=1, workers=1)
     assert anew.rms_deg > 1.3 * kept.rms_deg

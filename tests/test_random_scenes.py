@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from viewimit.evaluation import conflict, residual
 from viewimit.experiments import random_scenes
 from viewimit.experiments.random_scenes import draw, run, write
 from viewimit.scene import load_scene
 from viewimit.snapshot import BEST
+from viewimit.transfer import projective
 from viewimit.world import World
 
 
@@ -28,6 +30,19 @@ def test_scenes_differ_in_all_that_is_drawn():
     scenes = [draw(np.random.default_rng(seed))[0] for seed in range(20)]
     assert {scene.robot for scene in scenes} == set(random_scenes.ROBOTS)
     assert len({scene.head.baseline for scene in scenes}) == len({scene.learner.yaw_deg for scene in scenes}) == 20
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_at_the_true_posture_the_projective_transfer_leaves_nothing_in_any_of_them(seed):
+    """Parallel axes: exact but for the prior of p. A degree away in each joint E is ten thousand times as large."""
+    rng = np.random.default_rng([2, seed])
+    scene, points = draw(rng)
+    world = World(scene, points)
+    for theta in rng.uniform(scene.lower, scene.upper, (5, 2)):
+        away = theta + np.radians(1.0) * np.where(theta > (scene.lower + scene.upper) / 2, -1, 1)
+        E_true, E_away = (conflict(residual(projective.fit(views), views)) for views in
+                          (world.look(theta, theta), world.look(theta, away)))  # fmt: skip
+        assert E_true < 1e-5 and E_away > 1e4 * E_true
 
 
 def test_every_start_of_a_seeded_set_of_scenes_arrives():

@@ -20,7 +20,7 @@ WEAK = 2.0  # times what the other joints cost
 
 
 def residual_jacobian(residual_at: Callable[[NDArray], NDArray], theta: ArrayLike, step: float = STEP) -> NDArray:
-    """By central differences. residual_at: postures (K, m) rad → residuals (K, ...) px; theta: (m,) rad → (n, m) px/rad."""
+    """J (n, m) px/rad by central differences. residual_at: postures (K, m) rad → residuals (K, ...) px, n each."""
     theta = np.asarray(theta, float)
     aside = step * np.eye(len(theta))
     e = residual_at(np.concatenate([theta + aside, theta - aside])).reshape(2, len(theta), -1)

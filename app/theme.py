@@ -68,6 +68,8 @@ body,button,input,textarea,.mantine-Text-root,[class*=mantine-]:not(svg,svg *){
 .mantine-Paper-root[data-with-border]:has(.vi-demonstrator-folder) .mantine-Slider-thumb{
   background:var(--demonstrator)!important;border-color:var(--demonstrator)!important}
 .mantine-Slider-markWrapper{display:none}
+div[style*="padding-bottom: 0.5em"]{padding-bottom:3px!important}
+.mantine-Paper-root[style*="margin-bottom: var(--mantine-spacing-md)"]{margin-bottom:9px!important}
 math{font-family:"STIX Two Math","Latin Modern Math","Cambria Math","DejaVu Math TeX Gyre",
   "Noto Sans Math",math;font-size:16px;
   color:var(--ink)}

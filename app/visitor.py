@@ -11,6 +11,8 @@ from viewimit.session import Session
 
 from .checks import choice, number
 from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
+from .disturbances import DISTURBANCES
+from .joints import Freedom, joint_choices
 from .pace import Pace
 from .presets import Preset
 
@@ -43,6 +45,7 @@ class Visitor:
     ):
         self._session, self._pace, self._controls, self._view = session, pace, controls, view
         self._presets, self._on_world, self._elsewhere = presets, on_world, elsewhere
+        self._freedom = Freedom()
 
     def act(self, action: str, now: float) -> None:
         session, pace = self._session, self._pace
@@ -67,7 +70,9 @@ class Visitor:
             self._elsewhere[action]()
 
     def set(self, name: str, value) -> None:
-        if name.startswith("joint"):
+        if name == "joints":
+            self._free(value)
+        elif name.startswith("joint"):
             self._set_joint(int(name.removeprefix("joint")), value)
         elif name in SETTERS:
             self._change(**SETTERS[name](value))
@@ -88,6 +93,13 @@ class Visitor:
             self._view.show[name] = bool(value)
         else:
             self._elsewhere[name](value)
+
+    def _free(self, value) -> None:
+        """Let other joints move. What the page has now may be meant by it, which changes nothing."""
+        settings = self._session.settings
+        joints = choice(value, joint_choices(settings), "joints")
+        if joints != settings.joints:
+            self._change(**self._freedom.fields(settings, self._session.scene, joints))
 
     def _set_joint(self, k: int, value) -> None:
         theta = self._session.snapshot.theta_demo.copy()
@@ -141,8 +153,7 @@ def _named(names: dict[str, str], what: str) -> Callable[[object], dict]:
 SETTERS: dict[str, Callable[[object], dict]] = {
     "transfer": _named(TRANSFER_NAMES, "transfer"),
     "servo": _named(SERVO_NAMES, "servo"),
-    "noise_px": lambda value: {"noise_px": number(value)},
-    "missing": lambda value: {"missing": number(value) / 100},
+    **{name: amount.asked for name, amount in DISTURBANCES.items()},
     "seed": lambda value: {"seed": round(number(value))},
     "points": lambda value: {"points": round(number(str(value).split()[0]))},
 }

@@ -124,9 +124,9 @@ class Controls:
     def show_chosen(self, point: int | None) -> None:
         put(self.chosen, NO_POINT if point is None else str(point))
 
-    def show_history(self, cursor: int, length: int) -> None:
-        """The history slider: where the page is, out of how many motions."""
-        last = max(length - 1, 1)
+    def show_history(self, cursor: int, last: int) -> None:
+        """The history slider: which motion the page shows, out of those up to `last`."""
+        last = max(last, 1)
         if self.history.max != last:
             self.history.max = last
         put(self.history, cursor)

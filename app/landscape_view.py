@@ -24,19 +24,20 @@ NOW = 5.8  # px, radius of the big dot
 
 
 class LandscapePicture:
-    """html: the picture; draw_path: what lies over it. landscape: None while it is computed.
+    """html: the picture; draw_path: what lies over it. landscape: None while it is computed, or if `problem` says why
+    there is none.
 
     The demonstrator's mark is the truth, for the viewer.
     """
 
-    def __init__(self, landscape: Landscape | None, scene: Scene, snapshot: Snapshot):
+    def __init__(self, landscape: Landscape | None, scene: Scene, snapshot: Snapshot, problem: str = "computing …"):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks and their labels, over the path
         self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
         if not plane.has_plane:
             inside = plane.message(f"a landscape needs two moving joints; this scene has {len(scene.moving_joints)}")
         elif landscape is None:
-            inside = plane.message("computing …")
+            inside = plane.message(problem)
         elif np.isnan(landscape.E).all():
             inside = plane.message("nowhere are five points seen in all four images")
         else:

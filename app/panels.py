@@ -1,6 +1,5 @@
 """The right panels and the overlays: where the drawings go; only what changed is sent."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,13 +16,14 @@ from .curves import draw_curves
 from .equations import draw_conflict, draw_equations, draw_law
 from .help import help_html
 from .images import draw_images, image_windows
-from .inbox import put_html
+from .inbox import Inbox, on_click, put_html, put_label
 from .landscape_view import LandscapePicture
 from .silhouette import Silhouettes
 from .status import describe, draw_status
 
 WIDTHS = {False: 440, True: 560}  # px of the right panels, in a wide window or not
 CARD_WIDTH = 860  # px of the curves' card over the scene of a wide window
+COMPARE, ALONE = ("Compare all transfers", "layout-grid"), ("This transfer alone", "square")  # what the button does
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +42,8 @@ class Panels:
     the drawings that they belong to.
     """
 
-    def __init__(self, client: ClientHandle, wide: bool, on_help: Callable[[], None]):
-        self._client, self._wide, self._on_help = client, wide, on_help
+    def __init__(self, client: ClientHandle, inbox: Inbox, wide: bool):
+        self._client, self._inbox, self._wide = client, inbox, wide
         self._help = None  # the open modal
         gui = client.gui
         self._status = gui.add_html("")
@@ -54,6 +54,11 @@ class Panels:
             self._conflict = gui.add_html("", visible=wide)
         with lower.add_tab("Landscape"):
             self._landscape, self._path = gui.add_html(""), gui.add_html("")
+            self._transfers = gui.add_html("", visible=False)
+            with gui.add_folder(None):
+                gui.add_html('<span class="vi-row"></span>')
+                self._compare = gui.add_button(COMPARE[0], icon=COMPARE[1])
+            on_click(self._compare, inbox, "transfers")
             self._law = gui.add_html("", visible=wide)
         if wide:
             self._curves = gui.add_html("")
@@ -124,6 +129,15 @@ class Panels:
             self.landscape = made
             put_html(self._landscape, made.picture.html)
 
+    def show_transfers(self, html: str | None) -> None:
+        """All transfers' landscapes in place of the one that is used; None shows that again."""
+        alone = html is None
+        put_html(self._transfers, html or "")
+        for handle, visible in ((self._landscape, alone), (self._path, alone), (self._transfers, not alone)):
+            if handle.visible != visible:
+                handle.visible = visible
+        put_label(self._compare, *(COMPARE if alone else ALONE))
+
     def show_help(self) -> None:
         """Open the help, or close it."""
         if self._help is not None:
@@ -135,6 +149,4 @@ class Panels:
             self._client.gui.add_html(help_html())
             done = self._client.gui.add_button("Close")
 
-        @done.on_click
-        async def _(_event) -> None:
-            self._on_help()
+        on_click(done, self._inbox, "help")

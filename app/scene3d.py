@@ -67,8 +67,7 @@ class Scene3D:
         self._stage.set_dark(dark)
 
     def draw(self, snapshot: Snapshot, chosen: int | None, show: dict[str, bool]) -> None:
-        """Poses at once; points on the plates, rays and residuals with them."""
-        self.draw_poses(snapshot.theta, snapshot.theta_demo)
+        """Points on the plates, rays and residuals."""
         own = self._world.points_world(snapshot.theta, self._bases["learner"])
         if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
             points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
@@ -79,10 +78,16 @@ class Scene3D:
         self._draw_residuals(snapshot, own, show["residuals"])
         self._draw_chosen(own, demo, chosen)
 
-    def draw_poses(self, theta: NDArray, theta_demo: NDArray) -> None:
-        """Turn the arms only, (m,) rad each."""
+    def draw_poses(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
+        """Turn the arms only, (m,) rad each. theta_opponent: None without a duel, which hides that arm."""
         self._arms["learner"].draw(self._world.joint_angles(theta))
         self._arms["demonstrator"].draw(self._world.joint_angles(theta_demo))
+        if theta_opponent is not None:
+            if "opponent" not in self._arms:
+                self._arms["opponent"] = Arm(self._client, self._world, "opponent", self._bases["learner"])
+            self._arms["opponent"].draw(self._world.joint_angles(theta_opponent))
+        elif "opponent" in self._arms:
+            self._arms.pop("opponent").remove()
 
     def hand_position(self, theta_demo: NDArray) -> NDArray:
         """(3,) m, the origin of the demonstrator's last link."""

@@ -15,6 +15,7 @@ ROLES = {
     "demonstrator-edge": ("#8a5a00", "#ffdf9e"),
     "recovered": ("#007f5c", "#3fd0a2"),
     "residual": ("#d55e00", "#ff8440"),
+    "opponent": ("#6a3fa0", "#b99cf5"),
     "chosen": ("#b0508a", "#e79ac6"),
     "stopped": ("#d0342c", "#ff6b61"),
     "ink": ("#1b2430", "#f0f2f5"),
@@ -119,6 +120,8 @@ _DRAWINGS = """
 .vi-dot-own{stroke:var(--learner);stroke-width:5.2}
 .vi-probe-own{stroke:var(--learner);stroke-width:1.3;fill:var(--paper)}
 .vi-line-demo{stroke:var(--demonstrator-edge);stroke-width:1.4;stroke-dasharray:5 4;stroke-linecap:butt}
+.vi-line-opponent{stroke:var(--opponent);stroke-width:1.8;stroke-dasharray:4 2.6;stroke-linecap:butt}
+.vi .vi-of-opponent{fill:var(--opponent);font-weight:600}
 .vi-later{opacity:.3}
 .vi-cursor{stroke:var(--secondary);stroke-width:1;stroke-dasharray:1 3}
 .vi .vi-of-E{fill:var(--residual);font-weight:600}
@@ -131,6 +134,7 @@ _DRAWINGS = """
 .vi-lead-demo{stroke:var(--demonstrator-edge);stroke-width:1.2}
 .vi-cross{stroke:var(--ink);stroke-width:1.7}
 .vi-inset{fill:var(--paper);stroke:var(--secondary)}
+.vi-now-opponent{stroke:var(--paper);stroke-width:1.4;fill:var(--opponent)}
 .vi-now{stroke:var(--paper);stroke-width:1.6;fill:var(--learner)}
 """
 

@@ -12,9 +12,12 @@ from viewimit.session import Session
 from .checks import choice, number
 from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
 from .disturbances import DISTURBANCES
+from .duel import Duel
 from .joints import Freedom, joint_choices
 from .pace import Pace
 from .presets import Preset
+
+METHOD = {"transfer", "servo"}
 
 
 @dataclass
@@ -40,19 +43,22 @@ class Visitor:
         controls: Controls,
         view: View,
         presets: dict[str, Preset],
+        duel: Duel,
         on_world: Callable[[], None],
         elsewhere: dict[str, Callable],
     ):
         self._session, self._pace, self._controls, self._view = session, pace, controls, view
-        self._presets, self._on_world, self._elsewhere = presets, on_world, elsewhere
+        self._presets, self._duel, self._on_world, self._elsewhere = presets, duel, on_world, elsewhere
         self._freedom = Freedom()
 
     def act(self, action: str, now: float) -> None:
         session, pace = self._session, self._pace
         if action == "play":
+            self._duel.follow()
             pace.toggle()
         elif action == "step":
             pace.pause()
+            self._duel.follow()
             pace.step(now)
         elif action == "undo":
             pace.pause()
@@ -61,7 +67,7 @@ class Visitor:
         elif action == "reset":
             pace.pause()
             session.reset()
-            pace.settle()
+            self._duel.begin()
             self._controls.show(session.settings)
         elif action == "next point":
             count = len(session.world.body)
@@ -84,8 +90,7 @@ class Visitor:
             self._pace.speed = choice(value, SPEEDS, "speed")
         elif name == "history":
             self._pace.pause()
-            self._session.scrub(round(number(value)))
-            self._pace.settle()
+            self._pace.scrub(round(number(value)))
             self._controls.show(self._session.settings)
         elif name == "chosen":
             self._choose(None if value == NO_POINT else round(number(value)))
@@ -114,6 +119,7 @@ class Visitor:
 
     def _pose(self, theta: NDArray) -> None:
         self._session.pose(theta)
+        self._duel.follow()
         self._pace.wake()
 
     def _change(self, **fields) -> None:
@@ -122,6 +128,10 @@ class Visitor:
         self._pace.wake()
         if self._session.world is not world:
             self._draw_anew()
+        elif self._duel.opponent is not None and not METHOD.isdisjoint(fields):
+            self._duel.begin_again()
+        else:
+            self._duel.follow()
 
     def _begin(self, preset) -> None:
         self._pace.pause()
@@ -131,7 +141,7 @@ class Visitor:
         self._draw_anew()
 
     def _draw_anew(self) -> None:
-        self._pace.settle()
+        self._duel.begin()
         if self._view.chosen is not None and self._view.chosen >= len(self._session.world.body):
             self._view.chosen = None
         self._controls.build_sliders(self._session.scene, self._session.settings)

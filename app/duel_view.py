@@ -19,16 +19,21 @@ from .small_landscape import Studied, draw_small, small_plane
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP
-TOP, MOST_HIGH = 19, 86  # px of the plots
-BELOW = 30  # px from the plots to the words beneath
-HEIGHT = TOP + MOST_HIGH + BELOW + 43
+TOP, MOST_HIGH = 32, 86  # px of the plots
+BELOW = 28  # px from the plots to the words beneath
+COLUMNS = (0, 54, 136)  # px of the figures beneath
+HEIGHT = TOP + MOST_HIGH + BELOW + 72
 ROLES = ("learner", "opponent")
 STYLES = (Style("learner", "solid", "circle"), Style("opponent", "dashed", "square"))
 LEAST_DEG = 1e-3  # of the axis of errors
 LIMIT = 240  # vertices of a curve or path
-STATES = {"ready": "at the start", "moving": "still moving"}
+OF = ("own", "opponent")  # their classes
+STATES = {"ready": "is at the start", "moving": "is still moving"}
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
-WHY = "Choose the opponent's transfer and servo, then begin. Both are stepped motion for motion."
+WHY = (
+    "Choose the opponent's transfer and servo above, then begin:",
+    "it starts where your learner starts, and both move motion for motion.",
+)
 
 
 def draw_ground(scene: Scene, studied: Sequence[Studied], theta_demo: NDArray) -> str:
@@ -51,8 +56,8 @@ def draw_empty_ground() -> str:
 def draw_empty() -> str:
     """Before a duel."""
     y = HEIGHT / 2
-    words = svg.text(WIDTH / 2, y - 12, SENTENCE, "vi-mid vi-b") + svg.text(WIDTH / 2, y + 8, WHY, "vi-2nd vi-mid")
-    return _wrap(words)
+    why = (svg.text(WIDTH / 2, y + 15 * k, line, "vi-2nd vi-mid") for k, line in enumerate(WHY))
+    return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
 def draw_race(scene: Scene, sessions: Sequence[Session], standings: Sequence[Standing]) -> str:
@@ -63,7 +68,8 @@ def draw_race(scene: Scene, sessions: Sequence[Session], standings: Sequence[Sta
         parts.append(_column(k, inside) + _words(standing, k))
     if not plane.has_plane:
         parts.append(draw_errors(standings))
-    parts.append(svg.text(0, HEIGHT - 3, verdict(standings), "vi-b"))
+    for k, line in enumerate(verdict(standings)):
+        parts.append(svg.text(0, HEIGHT - 17 + 15 * k, line, "" if k else "vi-b"))
     return f'<div class="vi-over">{_wrap("".join(parts))}</div>'
 
 
@@ -73,12 +79,12 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     everything = np.maximum(np.concatenate(errors), LEAST_DEG)
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
-    plot = Plot(36, TOP + 14, WIDTH - 8, TOP + MOST_HIGH + 2, (0, last), (low, high), up=log10)
+    plot = Plot(36, TOP + 16, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(
             "Largest joint error",
-            f"degrees, log; dashed rule: {ARRIVED_DEG:g}°",
+            "log, over the motions",
             [(tick, str(tick)) for tick in ticks],
             [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)],
             36,
@@ -90,49 +96,62 @@ def draw_errors(standings: Sequence[Standing]) -> str:
         x, y = np.array(kept, float), np.maximum(errors[k][list(kept)], LEAST_DEG)
         parts.append(plot.line(x, y, STYLES[k].line))
         parts.append(STYLES[k].marks(plot.place(x[-1:], y[-1:])))
-    return f'<g transform="translate(0 -14)">{"".join(parts)}</g>'
+    return "".join(parts)
 
 
 def draw_errors_alone(standings: Sequence[Standing]) -> str:
     """HTML, beneath the landscapes where there is room."""
-    top = TOP - 14
-    inside = f'<g transform="translate(0 {-top})">{draw_errors(standings)}</g>'
+    inside = f'<g transform="translate(0 {-TOP})">{draw_errors(standings)}</g>'
     return f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {MOST_HIGH + 20}">{inside}</svg></div>'
 
 
-def verdict(standings: Sequence[Standing]) -> str:
-    """Who came within ARRIVED_DEG first. It is the viewer's: a learner cannot know."""
+def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
+    """Who came within ARRIVED_DEG first, and what became of the other. For the viewer: no learner can know it."""
     own, other = (standing.arrived for standing in standings)
-    within = f"within {ARRIVED_DEG:g}° of the demonstrator"
+    aim = f"within {ARRIVED_DEG:g}° of the demonstrator"
     if own is None and other is None:
         if all(_rests(standing.snapshot) for standing in standings):
-            return f"Neither came {within}."
-        return f"Nobody is {within} yet."
-    if own is not None and other is not None:
-        if own == other:
-            return f"A tie: both were {within} after {_motions(own)}."
-        first, early, late = ("The learner", own, other) if own < other else ("The opponent", other, own)
-        return f"{first} was {within} first: after {_motions(early)} against {late}."
-    first, early, k = ("The learner", own, 1) if other is None else ("The opponent", other, 0)
-    rest = "never came" if _rests(standings[k].snapshot) else "is not"
-    loser = "the opponent" if k else "the learner"
-    return f"{first} was {within} after {_motions(early)}; {loser} {rest}{' there' if rest == 'is not' else ''}."
+            return f"Neither came {aim}.", _whereabouts(standings, (0, 1))
+        return f"Neither is {aim} yet.", _whereabouts(standings, (0, 1))
+    if own == other:
+        return f"A tie: both were {aim} after {_motions(own)}.", ""
+    first = 0 if other is None or (own is not None and own < other) else 1
+    won = f"The {ROLES[first]} was first {aim}, after {_motions(standings[first].arrived)}."
+    late = standings[1 - first].arrived
+    return won, f"The {ROLES[1 - first]} was, after {late}." if late is not None else _whereabouts(
+        standings, (1 - first,)
+    )
+
+
+def _whereabouts(standings: Sequence[Standing], which: Sequence[int]) -> str:
+    said = []
+    for k in which:
+        said.append(f"the {ROLES[k]} {_state(standings[k].snapshot)}, {_short(standings[k].errors_deg[-1])}° off")
+    words = "; ".join(said)
+    return words[0].upper() + words[1:] + "."
 
 
 def _words(standing: Standing, k: int) -> str:
-    """Title above a column; motions, error, E and state beneath."""
+    """Title above a column; motions, error and E beneath."""
     snapshot, x = standing.snapshot, k * (COLUMN + GAP)
-    settings = snapshot.settings
-    name = f"{TRANSFER_NOTES[settings.transfer].name} · {SERVO_NOTES[settings.servo].name}"
-    y = TOP + MOST_HIGH + BELOW
-    first = f"{_motions(snapshot.motion)}, {_state(snapshot)}"
-    second = f"largest error {_short(standing.errors_deg[-1])}°, E {_short(snapshot.E)} px²"
-    return (
-        STYLES[k].sample(x, 8)
-        + svg.text(x + 28, 12, name, f"vi-x-of-{ROLES[k]} vi-b")
-        + svg.text(x, y, first, "vi-b")
-        + svg.text(x, y + 15, second)
+    settings, y = snapshot.settings, TOP + MOST_HIGH + BELOW
+    figures = (
+        ("motions", str(snapshot.motion), ""),
+        ("largest error", _short(standing.errors_deg[-1]), "°"),
+        ("E", _short(snapshot.E), " px²"),
     )
+    parts = [
+        STYLES[k].sample(x, 8),
+        svg.text(x + 28, 12, f"{ROLES[k].capitalize()}: {TRANSFER_NOTES[settings.transfer].name}", f"vi-of-{OF[k]}"),
+        svg.text(x + 28, 26, SERVO_NOTES[settings.servo].name, "vi-2nd"),
+    ]
+    for left, (label, value, unit) in zip(COLUMNS, figures):
+        parts.append(svg.text(x + left, y, label, "vi-2nd"))
+        parts.append(
+            f'<text x="{x + left}" y="{y + 20}"><tspan class="vi-big">{value}</tspan>'
+            f'<tspan class="vi-2nd">{unit}</tspan></text>'
+        )
+    return "".join(parts)
 
 
 def _path(plane: PosturePlane, session: Session, k: int) -> str:

@@ -6,6 +6,8 @@ import numpy as np
 
 from viewimit.snapshot import Snapshot
 
+from . import svg
+
 RECENT = 20  # motions over which the rms is taken
 
 
@@ -32,6 +34,9 @@ def largest_error_deg(snapshot: Snapshot) -> float:
     return float(np.degrees(np.abs(snapshot.theta - snapshot.theta_demo).max()))
 
 
-def recent_rms(errors_deg: Sequence[float]) -> float:
-    """Root mean square of the last RECENT errors."""
-    return float(np.sqrt(np.mean(np.square(errors_deg[-RECENT:]))))
+def following(errors_deg: Sequence[float]) -> str:
+    """How far off a learner is, and was in the last RECENT motions; nothing before the first motion."""
+    recent = np.array(errors_deg[-RECENT:])
+    if len(recent) < 2:
+        return ""
+    return f"{svg.number(recent[-1])}° off, rms {svg.number(np.sqrt(np.mean(recent**2)))}° over {len(recent)} motions"

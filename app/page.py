@@ -145,7 +145,7 @@ class Page:
         if self._message:
             self._panels.draw_state("message", self._message[0])
         elif busy := self._laboratory.describe():
-            self._panels.draw_state(*busy)
+            self._panels.draw_following(self._session, *busy)
         else:
             self._panels.draw_status(self._session, self._pace.playing)
 

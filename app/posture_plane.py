@@ -81,14 +81,15 @@ class PosturePlane:
             ]
         )
 
-    def axes(self) -> str:
-        """The frame with ticks and names."""
+    def axes(self, note: str = "") -> str:
+        """The frame with ticks and names. note: below, at the right."""
         left, top, w, h = self.box
         bottom = top + h
         parts = [
             self.frame("vi-axis"),
             svg.text(left, bottom + 29, "contours: E in px²", "vi-2nd"),
             svg.text(left + w / 2, bottom + 29, self._joints[1], "vi-mid"),
+            svg.text(left + w, bottom + 29, note, "vi-2nd vi-end") if note else "",
             svg.text(left - 8, top + h / 4 + 4, self._joints[0], "vi-end"),
         ]
         ticks = []

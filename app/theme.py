@@ -129,6 +129,7 @@ _DRAWINGS = """
 .vi .vi-of-demo{fill:var(--demonstrator-edge)}
 .vi-hills{fill:var(--hills)}
 .vi-contour{stroke:var(--ink);stroke-opacity:.5;stroke-width:.8}
+.vi-bar-cost{fill:var(--hills);fill-opacity:.55}
 .vi-blind{stroke:var(--secondary);stroke-width:1}
 .vi-lead{stroke:var(--ink);stroke-width:1}
 .vi-lead-demo{stroke:var(--demonstrator-edge);stroke-width:1.2}

@@ -11,8 +11,8 @@ from . import svg
 from .methods import TRANSFER_NOTES
 from .small_landscape import WIDTH, Studied, draw_small, small_plane
 
-GAP, ROW = 10, 126  # px between columns, a row's height
-MOST_HIGH, TOP = 84, 15  # px of a plot, and from its row's top
+GAP, ROW = 10, 131  # px between columns, a row's height
+MOST_HIGH, TOP = 82, 15  # px of a plot, and from its row's top
 TOTAL = (2 * WIDTH + GAP, 2 * ROW)
 
 
@@ -23,7 +23,7 @@ def draw_transfers(scene: Scene, studied: Sequence[Studied], theta_demo: NDArray
         plane = small_plane(scene, MOST_HIGH)
         left, _, _, high = plane.box
         title = f'<text class="vi-b" x="{left:.1f}" y="10">{svg.escape(TRANSFER_NOTES[one.transfer].name)}</text>'
-        words = svg.text(left, TOP + high + 25, describe(one), "vi-2nd")
+        words = svg.text(4, TOP + high + 25, describe(one), "vi-2nd")
         x, y = (WIDTH + GAP) * (k % 2), ROW * (k // 2)
         parts.append(
             f'<g transform="translate({x} {y})">{title}<g transform="translate(0 {TOP})">'

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from viewimit.observability import joint_uncertainty
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 from viewimit.world import World
@@ -10,7 +11,7 @@ from .inbox import Inbox
 from .landscape_worker import LandscapeWorker, landscape_key
 from .panels import Panels
 from .small_landscape import study
-from .transfers_view import draw_transfers, waiting
+from .transfers_view import draw_costs, draw_transfers, waiting
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +58,11 @@ class Comparison:
 
 def _compare(world: World, snapshot: Snapshot) -> Compared:
     """Runs in the worker's thread."""
-    count = len(world.scene.moving_joints)
-    if count != 2:
-        return Compared(world, waiting(f"a landscape needs two moving joints; this scene has {count}"))
+    joints = world.scene.moving_joints
+    if len(joints) != 2:
+        views, theta = snapshot.views, snapshot.theta_demo
+        seen = views.demo, views.visible[:, :2], theta
+        spreads = {name: joint_uncertainty(world, fit, *seen) for name, fit in TRANSFERS.items()}
+        return Compared(world, draw_costs(joints, spreads))
     studied = [study(world, snapshot, transfer) for transfer in TRANSFERS]
     return Compared(world, draw_transfers(world.scene, studied, snapshot.theta_demo))

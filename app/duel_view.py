@@ -25,6 +25,7 @@ COLUMNS = (0, 54, 136)  # px of the figures beneath
 HEIGHT = TOP + MOST_HIGH + BELOW + 72
 ROLES = ("learner", "opponent")
 STYLES = (Style("learner", "solid", "circle"), Style("opponent", "dashed", "square"))
+LEFT = 44  # px of the plot of errors
 LEAST_DEG = 1e-3  # of the axis of errors
 LIMIT = 240  # vertices of a curve or path
 OF = ("own", "opponent")  # their classes
@@ -79,7 +80,7 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     everything = np.maximum(np.concatenate(errors), LEAST_DEG)
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
-    plot = Plot(36, TOP + 16, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
+    plot = Plot(LEFT, TOP + 16, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(
@@ -87,7 +88,7 @@ def draw_errors(standings: Sequence[Standing]) -> str:
             "log, over the motions",
             [(tick, str(tick)) for tick in ticks],
             [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)],
-            36,
+            LEFT,
         ),
         plot.level(ARRIVED_DEG, "vi-cursor"),
     ]

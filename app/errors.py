@@ -36,7 +36,8 @@ def largest_error_deg(snapshot: Snapshot) -> float:
 
 def following(errors_deg: Sequence[float]) -> str:
     """How far off a learner is, and was in the last RECENT motions; nothing before the first motion."""
-    recent = np.array(errors_deg[-RECENT:])
-    if len(recent) < 2:
+    recent = np.array(errors_deg[1:][-RECENT:])
+    if len(recent) == 0:
         return ""
-    return f"{svg.number(recent[-1])}° off, rms {svg.number(np.sqrt(np.mean(recent**2)))}° over {len(recent)} motions"
+    count = "1 motion" if len(recent) == 1 else f"{len(recent)} motions"
+    return f"{svg.number(recent[-1])}° off, rms {svg.number(np.sqrt(np.mean(recent**2)))}° over {count}"

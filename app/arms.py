@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
 
-from viewimit.scene import Scene, load_robot, robot_names
+from viewimit.scene import Scene, robot_names
 from viewimit.world import World
 
 from . import meshes
@@ -29,28 +29,26 @@ def link_name(scene: Scene, arm: str, link: int) -> str:
     return robot_root(scene, arm) + "".join(f"/j{i}" for i in range(1, link + 1))
 
 
-def share_meshes(server: ViserServer) -> None:
-    """Put every shipped robot's links on the server's scene, hidden until a page shows its arms."""
+def share_meshes(server: ViserServer, arm: str) -> None:
+    """Put every shipped robot's links on the server's scene, hidden until a page shows that arm."""
+    opacity = OPACITY[arm]
     for robot in robot_names():
-        joints = load_robot(robot).joints
-        for arm, opacity in OPACITY.items():
-            name = f"/{robot}/{arm}"
-            server.scene.add_frame(name, show_axes=False, visible=False)
-            for link in range(len(joints) + 1):
-                if link > 0:
-                    name += f"/j{link}"
-                    server.scene.add_frame(name, show_axes=False)
-                mesh = meshes.link_meshes(robot)[link]
-                server.scene.add_mesh_simple(
-                    f"{name}/mesh",
-                    mesh.vertices,
-                    mesh.faces,
-                    color=rgb(arm) if opacity else half_white(arm),
-                    opacity=opacity,
-                    side="front" if opacity else "double",
-                    cast_shadow=opacity is None,
-                    receive_shadow=opacity is None,
-                )
+        name = f"/{robot}/{arm}"
+        server.scene.add_frame(name, show_axes=False, visible=False)
+        for link, mesh in sorted(meshes.link_meshes(robot).items()):
+            if link > 0:
+                name += f"/j{link}"
+                server.scene.add_frame(name, show_axes=False)
+            server.scene.add_mesh_simple(
+                f"{name}/mesh",
+                mesh.vertices,
+                mesh.faces,
+                color=rgb(arm) if opacity else half_white(arm),
+                opacity=opacity,
+                side="front" if opacity else "double",
+                cast_shadow=opacity is None,
+                receive_shadow=opacity is None,
+            )
 
 
 class Arm:

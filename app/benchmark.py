@@ -55,7 +55,7 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
     """Median ms of CPU of the loop's pass, of its drawings, and of both together."""
     session = Session(settings)
     panels = Panels(QuietClient(), Inbox(), False)
-    scene = Scene3D(QuietClient(), lambda point: None, 60.0)
+    scene = Scene3D(QuietClient(), lambda point: None, 60.0, lambda: None)
     show = View().show
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
     for start in np.random.default_rng(0).uniform(*np.transpose(session.scene.range_deg), (RUNS, 2)):

@@ -31,7 +31,12 @@ class Page:
     """tick(now) takes what the visitor did, moves the loop on, and draws what changed."""
 
     def __init__(
-        self, client: ClientHandle, worker: LandscapeWorker, experiments: ExperimentWorker, settings: Settings
+        self,
+        client: ClientHandle,
+        worker: LandscapeWorker,
+        experiments: ExperimentWorker,
+        share_opponent: Callable[[], None],
+        settings: Settings,
     ):
         self._client, self._worker = client, worker
         self._inbox, self._view = Inbox(), View()
@@ -54,7 +59,8 @@ class Page:
             tab = self._panels.lower.add_tab("Experiments")
             pose = lambda theta: self._visitor.pose(theta)
             self._laboratory = Laboratory(client, tab, self._inbox, self._session, experiments, worker, pose)
-            self._scene = Scene3D(client, lambda point: self._inbox.put("chosen", point), COVERED[wide])
+            choose = lambda point: self._inbox.put("chosen", point)
+            self._scene = Scene3D(client, choose, COVERED[wide], share_opponent)
             self._gizmo = self._add_gizmo()
             self._show_world()
         elsewhere = {

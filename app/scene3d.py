@@ -25,14 +25,25 @@ def share_scene(server: ViserServer) -> None:
     """What all pages share: link meshes, floor, light."""
     server.scene.configure_default_lights(enabled=False)
     set_stage(server.scene, LOOKS[False])
-    share_meshes(server)
+    for arm in ("learner", "demonstrator"):
+        share_meshes(server, arm)
 
 
 class Scene3D:
-    """build in __init__, then draw(snapshot, …) as often as wanted; rebuild for another world."""
+    """build in __init__, then draw(snapshot, …) as often as wanted; rebuild for another world.
 
-    def __init__(self, client: ClientHandle, on_choose: Callable[[int], None], below: float):
+    share_opponent(): puts its meshes on the server's scene, before they are first shown.
+    """
+
+    def __init__(
+        self,
+        client: ClientHandle,
+        on_choose: Callable[[int], None],
+        below: float,
+        share_opponent: Callable[[], None],
+    ):
         self._client, self._on_choose, self._below = client, on_choose, below
+        self._share_opponent = share_opponent
         self._arms: dict[str, Arm] = {}
         self._nodes: list = []
         self._stage: Stage | None = None
@@ -84,6 +95,7 @@ class Scene3D:
         self._arms["demonstrator"].draw(self._world.joint_angles(theta_demo))
         if theta_opponent is not None:
             if "opponent" not in self._arms:
+                self._share_opponent()
                 self._arms["opponent"] = Arm(self._client, self._world, "opponent", self._bases["learner"])
             self._arms["opponent"].draw(self._world.joint_angles(theta_opponent))
         elif "opponent" in self._arms:

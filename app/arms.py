@@ -17,6 +17,7 @@ from .theme import half_white, rgb
 from .wire import joint_quaternion, push_orientation, quaternion
 
 OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}
+SHRUNK = 0.97  # of the see-through links' size, which so lie inside the learner's where both agree
 
 
 def robot_root(scene: Scene, arm: str) -> str:
@@ -39,9 +40,10 @@ def share_meshes(server: ViserServer, arm: str) -> None:
             if link > 0:
                 name += f"/j{link}"
                 server.scene.add_frame(name, show_axes=False)
+            middle = (mesh.vertices.min(0) + mesh.vertices.max(0)) / 2
             server.scene.add_mesh_simple(
                 f"{name}/mesh",
-                mesh.vertices,
+                middle + SHRUNK * (mesh.vertices - middle) if opacity else mesh.vertices,
                 mesh.faces,
                 color=rgb(arm) if opacity else half_white(arm),
                 opacity=opacity,

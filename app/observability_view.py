@@ -9,7 +9,7 @@ from viewimit.observability import weak_joints
 
 from . import svg
 
-WIDTH, HEIGHT = 424, 253  # px of the drawing where a landscape has no place
+WIDTH, HEIGHT = 424, 229  # px of the drawing where a landscape has no place
 LEFT, RIGHT = 34, 60  # px beside the bars
 ROW, BAR = 24, 11  # px
 TITLE = "What 1 px of noise costs at each joint"

@@ -1,21 +1,23 @@
-"""The two arms in 3-D: meshes once on the server, poses a client.
+"""The arms in 3-D: meshes once on the server, poses a client.
 
 A mesh hangs under nested frames /robot/arm/j1/…/ji on the server's scene. Each page adds frames of the same
-names on its own scene; they shadow the shared ones, and the shared meshes follow them.
+names on its own scene; they shadow the shared ones, and the shared meshes follow them. The opponent of a duel stands
+where the learner does, so one sees through it.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
 
-from viewimit.scene import Scene, load_robot, robot_names
+from viewimit.scene import Scene, robot_names
 from viewimit.world import World
 
 from . import meshes
-from .theme import half_white
+from .theme import half_white, rgb
 from .wire import joint_quaternion, push_orientation, quaternion
 
-ARMS = ("learner", "demonstrator")
+OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}
+SHRUNK = 0.97  # of the see-through links' size, which so lie inside the learner's where both agree
 
 
 def robot_root(scene: Scene, arm: str) -> str:
@@ -28,21 +30,27 @@ def link_name(scene: Scene, arm: str, link: int) -> str:
     return robot_root(scene, arm) + "".join(f"/j{i}" for i in range(1, link + 1))
 
 
-def share_meshes(server: ViserServer) -> None:
-    """Put every shipped robot's links on the server's scene, hidden until a page shows its arms."""
+def share_meshes(server: ViserServer, arm: str) -> None:
+    """Put every shipped robot's links on the server's scene, hidden until a page shows that arm."""
+    opacity = OPACITY[arm]
     for robot in robot_names():
-        joints = load_robot(robot).joints
-        for arm in ARMS:
-            name = f"/{robot}/{arm}"
-            server.scene.add_frame(name, show_axes=False, visible=False)
-            for link in range(len(joints) + 1):
-                if link > 0:
-                    name += f"/j{link}"
-                    server.scene.add_frame(name, show_axes=False)
-                mesh = meshes.link_meshes(robot)[link]
-                server.scene.add_mesh_simple(
-                    f"{name}/mesh", mesh.vertices, mesh.faces, color=half_white(arm), side="double"
-                )
+        name = f"/{robot}/{arm}"
+        server.scene.add_frame(name, show_axes=False, visible=False)
+        for link, mesh in sorted(meshes.link_meshes(robot).items()):
+            if link > 0:
+                name += f"/j{link}"
+                server.scene.add_frame(name, show_axes=False)
+            middle = (mesh.vertices.min(0) + mesh.vertices.max(0)) / 2
+            server.scene.add_mesh_simple(
+                f"{name}/mesh",
+                middle + SHRUNK * (mesh.vertices - middle) if opacity else mesh.vertices,
+                mesh.faces,
+                color=rgb(arm) if opacity else half_white(arm),
+                opacity=opacity,
+                side="front" if opacity else "double",
+                cast_shadow=opacity is None,
+                receive_shadow=opacity is None,
+            )
 
 
 class Arm:
@@ -74,7 +82,9 @@ class Arm:
             if np.linalg.norm(end) > 0.01:
                 vertices, faces = meshes.bone(end)
                 name = f"{link_name(scene, arm, i)}/rod"
-                self._client.scene.add_mesh_simple(name, vertices, faces, color=half_white(arm), side="double")
+                self._client.scene.add_mesh_simple(
+                    name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm], side="double"
+                )
 
     def draw(self, angles) -> None:
         """angles: of all joints, rad. Only joints that turned are sent."""

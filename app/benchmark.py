@@ -14,6 +14,7 @@ import numpy as np
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 
+from .inbox import Inbox
 from .panels import Panels
 from .scene3d import Scene3D
 from .visitor import View
@@ -53,8 +54,8 @@ class QuietClient:
 def run(settings: Settings, chosen: int | None) -> dict[str, float]:
     """Median ms of CPU of the loop's pass, of its drawings, and of both together."""
     session = Session(settings)
-    panels = Panels(QuietClient(), False, lambda: None)
-    scene = Scene3D(QuietClient(), lambda point: None, 60.0)
+    panels = Panels(QuietClient(), Inbox(), False)
+    scene = Scene3D(QuietClient(), lambda point: None, 60.0, lambda: None)
     show = View().show
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
     for start in np.random.default_rng(0).uniform(*np.transpose(session.scene.range_deg), (RUNS, 2)):
@@ -66,6 +67,7 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
             began = time.process_time()
             moved = session.step()
             stepped = time.process_time()
+            scene.draw_poses(session.snapshot.theta, session.snapshot.theta_demo)
             scene.draw(session.snapshot, chosen, show)
             panels.draw_images(session.snapshot, chosen, False)
             panels.draw_path(session, session.snapshot)

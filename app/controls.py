@@ -9,7 +9,9 @@ from viewimit.session import Session
 from viewimit.snapshot import MOST_SEED, Settings
 from viewimit.transfer import TRANSFERS
 
+from .disturbances import DISTURBANCES
 from .inbox import Inbox, on_click, on_value, put, put_html, put_label
+from .joints import chosen_joints, joint_choices
 from .learner_bars import draw_learner
 from .methods import SERVO_NOTES, TRANSFER_NOTES
 from .presets import Preset
@@ -26,7 +28,7 @@ TRANSFER_NAMES = {name: note.name for name, note in TRANSFER_NOTES.items()}
 SERVO_NAMES = {name: note.name for name, note in SERVO_NOTES.items()}
 NO_POINT = "none"
 MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}
-HINTED = ("space", "→", "←", "H")  # keys named in the panel; the help names all
+HINTED = ("space", "→", "H")  # keys named in the panel; the help names all
 KEYS = (
     ("space", "play"),
     ("→", "step"),
@@ -72,14 +74,9 @@ class Controls:
             self.servo = self._dropdown(
                 "Servo", [SERVO_NAMES[name] for name in SERVOS], SERVO_NAMES[settings.servo], "servo"
             )
+            self.joints = self._dropdown("Joints", ["–"], "–", "joints")
         with gui.add_folder("Disturbances"):
-            self.noise = self._number(
-                gui.add_slider("Noise px", 0.0, max(2.0, settings.noise_px), 0.05, 0.0), "noise_px"
-            )
-            self.missing = self._number(
-                gui.add_slider("Missing %", 0, max(50, round(100 * settings.missing)), 1, 0), "missing"
-            )
-            self.seed = self._number(gui.add_number("Seed", settings.seed, min=0, max=MOST_SEED, step=1), "seed")
+            self._build_disturbances(settings)
         with gui.add_folder("Display", expand_by_default=False):
             self._build_display()
         gui.add_html(key_hints())
@@ -99,6 +96,8 @@ class Controls:
                 )
                 on_value(slider, self._inbox, f"joint{k}")
                 self.sliders.append(slider)
+        self._joint_choices = joint_choices(settings)
+        self.joints.options = list(self._joint_choices)
         self.points.options = [f"{count} points" for count in scene.points]
         self.chosen.options = [NO_POINT, *(str(i) for i in range(settings.points))]
         self.show(settings)
@@ -109,8 +108,9 @@ class Controls:
             put(slider, float(np.round(angle, 1)))
         put(self.transfer, TRANSFER_NAMES[settings.transfer])
         put(self.servo, SERVO_NAMES[settings.servo])
-        put(self.noise, settings.noise_px)
-        put(self.missing, round(100 * settings.missing))
+        put(self.joints, chosen_joints(settings, self._joint_choices))
+        for name, handle in self.disturbances.items():
+            put(handle, DISTURBANCES[name].shown(settings))
         put(self.seed, settings.seed)
         put(self.points, f"{settings.points} points")
 
@@ -124,9 +124,9 @@ class Controls:
     def show_chosen(self, point: int | None) -> None:
         put(self.chosen, NO_POINT if point is None else str(point))
 
-    def show_history(self, cursor: int, length: int) -> None:
-        """The history slider: where the page is, out of how many motions."""
-        last = max(length - 1, 1)
+    def show_history(self, cursor: int, last: int) -> None:
+        """The history slider: which motion the page shows, out of those up to `last`."""
+        last = max(last, 1)
         if self.history.max != last:
             self.history.max = last
         put(self.history, cursor)
@@ -136,6 +136,24 @@ class Controls:
 
     def show_learner(self, scene: Scene, theta, theta_demo) -> None:
         put_html(self.learner, draw_learner(scene, theta, theta_demo))
+
+    def _build_disturbances(self, settings: Settings) -> None:
+        """Sliders, the less frequent ones folded; they reach farther if they are asked to begin there."""
+        gui, self.disturbances = self._client.gui, {}
+        for name in ("noise_px", "missing", "outliers", "frames"):
+            self._add_disturbance(name, settings)
+        with gui.add_folder("Arm and chance", expand_by_default=False):
+            for name in ("gain_error", "quantum_deg"):
+                self._add_disturbance(name, settings)
+            self.seed = gui.add_number("Seed", settings.seed, min=0, max=MOST_SEED, step=1)
+            on_value(self.seed, self._inbox, "seed")
+
+    def _add_disturbance(self, name: str, settings: Settings) -> None:
+        asked, begun = DISTURBANCES[name], DISTURBANCES[name].shown(settings)
+        low, high = min(asked.low, begun), max(asked.high, begun)
+        handle = self._client.gui.add_slider(asked.label, low, high, asked.step, asked.low, hint=asked.hint)
+        on_value(handle, self._inbox, name)
+        self.disturbances[name] = handle
 
     def _build_display(self) -> None:
         gui = self._client.gui
@@ -154,10 +172,6 @@ class Controls:
 
     def _dropdown(self, label: str, options: list[str], value: str, name: str):
         handle = self._client.gui.add_dropdown(label, options, initial_value=value)
-        on_value(handle, self._inbox, name)
-        return handle
-
-    def _number(self, handle, name: str):
         on_value(handle, self._inbox, name)
         return handle
 

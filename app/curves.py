@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from viewimit.snapshot import Snapshot
 
 from . import svg
+from .errors import following
 
 SIDE_BY_SIDE = 600  # px of width from which the plots stand beside each other
 CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot
@@ -23,9 +24,11 @@ def draw_curves(
     E_true: float | None,
     joints: Sequence[int],
     width: int = 424,
+    errors_deg: Sequence[float] = (),
 ) -> str:
     """HTML of both plots. E_true: E with the learner in the demonstrator's posture, truth for the viewer;
-    joints: numbers of the moving joints, from 1; width: px, of the drawing's units."""
+    joints: numbers of the moving joints, from 1; width: px, of the drawing's units; errors_deg: the largest joint
+    error of each moment up to the cursor."""
     beside = width >= SIDE_BY_SIDE
     height = CARD_HEIGHT if beside else TAB_HEIGHT
     w = (width - 28) / 2 if beside else width
@@ -35,6 +38,7 @@ def draw_curves(
     axis = _Axis(w, height, len(history) - 1, cursor)
     first = _draw_E(axis, snapshots, motions, cursor, E_true)
     second = _draw_angles(axis, snapshots, motions, cursor, joints)
+    second += svg.text(w, 12, following(errors_deg), "vi-end")
     shift = f"{w + 28:.1f} 0" if beside else f"0 {height + 6}"
     total = height if beside else 2 * height + 6
     return (

@@ -156,7 +156,9 @@ def _law(snapshot: Snapshot) -> str:
         first = [svg.number(value) for value in c.jacobian]
         math = _fill(_GRADIENT + rf",\quad\hat{{𝐉}}_0={_row(2)}", first)
         return _card("(13), (14)", "no motion yet", math, "")
-    return _card("", "no motion yet", _fill(_TRUST if snapshot.settings.servo == "trust-region" else _BROYDEN, []), "")
+    return _card(
+        "", "no motion yet", _fill(_TRUST if snapshot.settings.servo == "trust-region" else _BROYDEN, [], "vi-wide"), ""
+    )
 
 
 _GRADIENT = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"

@@ -102,7 +102,7 @@ div:has(>div>.vi-row)>div:has(>button){flex:0 0 auto;padding-bottom:4px!importan
 div:has(>div>.vi-row)>div:has(>.vi-progress),div:has(>div>.vi-row)>div:has(>.vi-said){flex:1 1 90px}
 div:has(>div>.vi-row)>div>button{height:26px!important;min-width:86px;--button-padding-x:10px!important}
 div:has(>div>.vi-row) .vi-panel{padding:2px 0 8px}
-div:has(>.vi-progress)+div>button:not(:disabled){background:transparent;color:var(--learner);
+div:has(>div>.vi-quiet)>div>button,div:has(>.vi-progress)+div>button:not(:disabled){background:transparent;color:var(--learner);
   border:1px solid var(--learner)}
 .vi-said{font:400 12.5px/26px Inter,system-ui,sans-serif;color:var(--secondary);white-space:nowrap;overflow:hidden;
   text-overflow:ellipsis}

@@ -14,6 +14,8 @@ PARAGRAPHS = (
      "E is smaller. The landscape shows E for all postures; the learner knows only its own path."),
     ("Disturb it.", "Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take a"
      " preset that breaks the method. The sentence under the scene says what the learner itself can tell."),
+    ("Race two methods.", "The tab Duel sends a second, see-through learner from your learner's start, with another "
+     "transfer and servo. Compare all transfers under the landscape; free all seven joints under Method."),
     ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
      "paper and hands you figure and data. Fig. 10 also follows a motion that you record there or load."),
 )  # fmt: skip

@@ -14,6 +14,7 @@ from viewimit.scene import Scene
 from viewimit.snapshot import Snapshot
 
 from . import relief, svg
+from .observability_view import described, draw_observability
 from .posture_plane import PosturePlane
 from .theme import OBSERVED
 
@@ -24,24 +25,35 @@ NOW = 5.8  # px, radius of the big dot
 
 
 class LandscapePicture:
-    """html: the picture; draw_path: what lies over it. landscape: None while it is computed.
+    """html: the picture; draw_path: what lies over it. landscape: None while it is computed, or if `problem` says why
+    there is none.
 
     The demonstrator's mark is the truth, for the viewer.
     """
 
-    def __init__(self, landscape: Landscape | None, scene: Scene, snapshot: Snapshot):
+    def __init__(
+        self,
+        landscape: Landscape | None,
+        scene: Scene,
+        snapshot: Snapshot,
+        problem: str = "computing …",
+        spread: NDArray | None = None,
+    ):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks and their labels, over the path
         self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
-        if not plane.has_plane:
-            inside = plane.message(f"a landscape needs two moving joints; this scene has {len(scene.moving_joints)}")
-        elif landscape is None:
-            inside = plane.message("computing …")
+        joints = scene.moving_joints
+        if not plane.has_plane and spread is not None:
+            self.html = plane.wrap(draw_observability(joints, spread))
+            return
+        if landscape is None:
+            inside = plane.message(problem)
         elif np.isnan(landscape.E).all():
             inside = plane.message("nowhere are five points seen in all four images")
         else:
             inside = self._draw(landscape, snapshot)
-        self.html = plane.wrap(plane.frame("vi-plane") + inside + plane.axes())
+        note = described(joints, spread) if spread is not None else ""
+        self.html = plane.wrap(plane.frame("vi-plane") + inside + plane.axes(note))
 
     def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None = None) -> str:
         """The motions up to the cursor, later ones faint. theta: (m,) rad, where the arm is seen while it moves."""

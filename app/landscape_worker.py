@@ -9,11 +9,16 @@ from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 from viewimit.world import World
 
+LEARNERS_OWN = ("start_deg", "servo", "gain_error", "quantum_deg")
 
-def landscape_key(snapshot: Snapshot) -> tuple:
-    """Everything that E over the postures depends on: all settings but where the learner starts and how it moves."""
-    settings = snapshot.settings
-    return tuple(getattr(settings, name) for name in settings.__struct_fields__ if name not in ("start_deg", "servo"))
+
+def landscape_key(snapshot: Snapshot, but: tuple[str, ...] = ()) -> tuple:
+    """Everything that E over the postures depends on: all settings but where the learner starts and how it moves.
+
+    but: further settings to leave out.
+    """
+    settings, but = snapshot.settings, (*LEARNERS_OWN, *but)
+    return tuple(getattr(settings, name) for name in settings.__struct_fields__ if name not in but)
 
 
 def compute(world: World, snapshot: Snapshot) -> Landscape | None:

@@ -12,7 +12,7 @@ from . import svg
 from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
-COLUMNS = (0, 84, 160, 268, 364)  # px
+COLUMNS = (0, 80, 154, 276, 364)  # px
 FLATNESS = "σ₁/σ₃"
 CONDITION = {"epipolar": "cond A"}
 

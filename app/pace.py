@@ -1,4 +1,4 @@
-"""How fast the loop runs, and where the arm is seen between two postures."""
+"""How fast the loop runs, and where an arm is seen between two postures."""
 
 import time
 
@@ -12,57 +12,42 @@ LATE = 0.05  # s that a tick may be late without the pace giving way
 BUDGET = 0.02  # s a tick for stepping as fast as it computes
 
 
-class Pace:
-    """speed: motions a second, 0 as fast as it computes. While the servo rests nothing is stepped."""
+class Runner:
+    """One session as it is stepped and seen. resting: its servo waits for a change."""
 
     def __init__(self, session: Session):
-        self._session = session
-        self.speed = 2.0
-        self.playing = False
-        self._resting = False
-        self._next = 0.0
+        self.session = session
+        self.resting = False
         self._motion: tuple[NDArray, float, float] | None = None  # from where, when, for how long
 
-    def toggle(self) -> None:
-        self.playing, self._resting, self._next = not self.playing, False, 0.0
+    def step(self) -> None:
+        """One motion, not seen on its way. Too few points are looked for again; a servo that rests is not asked."""
+        moved = self.session.step()
+        self.resting = not moved and self.session.snapshot.transfer is not None
+        self._motion = None
 
-    def pause(self) -> None:
-        self.playing = self._resting = False
+    def move(self, now: float, duration: float) -> None:
+        """One motion, seen for so long."""
+        before, motion = self.session.snapshot.theta, self.session.snapshot.motion
+        self.step()
+        if self.session.snapshot.motion > motion:
+            self._motion = before, now, duration
 
-    def wake(self) -> None:
-        """Something has changed: a resting servo is asked again, and what moved is shown where it is."""
-        self._resting = False
+    def scrub(self, motion: int, now: float | None = None) -> None:
+        """To the moment after that many motions, or to its last one; seen as a motion that begins now, if at all."""
+        before = self.session.snapshot.theta
+        motion = min(motion, len(self.session.history) - 1)
+        self._motion = None
+        if motion != self.session.cursor and self.session.scrub(motion) and now is not None:
+            self._motion = before, now, SINGLE_STEP
 
     def settle(self) -> None:
         """Show the present posture without a motion towards it."""
-        self._motion, self._resting = None, False
-
-    def advance(self, now: float) -> None:
-        """Make the motions that are due."""
-        if not self.playing or self._resting:
-            return
-        if self.speed == 0:
-            until = time.monotonic() + BUDGET
-            while not self._resting and time.monotonic() < until:
-                self._rest_unless(self._session.step())
-            self._motion = None
-        elif now >= self._next:
-            self._next = max(self._next, now - LATE) + 1 / self.speed
-            self._move(now, min(MOTION_SHARE / self.speed, LONGEST_MOTION))
-
-    def step(self, now: float) -> None:
-        """One motion, as when playing slowly."""
-        self._move(now, SINGLE_STEP)
-
-    def undo(self, now: float) -> None:
-        """One motion back, seen as one."""
-        before = self._session.snapshot.theta
-        if self._session.undo():
-            self._motion = before, now, SINGLE_STEP
+        self._motion, self.resting = None, False
 
     def theta(self, now: float) -> tuple[NDArray, bool]:
         """Where the arm is seen, (m,) rad, and whether it is on its way."""
-        theta = self._session.snapshot.theta
+        theta = self.session.snapshot.theta
         if self._motion is None:
             return theta, False
         start, began, duration = self._motion
@@ -72,13 +57,80 @@ class Pace:
             return theta, False
         return start + (theta - start) * share * share * (3 - 2 * share), True
 
-    def _move(self, now: float, duration: float) -> None:
-        before = self._session.snapshot.theta
-        moved = self._session.step()
-        if moved:
-            self._motion = before, now, duration
-        self._rest_unless(moved)
 
-    def _rest_unless(self, moved: bool) -> None:
-        """Too few points are looked for again; a servo that rests waits for a change."""
-        self._resting = not moved and self._session.snapshot.transfer is not None
+class Pace:
+    """speed: motions a second, 0 as fast as it computes. While all servos rest nothing is stepped.
+
+    runners: the visitor's own first; all are stepped motion for motion, and one that rests waits for the others.
+    """
+
+    def __init__(self, session: Session):
+        self.runners = [Runner(session)]
+        self.speed = 2.0
+        self.playing = False
+        self._next = 0.0
+
+    @property
+    def cursor(self) -> int:
+        """Motions that are shown: of the runner that made most of them."""
+        return max(runner.session.cursor for runner in self.runners)
+
+    @property
+    def last(self) -> int:
+        """Motions that are kept."""
+        return max(len(runner.session.history) for runner in self.runners) - 1
+
+    def toggle(self) -> None:
+        self.playing, self._next = not self.playing, 0.0
+        self.wake()
+
+    def pause(self) -> None:
+        self.playing = False
+        self.wake()
+
+    def wake(self) -> None:
+        """Something has changed: resting servos are asked again, and what moved is shown where it is."""
+        for runner in self.runners:
+            runner.resting = False
+
+    def settle(self) -> None:
+        """Show the present postures without motions towards them."""
+        for runner in self.runners:
+            runner.settle()
+
+    def advance(self, now: float) -> None:
+        """Make the motions that are due."""
+        if not self.playing:
+            return
+        if self.speed == 0:
+            until = time.monotonic() + BUDGET
+            while self._awake and time.monotonic() < until:
+                for runner in self._awake:
+                    runner.step()
+        elif self._awake and now >= self._next:
+            self._next = max(self._next, now - LATE) + 1 / self.speed
+            for runner in self._awake:
+                runner.move(now, min(MOTION_SHARE / self.speed, LONGEST_MOTION))
+
+    def step(self, now: float) -> None:
+        """One motion, as when playing slowly."""
+        for runner in self.runners:
+            runner.move(now, SINGLE_STEP)
+
+    def undo(self, now: float) -> None:
+        """One motion back, seen as one."""
+        self.scrub(self.cursor - 1, now)
+
+    def scrub(self, motion: int, now: float | None = None) -> None:
+        """To the moment after that many motions, if there is one; a runner that made fewer stays at its last."""
+        if 0 <= motion <= self.last:
+            for runner in self.runners:
+                runner.scrub(motion, now)
+
+    def theta(self, now: float) -> tuple[NDArray, bool]:
+        """Where the visitor's own arm is seen, (m,) rad, and whether it is on its way."""
+        return self.runners[0].theta(now)
+
+    @property
+    def _awake(self) -> list[Runner]:
+        return [runner for runner in self.runners if not runner.resting]

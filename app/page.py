@@ -8,7 +8,9 @@ from viser import ClientHandle
 from viewimit.session import Session
 from viewimit.snapshot import Settings, Snapshot
 
+from .comparison import Comparison
 from .controls import Controls
+from .duel_tab import DuelTab
 from .experiment_worker import ExperimentWorker
 from .inbox import Inbox
 from .laboratory import Laboratory
@@ -29,7 +31,12 @@ class Page:
     """tick(now) takes what the visitor did, moves the loop on, and draws what changed."""
 
     def __init__(
-        self, client: ClientHandle, worker: LandscapeWorker, experiments: ExperimentWorker, settings: Settings
+        self,
+        client: ClientHandle,
+        worker: LandscapeWorker,
+        experiments: ExperimentWorker,
+        share_opponent: Callable[[], None],
+        settings: Settings,
     ):
         self._client, self._worker = client, worker
         self._inbox, self._view = Inbox(), View()
@@ -45,11 +52,15 @@ class Page:
             client.gui.main_panel.dock_left()
             client.gui.main_panel.set_width(300 if wide else 280)
             self._controls = Controls(client, self._inbox, presets, self._session)
-            self._panels = Panels(client, wide, lambda: self._inbox.act("help"))
+            self._panels = Panels(client, self._inbox, wide)
+            self._comparison = Comparison(client.client_id, self._panels, self._inbox, worker)
+            tab = self._panels.lower.add_tab("Duel")
+            self._duel = DuelTab(client, tab, self._inbox, self._session, self._pace, worker, wide)
             tab = self._panels.lower.add_tab("Experiments")
             pose = lambda theta: self._visitor.pose(theta)
             self._laboratory = Laboratory(client, tab, self._inbox, self._session, experiments, worker, pose)
-            self._scene = Scene3D(client, lambda point: self._inbox.put("chosen", point), COVERED[wide])
+            choose = lambda point: self._inbox.put("chosen", point)
+            self._scene = Scene3D(client, choose, COVERED[wide], share_opponent)
             self._gizmo = self._add_gizmo()
             self._show_world()
         elsewhere = {
@@ -58,10 +69,19 @@ class Page:
             "dark": self._set_dark,
             "hand dropped": self._drop_hand,
             "landscape": self._panels.show_landscape,
+            **self._comparison.wishes,
+            **self._duel.wishes,
             **self._laboratory.wishes,
         }
         self._visitor = Visitor(
-            self._session, self._pace, self._controls, self._view, presets, self._show_world, elsewhere
+            self._session,
+            self._pace,
+            self._controls,
+            self._view,
+            presets,
+            self._duel.duel,
+            self._show_world,
+            elsewhere,
         )
 
     def fail(self, error: Exception) -> None:
@@ -93,31 +113,36 @@ class Page:
 
     def _draw(self, now: float) -> None:
         present = self._session.snapshot
-        theta, moving = self._pace.theta(now)
-        if self._changed("poses", theta.tobytes(), present.theta_demo.tobytes()):
+        (theta, moving), *others = [runner.theta(now) for runner in self._pace.runners]
+        poses = [theta, present.theta_demo, *(other for other, _ in others)]
+        if self._changed("poses", *(pose.tobytes() for pose in poses)):
             with self._client.atomic():
-                self._scene.draw_poses(theta, present.theta_demo)
+                self._scene.draw_poses(*poses)
         if not self._due("panels", now, PANELS_EVERY):
             return
         self._controls.show_playing(self._pace.playing)
         self._fit_new_canvas()
         self._ask_for_landscape(present)
+        self._comparison.tick(self._session.world, present)
         shown_as = self._view.chosen, tuple(self._view.show.values()), self._panels.landscape
         if self._changed("panels", present, theta.tobytes(), *shown_as):
             shown = self._session.observe(theta, present) if moving else present
             with self._client.atomic():
                 self._draw_panels(shown, present)
         self._draw_status(now)
+        if self._changed("duel", *self._duel.state):
+            with self._client.atomic():
+                self._duel.draw()
         if self._changed("laboratory", *self._laboratory.state):
             with self._client.atomic():
                 self._laboratory.draw()
         if self._due("curves", now, CURVES_EVERY) and self._changed(
-            "curves", present, len(self._session.history), self._view.chosen, self._panels.landscape
+            "curves", present, self._pace.cursor, self._pace.last, self._view.chosen, self._panels.landscape
         ):
             with self._client.atomic():
                 self._panels.draw_curves(self._session)
                 self._panels.draw_equations(self._session, self._view.chosen)
-                self._controls.show_history(self._session.cursor, len(self._session.history))
+                self._controls.show_history(self._pace.cursor, self._pace.last)
 
     def _draw_status(self, now: float) -> None:
         """A message as long as it stays, else what is recorded or replayed, else the diagnosis."""
@@ -126,7 +151,7 @@ class Page:
         if self._message:
             self._panels.draw_state("message", self._message[0])
         elif busy := self._laboratory.describe():
-            self._panels.draw_state(*busy)
+            self._panels.draw_following(self._session, *busy)
         else:
             self._panels.draw_status(self._session, self._pace.playing)
 
@@ -173,7 +198,9 @@ class Page:
     def _changed(self, what: str, *state) -> bool:
         """Whether this differs from what was drawn last; nothing is sent when nothing changes."""
         before, self._drawn[what] = self._drawn.get(what), state
-        return before is None or any(a is not b and (isinstance(a, Snapshot) or a != b) for a, b in zip(before, state))
+        if before is None or len(before) != len(state):
+            return True
+        return any(a is not b and (isinstance(a, Snapshot) or a != b) for a, b in zip(before, state))
 
     def _drop_hand(self, _) -> None:
         self._dragging = False

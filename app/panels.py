@@ -1,12 +1,12 @@
 """The right panels and the overlays: where the drawings go; only what changed is sent."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from viser import ClientHandle
 
-from viewimit.landscape import landscape
+from viewimit.landscape import conflict_at
+from viewimit.observability import joint_uncertainty
 from viewimit.session import Session
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
@@ -15,15 +15,19 @@ from viewimit.world import World
 from . import landscape_worker, meshes
 from .curves import draw_curves
 from .equations import draw_conflict, draw_equations, draw_law
+from .errors import ErrorTrace, following
 from .help import help_html
 from .images import draw_images, image_windows
-from .inbox import put_html
+from .inbox import Inbox, on_click, put_html, put_label
 from .landscape_view import LandscapePicture
+from .planes import holds
 from .silhouette import Silhouettes
 from .status import describe, draw_status
 
 WIDTHS = {False: 440, True: 560}  # px of the right panels, in a wide window or not
-CARD_WIDTH = 860  # px of the curves' card over the scene of a wide window
+TOO_FEW = "fewer than five points are seen in all four images"
+CARD_WIDTH, TAB_WIDTH = 860, 424  # px of the curves: a card over the scene of a wide window, or a tab
+COMPARE, ALONE = ("Compare all transfers", "layout-grid"), ("This transfer alone", "square")  # what the button does
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +46,10 @@ class Panels:
     the drawings that they belong to.
     """
 
-    def __init__(self, client: ClientHandle, wide: bool, on_help: Callable[[], None]):
-        self._client, self._wide, self._on_help = client, wide, on_help
+    def __init__(self, client: ClientHandle, inbox: Inbox, wide: bool):
+        self._client, self._inbox, self._wide = client, inbox, wide
         self._help = None  # the open modal
+        self._errors = ErrorTrace()
         gui = client.gui
         self._status = gui.add_html("")
         upper, lower = gui.add_panel(), gui.add_panel()
@@ -54,6 +59,11 @@ class Panels:
             self._conflict = gui.add_html("", visible=wide)
         with lower.add_tab("Landscape"):
             self._landscape, self._path = gui.add_html(""), gui.add_html("")
+            self._transfers = gui.add_html("", visible=False)
+            with gui.add_folder(None):
+                gui.add_html('<span class="vi-row vi-quiet"></span>')
+                self._compare = gui.add_button(COMPARE[0], icon=COMPARE[1])
+            on_click(self._compare, inbox, "transfers")
             self._law = gui.add_html("", visible=wide)
         if wide:
             self._curves = gui.add_html("")
@@ -71,10 +81,14 @@ class Panels:
         loaded = meshes.link_meshes(world.scene.robot)
         self._world, self._begun = world, snapshot
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in loaded.items()}, world)
-        self._windows = image_windows(world)
+        self._held = [snapshot.theta, snapshot.theta_demo]  # postures that the windows are to show
+        self._windows = image_windows(world, self._held)
         self.show_landscape(MadeLandscape(world, LandscapePicture(None, world.scene, snapshot), None))
 
     def draw_images(self, snapshot: Snapshot, chosen: int | None, whole_frames: bool) -> None:
+        if not holds(self._windows, self._world, snapshot):
+            self._held += [snapshot.theta, snapshot.theta_demo]
+            self._windows = image_windows(self._world, self._held)
         drawn = draw_images(snapshot, self._silhouettes, self._windows, chosen, whole_frames, wide=self._wide)
         put_html(self._images, drawn)
 
@@ -84,12 +98,9 @@ class Panels:
         put_html(self._path, self.landscape.picture.draw_path(session.history, session.cursor, theta))
 
     def draw_curves(self, session: Session) -> None:
-        joints = session.scene.moving_joints
-        if self._wide:
-            drawn = draw_curves(session.history, session.cursor, self.landscape.E_true, joints, CARD_WIDTH)
-            put_html(self._curves, f'<div class="vi-card">{drawn}</div>')
-        else:
-            put_html(self._curves, draw_curves(session.history, session.cursor, self.landscape.E_true, joints))
+        shown = session.history, session.cursor, self.landscape.E_true, session.scene.moving_joints
+        drawn = draw_curves(*shown, CARD_WIDTH if self._wide else TAB_WIDTH, self._errors_of(session))
+        put_html(self._curves, f'<div class="vi-card">{drawn}</div>' if self._wide else drawn)
 
     def draw_equations(self, session: Session, chosen: int | None) -> None:
         put_html(self._equations, draw_equations(session.snapshot, chosen))
@@ -101,19 +112,23 @@ class Panels:
         before = session.history[max(session.cursor - 5, 0) : session.cursor]
         put_html(self._status, draw_status(*describe(session.snapshot, before, playing)))
 
+    def draw_following(self, session: Session, state: str, sentence: str) -> None:
+        """What is recorded or replayed, and how far the learner is off it."""
+        off = following(self._errors_of(session))
+        self.draw_state(state, sentence.rstrip(".") + f"; learner {off}." if off else sentence)
+
     def draw_state(self, state: str, sentence: str) -> None:
         put_html(self._status, draw_status(state, sentence))
 
     def make_landscape(self, world: World, snapshot: Snapshot) -> MadeLandscape:
         """E over all postures, and its picture. Runs in the worker's thread."""
         made = landscape_worker.compute(world, snapshot)
-        E_true = None
-        if made is not None:
-            here = tuple(np.array([angle]) for angle in snapshot.theta_demo)
-            views, fit = snapshot.views, TRANSFERS[snapshot.settings.transfer]
-            E_true = float(landscape(world, fit, views.demo, views.visible[:, :2], here).E[0, 0])
-            E_true = E_true if np.isfinite(E_true) else None
-        return MadeLandscape(world, LandscapePicture(made, world.scene, snapshot), E_true)
+        views, theta = snapshot.views, snapshot.theta_demo
+        seen = world, TRANSFERS[snapshot.settings.transfer], views.demo, views.visible[:, :2]
+        E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
+        spread = joint_uncertainty(*seen, theta)
+        picture = LandscapePicture(made, world.scene, snapshot, TOO_FEW, spread)
+        return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None)
 
     def show_landscape(self, made: MadeLandscape | Exception) -> None:
         """Take over a landscape, unless the scene has changed meanwhile."""
@@ -123,6 +138,18 @@ class Panels:
         if made.world is self._world:
             self.landscape = made
             put_html(self._landscape, made.picture.html)
+
+    def show_transfers(self, html: str | None) -> None:
+        """All transfers' landscapes in place of the one that is used; None shows that again."""
+        alone = html is None
+        put_html(self._transfers, html or "")
+        for handle, visible in ((self._landscape, alone), (self._path, alone), (self._transfers, not alone)):
+            if handle.visible != visible:
+                handle.visible = visible
+        put_label(self._compare, *(COMPARE if alone else ALONE))
+
+    def _errors_of(self, session: Session) -> list[float]:
+        return self._errors.of(session.history)[: session.cursor + 1]
 
     def show_help(self) -> None:
         """Open the help, or close it."""
@@ -135,6 +162,4 @@ class Panels:
             self._client.gui.add_html(help_html())
             done = self._client.gui.add_button("Close")
 
-        @done.on_click
-        async def _(_event) -> None:
-            self._on_help()
+        on_click(done, self._inbox, "help")

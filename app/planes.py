@@ -3,6 +3,7 @@
 An arm covers a small part of its image, so that a window follows the arm's whole range instead of the frame.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ BOXES = {
 MARGIN = 10  # image px around the points: about half a link's thickness
 CLEARLY = 0.02  # share of the points by which one corner is worse than another
 POSTURES_A_JOINT, POSTURES = 9, 200  # of the grid with two joints; drawn at random with more
+NEAR = np.radians(20)  # of a posture, with more joints
 
 
 class Window(NamedTuple):
@@ -42,9 +44,13 @@ class Window(NamedTuple):
 Windows = dict[bool, dict[str, Window]]
 
 
-def image_windows(world: World) -> Windows:
-    """Windows of the four views by whether whole frames are shown; computed once a scene."""
-    theta = _postures(world)
+def image_windows(world: World, held: Sequence[NDArray] = ()) -> Windows:
+    """Windows of the four views by whether whole frames are shown.
+
+    held: postures, (m,) rad. With more than two joints an arm reaches nearly everywhere, so that windows show what is
+    near these postures, not the whole range.
+    """
+    theta = _postures(world, held)
     points = {}
     for pair, look in (("lr", world.demo_images), ("LR", world.own_images)):
         images, visible = look(theta)
@@ -68,13 +74,31 @@ def image_windows(world: World) -> Windows:
     return windows
 
 
-def _postures(world: World) -> list[NDArray]:
-    """The moving joints' angles over their range, one flat array a joint."""
+def holds(windows: Windows, world: World, snapshot: Snapshot) -> bool:
+    """Whether the windows show both arms' points, as they would be without noise."""
+    if len(snapshot.theta) <= 2:
+        return True
+    for pair, (points, visible) in (
+        ("lr", world.demo_images(snapshot.theta_demo)),
+        ("LR", world.own_images(snapshot.theta)),
+    ):
+        for side, view in enumerate(pair):
+            x, y, w, h = windows[False][view][:4]
+            place = (points[visible[:, side], 2 * side : 2 * side + 2] - (x, y)) / (w, h)
+            if ((place < 0) | (place > 1)).any():
+                return False
+    return True
+
+
+def _postures(world: World, held: Sequence[NDArray]) -> list[NDArray]:
+    """The moving joints' angles, one flat array a joint: over the range of two, or near the postures to be held."""
     lower, upper = world.scene.lower, world.scene.upper
     if len(lower) <= 2:
         axes = [np.linspace(low, high, POSTURES_A_JOINT) for low, high in zip(lower, upper)]
         return [axis.ravel() for axis in np.meshgrid(*axes)]
-    return list(np.random.default_rng(0).uniform(lower, upper, (POSTURES, len(lower))).T)
+    centres = np.array([np.radians(world.scene.posture_deg)[world.scene.moving], *held])
+    near = np.random.default_rng(0).uniform(-NEAR, NEAR, (len(centres), -(-POSTURES // len(centres)), len(lower)))
+    return list(np.clip(centres[:, None] + near, lower, upper).reshape(-1, len(lower)).T)
 
 
 def _span(points: NDArray, frame: tuple[int, int], whole: bool) -> tuple[NDArray, NDArray]:

@@ -176,6 +176,7 @@ CSS = """
 .vi-x-recovered{stroke:var(--recovered)}
 .vi-x-residual{stroke:var(--residual)}
 .vi-x-ink{stroke:var(--ink)}
+.vi-x-opponent{stroke:var(--opponent)}
 .vi-x-chosen{stroke:var(--chosen)}
 .vi-x-fill-learner{fill:var(--learner)}
 .vi-x-hollow{fill:var(--paper);stroke-width:1.5}
@@ -191,6 +192,7 @@ CSS = """
 .vi .vi-x-of-recovered{fill:var(--recovered)}
 .vi .vi-x-of-residual{fill:var(--residual)}
 .vi .vi-x-of-ink{fill:var(--ink)}
+.vi .vi-x-of-opponent{fill:var(--opponent)}
 .vi .vi-x-of-chosen{fill:var(--chosen)}
 .vi .vi-x-off{fill:var(--stopped);font-weight:600}
 .vi-x-off-mark{stroke:var(--stopped);stroke-width:1.7;fill:var(--paper)}

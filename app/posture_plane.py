@@ -9,7 +9,7 @@ from . import svg
 from .labels import Labels
 
 WIDTH = 424
-LEFT, RIGHT, TOP, BOTTOM = 36, 8, 7, 34  # px around the plot
+LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot
 MOST_HIGH = 212  # px of the plot
 PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene without two moving joints
 
@@ -17,23 +17,30 @@ PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene withou
 class PosturePlane:
     """scale: px a degree. box: (x, y, w, h) px of the plot. labels: what is taken of it. width: px, with its axes."""
 
-    def __init__(self, scene: Scene, width: float = WIDTH, most_high: float = MOST_HIGH):
+    def __init__(
+        self,
+        scene: Scene,
+        width: float = WIDTH,
+        most_high: float = MOST_HIGH,
+        margins: tuple[float, float, float, float] = MARGINS,
+    ):
         self._width = width
+        left, right, self._top, self._bottom = margins
         self.has_plane = len(scene.moving_joints) == 2
         ranges = scene.range_deg if self.has_plane else PAPER_RANGE_DEG
         self._joints = [svg.joint_symbol(joint) for joint in scene.moving_joints] if self.has_plane else ["", ""]
         self._low, self._high = np.array(ranges, float).T
         span = self._high - self._low
-        self.scale = float(min((width - LEFT - RIGHT) / span[1], most_high / span[0]))
+        self.scale = float(min((width - left - right) / span[1], most_high / span[0]))
         w, h = span[1] * self.scale, span[0] * self.scale
-        self.box = float(LEFT + (width - LEFT - RIGHT - w) / 2), TOP, float(w), float(h)
-        self.labels = Labels(self.box[0], TOP, self.box[0] + w, TOP + h)
+        self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
+        self.labels = Labels(self.box[0], self._top, self.box[0] + w, self._top + h)
 
     def place(self, degrees: NDArray) -> NDArray:
         """(..., 2) degrees → px"""
         px = np.empty(degrees.shape)
         px[..., 0] = self.box[0] + (degrees[..., 1] - self._low[1]) * self.scale
-        px[..., 1] = TOP + (self._high[0] - degrees[..., 0]) * self.scale
+        px[..., 1] = self._top + (self._high[0] - degrees[..., 0]) * self.scale
         return px
 
     def grid(self, axes: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
@@ -44,10 +51,8 @@ class PosturePlane:
 
     def wrap(self, inside: str, over: str = "") -> str:
         """A drawing of the plane's size. over: class of an element that lies over another."""
-        drawing = (
-            f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {TOP + self.box[3] + BOTTOM:.1f}">'
-            f"{inside}</svg></div>"
-        )
+        height = self._top + self.box[3] + self._bottom
+        drawing = f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {height:.1f}">{inside}</svg></div>'
         return f'<div class="{over}">{drawing}</div>' if over else drawing
 
     def frame(self, classes: str) -> str:
@@ -59,14 +64,32 @@ class PosturePlane:
         x, y, w, h = self.box
         return svg.text(x + w / 2, y + h / 2, words, "vi-2nd vi-mid")
 
-    def axes(self) -> str:
-        """The frame with ticks and names."""
+    def ends(self) -> str:
+        """The frame with the ends of its sides and their names: axes for a small plot."""
+        left, top, w, h = self.box
+        bottom, low, high = top + h, self._low.tolist(), self._high.tolist()
+        degrees = lambda angle: svg.number(angle, 0) + "°"
+        return "".join(
+            [
+                self.frame("vi-axis"),
+                svg.text(left, bottom + 12, degrees(low[1]), "vi-2nd"),
+                svg.text(left + w, bottom + 12, degrees(high[1]), "vi-2nd vi-end"),
+                svg.text(left + w / 2, bottom + 12, self._joints[1], "vi-mid"),
+                svg.text(left - 4, top + 9, degrees(high[0]), "vi-2nd vi-end"),
+                svg.text(left - 4, bottom, degrees(low[0]), "vi-2nd vi-end"),
+                svg.text(left - 4, top + h / 2 + 4, self._joints[0], "vi-end"),
+            ]
+        )
+
+    def axes(self, note: str = "") -> str:
+        """The frame with ticks and names. note: below, at the right."""
         left, top, w, h = self.box
         bottom = top + h
         parts = [
             self.frame("vi-axis"),
             svg.text(left, bottom + 29, "contours: E in px²", "vi-2nd"),
             svg.text(left + w / 2, bottom + 29, self._joints[1], "vi-mid"),
+            svg.text(left + w, bottom + 29, note, "vi-2nd vi-end") if note else "",
             svg.text(left - 8, top + h / 4 + 4, self._joints[0], "vi-end"),
         ]
         ticks = []

@@ -66,14 +66,19 @@ def _masked(grid: Grid, alpha: NDArray, box: tuple[float, float, float, float], 
     )
 
 
+def plain_contours(grid: Grid, E: NDArray) -> str:
+    """Contours at levels 1, 2, 5 …, without labels."""
+    generator = _generator(grid, E)
+    lines = [_thin(line) for level in _levels(E) for line in generator.lines(np.log(level))]
+    return f'<path class="vi-contour" d="{"".join(map(svg.path, lines))}"/>'
+
+
 def contours(grid: Grid, E: NDArray, labels: Labels, lowest: NDArray) -> str:
     """Contours at levels 1, 2, 5 …, each labelled on two rays from `lowest` (2,) px to the plot's far corners."""
-    top = np.nanmax(E)
-    levels = [level for level in LEVELS if max(np.nanmin(E), top / FLOOR) < level < top][-MOST_LEVELS:]
     generator = _generator(grid, E)
     paths, texts = [], []
     rays = _rays(labels, lowest)
-    for level in levels:
+    for level in _levels(E):
         lines = [_thin(line) for line in generator.lines(np.log(level))]
         paths.extend(svg.path(line) for line in lines)
         for ray in rays:
@@ -91,6 +96,12 @@ def fine_contours(grid: Grid, E: NDArray) -> str:
     generator = _generator(grid, E)
     lines = [line for level in levels if low < level < high for line in generator.lines(np.log(level))]
     return f'<path class="vi-contour" d="{"".join(svg.path(line) for line in lines)}"/>'
+
+
+def _levels(E: NDArray) -> list[float]:
+    """The MOST_LEVELS highest."""
+    top = np.nanmax(E)
+    return [level for level in LEVELS if max(np.nanmin(E), top / FLOOR) < level < top][-MOST_LEVELS:]
 
 
 def _generator(grid: Grid, E: NDArray):

@@ -25,14 +25,25 @@ def share_scene(server: ViserServer) -> None:
     """What all pages share: link meshes, floor, light."""
     server.scene.configure_default_lights(enabled=False)
     set_stage(server.scene, LOOKS[False])
-    share_meshes(server)
+    for arm in ("learner", "demonstrator"):
+        share_meshes(server, arm)
 
 
 class Scene3D:
-    """build in __init__, then draw(snapshot, …) as often as wanted; rebuild for another world."""
+    """build in __init__, then draw(snapshot, …) as often as wanted; rebuild for another world.
 
-    def __init__(self, client: ClientHandle, on_choose: Callable[[int], None], below: float):
+    share_opponent(): puts its meshes on the server's scene, before they are first shown.
+    """
+
+    def __init__(
+        self,
+        client: ClientHandle,
+        on_choose: Callable[[int], None],
+        below: float,
+        share_opponent: Callable[[], None],
+    ):
         self._client, self._on_choose, self._below = client, on_choose, below
+        self._share_opponent = share_opponent
         self._arms: dict[str, Arm] = {}
         self._nodes: list = []
         self._stage: Stage | None = None
@@ -67,8 +78,7 @@ class Scene3D:
         self._stage.set_dark(dark)
 
     def draw(self, snapshot: Snapshot, chosen: int | None, show: dict[str, bool]) -> None:
-        """Poses at once; points on the plates, rays and residuals with them."""
-        self.draw_poses(snapshot.theta, snapshot.theta_demo)
+        """Points on the plates, rays and residuals."""
         own = self._world.points_world(snapshot.theta, self._bases["learner"])
         if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
             points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
@@ -79,10 +89,17 @@ class Scene3D:
         self._draw_residuals(snapshot, own, show["residuals"])
         self._draw_chosen(own, demo, chosen)
 
-    def draw_poses(self, theta: NDArray, theta_demo: NDArray) -> None:
-        """Turn the arms only, (m,) rad each."""
+    def draw_poses(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
+        """Turn the arms only, (m,) rad each. theta_opponent: None without a duel, which hides that arm."""
         self._arms["learner"].draw(self._world.joint_angles(theta))
         self._arms["demonstrator"].draw(self._world.joint_angles(theta_demo))
+        if theta_opponent is not None:
+            if "opponent" not in self._arms:
+                self._share_opponent()
+                self._arms["opponent"] = Arm(self._client, self._world, "opponent", self._bases["learner"])
+            self._arms["opponent"].draw(self._world.joint_angles(theta_opponent))
+        elif "opponent" in self._arms:
+            self._arms.pop("opponent").remove()
 
     def hand_position(self, theta_demo: NDArray) -> NDArray:
         """(3,) m, the origin of the demonstrator's last link."""

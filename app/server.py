@@ -9,6 +9,7 @@ import signal
 import socket
 import threading
 import webbrowser
+from functools import cache
 
 import viser
 
@@ -16,6 +17,7 @@ from viewimit.session import Session
 from viewimit.snapshot import Settings
 
 from . import experiments_tab, help, learner_bars, plots, theme, verdict
+from .arms import share_meshes
 from .experiment_worker import ExperimentWorker
 from .landscape_worker import LandscapeWorker
 from .page import Page
@@ -100,6 +102,7 @@ class App:
         css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments_tab))
         server.gui.add_html(f"<style>{css}</style>")
         share_scene(server)
+        self._share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
         server.on_client_connect(self._connect)
         server.on_client_disconnect(self._disconnect)
         self._scheduler.start()
@@ -117,7 +120,7 @@ class App:
             client.gui.add_html("<p>All seats are taken. Close a tab elsewhere, then reload this one.</p>")
             return
         try:
-            page = Page(client, self._worker, self._experiments, self._settings)
+            page = Page(client, self._worker, self._experiments, self._share_opponent, self._settings)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
             client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             self._disconnect(client)

@@ -15,6 +15,7 @@ ROLES = {
     "demonstrator-edge": ("#8a5a00", "#ffdf9e"),
     "recovered": ("#007f5c", "#3fd0a2"),
     "residual": ("#d55e00", "#ff8440"),
+    "opponent": ("#6a3fa0", "#b99cf5"),
     "chosen": ("#b0508a", "#e79ac6"),
     "stopped": ("#d0342c", "#ff6b61"),
     "ink": ("#1b2430", "#f0f2f5"),
@@ -68,6 +69,8 @@ body,button,input,textarea,.mantine-Text-root,[class*=mantine-]:not(svg,svg *){
 .mantine-Paper-root[data-with-border]:has(.vi-demonstrator-folder) .mantine-Slider-thumb{
   background:var(--demonstrator)!important;border-color:var(--demonstrator)!important}
 .mantine-Slider-markWrapper{display:none}
+div[style*="padding-bottom: 0.5em"]{padding-bottom:3px!important}
+.mantine-Paper-root[style*="margin-bottom: var(--mantine-spacing-md)"]{margin-bottom:9px!important}
 math{font-family:"STIX Two Math","Latin Modern Math","Cambria Math","DejaVu Math TeX Gyre",
   "Noto Sans Math",math;font-size:16px;
   color:var(--ink)}
@@ -117,6 +120,8 @@ _DRAWINGS = """
 .vi-dot-own{stroke:var(--learner);stroke-width:5.2}
 .vi-probe-own{stroke:var(--learner);stroke-width:1.3;fill:var(--paper)}
 .vi-line-demo{stroke:var(--demonstrator-edge);stroke-width:1.4;stroke-dasharray:5 4;stroke-linecap:butt}
+.vi-line-opponent{stroke:var(--opponent);stroke-width:1.8;stroke-dasharray:4 2.6;stroke-linecap:butt}
+.vi .vi-of-opponent{fill:var(--opponent);font-weight:600}
 .vi-later{opacity:.3}
 .vi-cursor{stroke:var(--secondary);stroke-width:1;stroke-dasharray:1 3}
 .vi .vi-of-E{fill:var(--residual);font-weight:600}
@@ -124,11 +129,13 @@ _DRAWINGS = """
 .vi .vi-of-demo{fill:var(--demonstrator-edge)}
 .vi-hills{fill:var(--hills)}
 .vi-contour{stroke:var(--ink);stroke-opacity:.5;stroke-width:.8}
+.vi-bar-cost{fill:var(--hills);fill-opacity:.55}
 .vi-blind{stroke:var(--secondary);stroke-width:1}
 .vi-lead{stroke:var(--ink);stroke-width:1}
 .vi-lead-demo{stroke:var(--demonstrator-edge);stroke-width:1.2}
 .vi-cross{stroke:var(--ink);stroke-width:1.7}
 .vi-inset{fill:var(--paper);stroke:var(--secondary)}
+.vi-now-opponent{stroke:var(--paper);stroke-width:1.4;fill:var(--opponent)}
 .vi-now{stroke:var(--paper);stroke-width:1.6;fill:var(--learner)}
 """
 

@@ -11,8 +11,13 @@ from viewimit.session import Session
 
 from .checks import choice, number
 from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
+from .disturbances import DISTURBANCES
+from .duel import Duel
+from .joints import Freedom, joint_choices
 from .pace import Pace
 from .presets import Preset
+
+METHOD = {"transfer", "servo"}
 
 
 @dataclass
@@ -38,18 +43,22 @@ class Visitor:
         controls: Controls,
         view: View,
         presets: dict[str, Preset],
+        duel: Duel,
         on_world: Callable[[], None],
         elsewhere: dict[str, Callable],
     ):
         self._session, self._pace, self._controls, self._view = session, pace, controls, view
-        self._presets, self._on_world, self._elsewhere = presets, on_world, elsewhere
+        self._presets, self._duel, self._on_world, self._elsewhere = presets, duel, on_world, elsewhere
+        self._freedom = Freedom()
 
     def act(self, action: str, now: float) -> None:
         session, pace = self._session, self._pace
         if action == "play":
+            self._duel.follow()
             pace.toggle()
         elif action == "step":
             pace.pause()
+            self._duel.follow()
             pace.step(now)
         elif action == "undo":
             pace.pause()
@@ -58,7 +67,7 @@ class Visitor:
         elif action == "reset":
             pace.pause()
             session.reset()
-            pace.settle()
+            self._duel.begin()
             self._controls.show(session.settings)
         elif action == "next point":
             count = len(session.world.body)
@@ -67,7 +76,9 @@ class Visitor:
             self._elsewhere[action]()
 
     def set(self, name: str, value) -> None:
-        if name.startswith("joint"):
+        if name == "joints":
+            self._free(value)
+        elif name.startswith("joint"):
             self._set_joint(int(name.removeprefix("joint")), value)
         elif name in SETTERS:
             self._change(**SETTERS[name](value))
@@ -79,8 +90,7 @@ class Visitor:
             self._pace.speed = choice(value, SPEEDS, "speed")
         elif name == "history":
             self._pace.pause()
-            self._session.scrub(round(number(value)))
-            self._pace.settle()
+            self._pace.scrub(round(number(value)))
             self._controls.show(self._session.settings)
         elif name == "chosen":
             self._choose(None if value == NO_POINT else round(number(value)))
@@ -88,6 +98,13 @@ class Visitor:
             self._view.show[name] = bool(value)
         else:
             self._elsewhere[name](value)
+
+    def _free(self, value) -> None:
+        """Let other joints move. What the page has now may be meant by it, which changes nothing."""
+        settings = self._session.settings
+        joints = choice(value, joint_choices(settings), "joints")
+        if joints != settings.joints:
+            self._change(**self._freedom.fields(settings, self._session.scene, joints))
 
     def _set_joint(self, k: int, value) -> None:
         theta = self._session.snapshot.theta_demo.copy()
@@ -102,6 +119,7 @@ class Visitor:
 
     def _pose(self, theta: NDArray) -> None:
         self._session.pose(theta)
+        self._duel.follow()
         self._pace.wake()
 
     def _change(self, **fields) -> None:
@@ -110,6 +128,10 @@ class Visitor:
         self._pace.wake()
         if self._session.world is not world:
             self._draw_anew()
+        elif self._duel.opponent is not None and not METHOD.isdisjoint(fields):
+            self._duel.begin_again()
+        else:
+            self._duel.follow()
 
     def _begin(self, preset) -> None:
         self._pace.pause()
@@ -119,7 +141,7 @@ class Visitor:
         self._draw_anew()
 
     def _draw_anew(self) -> None:
-        self._pace.settle()
+        self._duel.begin()
         if self._view.chosen is not None and self._view.chosen >= len(self._session.world.body):
             self._view.chosen = None
         self._controls.build_sliders(self._session.scene, self._session.settings)
@@ -141,8 +163,7 @@ def _named(names: dict[str, str], what: str) -> Callable[[object], dict]:
 SETTERS: dict[str, Callable[[object], dict]] = {
     "transfer": _named(TRANSFER_NAMES, "transfer"),
     "servo": _named(SERVO_NAMES, "servo"),
-    "noise_px": lambda value: {"noise_px": number(value)},
-    "missing": lambda value: {"missing": number(value) / 100},
+    **{name: amount.asked for name, amount in DISTURBANCES.items()},
     "seed": lambda value: {"seed": round(number(value))},
     "points": lambda value: {"points": round(number(str(value).split()[0]))},
 }

@@ -27,6 +27,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "evaluation",
     "transfer",
     "landscape",
+    "observability",
     "servo",
     "snapshot",
     "session",

@@ -114,7 +114,8 @@ def test_a_new_visitor_sees_everything(page):
     names = page.locator(".vi-name").all_text_contents()
     assert sorted(names) == sorted(["l", "r", "L", "R"])
     assert posture(page) == [25, -25]
-    assert page.get_by_role("tab").all_inner_texts() == ["Images", "Landscape", "Curves", "Equations", "Experiments"]
+    tabs = ["Images", "Landscape", "Curves", "Equations", "Duel", "Experiments"]
+    assert page.get_by_role("tab").all_inner_texts() == tabs
 
 
 def test_playing_converges_and_says_so(page):
@@ -191,8 +192,60 @@ def test_noise_and_seed_repeat(page):
         return page.locator(".vi-big").first.text_content()
 
     noisy = changed_E("Noise px", 0.5)
+    click(page, "Arm and chance")
+    page.wait_for_timeout(300)
     other = changed_E("Seed", 8)
     assert changed_E("Seed", 7) == noisy != other
+    changed_E("Wrong %", 20)
+    changed_E("Frames", 50)  # sets them aside, and averages the noise
+    set_number(page, "Noise px", 0)
+    set_number(page, "Wrong %", 0)
+    set_number(page, "Gain err. %", 20)
+    press(page, "ArrowRight")
+    wait_until(page, lambda: posture(page) == [43, -25])  # the first probe of 15°
+    set_number(page, "Steps °", 2)
+    press(page, "ArrowRight")
+    wait_until(page, lambda: posture(page)[1] == -8)
+
+
+def test_all_joints_can_be_freed_and_held_again(page):
+    choose(page, "Joints", "all seven")
+    wait_until(page, lambda: len(posture(page)) == 7)
+    assert "of 16" in page.text_content(".vi-panel svg")
+    page.wait_for_function("document.body.textContent.includes('What 1 px of noise costs')")
+    press(page, "ArrowRight")
+    wait_until(page, lambda: posture(page) != [0, 25, 0, -25, 0, 90, 45])
+    click(page, "Compare all transfers")
+    page.wait_for_function("document.querySelectorAll('.vi-transfers rect').length == 28")
+    choose(page, "Joints", "two: θ₂, θ₄")
+    wait_until(page, lambda: posture(page) == [25, -25])
+    assert "of 10" in page.text_content(".vi-panel svg")
+    page.wait_for_function("document.querySelectorAll('.vi-transfers .vi-contour').length == 4")
+    bias = re.findall(r"bias ([\d.]+)°", page.text_content(".vi-transfers"))
+    assert len(bias) == 4 and float(bias[3]) == 0 < float(bias[0])
+    click(page, "This transfer alone")
+    page.wait_for_selector(".vi-transfers", state="detached")
+
+
+def test_two_methods_race_from_one_start(page):
+    page.get_by_role("tab", name="Duel").click()
+    choose(page, "Opponent's transfer", "Rank 3, all views")
+    choose(page, "Opponent's servo", "Broyden on images")
+    click(page, "Begin duel")
+    said = lambda: "".join(page.locator(".vi-duel").all_text_contents())
+    wait_until(page, lambda: "Opponent: Rank 3, all views" in said())
+    page.wait_for_function("document.querySelectorAll('.vi-duel .vi-contour').length == 2")
+    wait_until(page, lambda: re.search(r"was first within 1° of the demonstrator, after \d+ motions", said()))
+    wait_for_status(page, "Converged")
+    press(page, "r")
+    wait_until(page, lambda: "Neither is within 1° of the demonstrator yet" in said())
+    set_number(page, "θ₄", -45)
+    wait_until(page, lambda: said().count("largest error20.0°") == 2)  # the demonstrator is both's
+    press(page, "ArrowRight")
+    wait_until(page, lambda: posture(page) == [40, -25] and said().count("motions1") == 2)
+    click(page, "End duel")
+    wait_until(page, lambda: "which method arrives first?" in said())
+    assert posture(page) == [40, -25]
 
 
 def test_display_switches(page):

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 from viewimit.app.controls import SERVO_NAMES, TRANSFER_NAMES
+from viewimit.app.disturbances import DISTURBANCES
+from viewimit.app.duel import Duel
 from viewimit.app.experiment_worker import Run
 from viewimit.app.experiments import TITLES, Experiments
 from viewimit.app.inbox import Inbox
+from viewimit.app.joints import joint_choices
 from viewimit.app.motions import Motions
 from viewimit.app.pace import Pace
 from viewimit.app.presets import AS_STARTED, PRESETS, presets_from
@@ -31,16 +34,15 @@ class QuietControls:
 def page():
     session = Session(Settings(start_deg=(25, -25)))
     pace, view, drawn = Pace(session), View(), []
-    visitor = Visitor(
-        session, pace, QuietControls(), view, presets_from(Settings(seed=99)), lambda: drawn.append("world"), {}
-    )
+    presets, duel = presets_from(Settings(seed=99)), Duel(session, pace)
+    visitor = Visitor(session, pace, QuietControls(), view, presets, duel, lambda: drawn.append("world"), {})
     return session, pace, view, visitor, drawn
 
 
 HOSTILE = [np.nan, np.inf, "1e9x", None, [1, 2], {"a": 1}, "<script>"]
 
 
-@pytest.mark.parametrize("name", ["joint0", "joint1", "noise_px", "missing", "seed", "history", "chosen"])
+@pytest.mark.parametrize("name", ["joint0", "joint1", *DISTURBANCES, "joints", "seed", "history", "chosen"])
 @pytest.mark.parametrize("value", HOSTILE, ids=str)
 def test_values_that_are_no_numbers_are_refused_and_change_nothing(page, name, value):
     session, _, view, visitor, _ = page
@@ -57,6 +59,12 @@ def test_values_that_are_no_numbers_are_refused_and_change_nothing(page, name, v
         ("joint1", 1.0),
         ("noise_px", -1),
         ("missing", 101),
+        ("outliers", -1),
+        ("frames", 0),
+        ("frames", 51),
+        ("gain_error", 51),
+        ("quantum_deg", 6),
+        ("joints", "all eight"),
         ("seed", -3),
         ("points", "7 points"),
         ("chosen", 10),
@@ -102,6 +110,52 @@ def test_joints_move_the_demonstrator_alone(page):
     visitor.set("joint0", 60)
     assert np.allclose(np.degrees(session.snapshot.theta_demo), [60, -90])
     assert np.array_equal(session.snapshot.theta, theta) and session.snapshot.motion == 0
+
+
+@pytest.mark.parametrize("name, amount", DISTURBANCES.items())
+def test_a_slider_shows_what_it_has_asked_for(page, name, amount):
+    session, _, _, visitor, _ = page
+    for value in np.arange(amount.low, amount.high + amount.step / 2, amount.step):
+        visitor.set(name, float(value))
+        assert amount.shown(session.settings) == pytest.approx(value, abs=1e-9)
+    assert amount.shown(Settings()) == max(amount.low, 0)  # none of it
+
+
+@pytest.mark.parametrize("scene, layout", [("panda", 16), ("iiwa", 10)])
+def test_joints_are_freed_with_a_layout_for_them_and_held_again(page, scene, layout):
+    session, _, _, visitor, drawn = page
+    session.begin(Settings(scene=scene, start_deg=(25, -25), points=10))
+    two, seven = joint_choices(session.settings)
+    visitor.set("joint0", 60.0)
+    before = session.settings
+    visitor.set("joints", seven)
+    rest = np.array(session.scene.posture_deg)
+    assert drawn and session.scene.moving_joints == (1, 2, 3, 4, 5, 6, 7) and session.settings.points == layout
+    held = [k for k in range(7) if k not in (1, 3)]
+    for angles, theirs in ((session.settings.demonstrator_deg, (60, -90)), (session.settings.start_deg, (25, -25))):
+        assert (angles[1], angles[3]) == pytest.approx(theirs) and np.array(angles)[held] == pytest.approx(rest[held])
+    visitor.set("joint6", 10.0)
+    snapshot = session.snapshot
+    visitor.set("joints", seven)  # as it is already
+    assert session.snapshot is snapshot
+    visitor.set("joints", two)
+    assert session.settings == before
+
+
+def test_freed_joints_of_a_preset_are_held_with_the_usual_layout(page):
+    session, _, _, visitor, _ = page
+    visitor.set("preset", "Seven joints")
+    visitor.set("joints", next(iter(joint_choices(session.settings))))
+    assert session.settings.joints is None and session.settings.points == Settings().points
+    assert session.settings.demonstrator_deg == (40, -80)
+
+
+def test_other_joints_from_the_command_line_are_a_choice_too(page):
+    session, _, _, visitor, _ = page
+    session.begin(Settings(joints=(2, 4, 6), points=20))
+    assert list(joint_choices(session.settings)) == ["two: θ₂, θ₄", "all seven", "three: θ₂, θ₄, θ₆"]
+    visitor.set("joints", "all seven")
+    assert session.settings.points == 20  # enough already
 
 
 def test_a_resting_loop_wakes_when_the_demonstrator_moves(page):
@@ -204,7 +258,8 @@ def laboratory():
     experiments = Experiments(worker, 1, session, motions, lambda run: experiments.take(run), send)
     wishes = {**experiments.wishes, **motions.wishes}
     pace = Pace(session)
-    visitor = Visitor(session, pace, QuietControls(), View(), presets_from(Settings()), lambda: None, wishes)
+    presets, duel = presets_from(Settings()), Duel(session, pace)
+    visitor = Visitor(session, pace, QuietControls(), View(), presets, duel, lambda: None, wishes)
     return session, worker, experiments, motions, visitor, sent
 
 

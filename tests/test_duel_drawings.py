@@ -1,0 +1,266 @@
+"""Drawings of a duel, of all transfers and of what noise costs say what the arrays say, and stay small."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from viewimit.app import curves, duel_view, learner_bars, observability_view, planes, plots, theme, transfers_view
+from viewimit.app.duel import Duel
+from viewimit.app.landscape_view import LandscapePicture
+from viewimit.app.pace import Pace
+from viewimit.app.small_landscape import WIDTH, small_plane, study
+
+from viewimit.landscape import landscape
+from viewimit.session import Session
+from viewimit.snapshot import BEST, Settings
+from viewimit.transfer import TRANSFERS
+
+PAGE_CSS = theme.CSS + plots.CSS + learner_bars.CSS
+UNSTYLED = {"vi-duel", "vi-transfers", "vi-x-solid"}
+SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
+
+
+def parsed(html):
+    return ElementTree.fromstring(f"<root>{html}</root>")
+
+
+def words(html):
+    return " ".join(parsed(html).itertext())
+
+
+def numbers(text):
+    return np.array([float(word) for word in re.findall(r"-?\d+\.?\d*", text)])
+
+
+def raced(settings, motions, transfer="epipolar", servo="gradient"):
+    session = Session(settings)
+    pace = Pace(session)
+    duel = Duel(session, pace)
+    duel.transfer, duel.servo = transfer, servo
+    duel.toggle()
+    for motion in range(motions):
+        pace.step(float(motion))
+    return session, duel
+
+
+@pytest.fixture(scope="module")
+def race():
+    return raced(BEST, 8)
+
+
+@pytest.fixture(scope="module")
+def studied():
+    session = Session(BEST)
+    return session, [study(session.world, session.snapshot, transfer) for transfer in TRANSFERS]
+
+
+def draw_race(session, duel):
+    return duel_view.draw_race(session.scene, (session, duel.opponent), duel.standings)
+
+
+class TestDuel:
+    def test_paths_run_through_the_postures_of_each(self, race):
+        session, duel = race
+        plane, root = small_plane(session.scene, duel_view.MOST_HIGH), parsed(draw_race(session, duel))
+        for racer, kind in ((session, "vi-line-own"), (duel.opponent, "vi-line-opponent")):
+            line = next(p.get("d") for p in root.iter("path") if p.get("class") == kind)
+            expected = plane.place(np.degrees([moment.theta for moment in racer.history]))
+            assert numbers(line).reshape(-1, 2) == pytest.approx(expected, abs=0.06)
+
+    def test_the_two_are_told_apart_by_line_and_mark(self, race):
+        root = parsed(draw_race(*race))
+        assert len([c for c in root.iter("circle") if c.get("class") == "vi-now"]) == 1
+        assert len([r for r in root.iter("rect") if r.get("class") == "vi-now-opponent"]) == 1
+        assert re.search(r"\.vi-line-opponent\{[^}]*stroke-dasharray", theme.CSS)
+        assert not re.search(r"\.vi-line-own\{[^}]*stroke-dasharray", theme.CSS)
+
+    def test_it_says_motions_error_E_and_method_of_each(self, race):
+        session, duel = race
+        text = words(draw_race(session, duel))
+        for racer in (session, duel.opponent):
+            error = np.degrees(np.abs(racer.snapshot.theta - racer.snapshot.theta_demo)).max()
+            assert f"motions {racer.snapshot.motion} largest error {error:.{2 if error < 10 else 1}f}" in text
+        assert "Learner: Projective combination" in text and "Opponent: Epipolar (paper)" in text
+
+    @pytest.mark.parametrize(
+        "own, other, states, first, second",
+        [
+            (None, None, "moving moving", "Neither is within 1°", "The learner is still moving, 3.00° off; the opp"),
+            (None, None, "stalled converged", "Neither came within 1°", "stalled, 3.00° off; the opponent converged"),
+            (6, None, "converged moving", "The learner was first within 1°", "The opponent is still moving, 4.00°"),
+            (6, 9, "converged converged", "The learner was first within 1°", "The opponent was, after 9."),
+            (9, 6, "converged converged", "The opponent was first within 1°", "The learner was, after 9."),
+            (None, 1, "ready converged", "demonstrator, after 1 motion.", "The learner is at the start, 3.00° off."),
+            (7, 7, "converged moving", "A tie: both were within 1° of the demonstrator after 7 motions.", ""),
+            (0, None, "ready moving", "The learner was first within 1° of the demonstrator, after 0 motions.", "opp"),
+        ],
+    )
+    def test_the_verdict_names_who_arrived_first(self, race, own, other, states, first, second):
+        standings = [
+            replace(standing, arrived=arrived, errors_deg=[error], snapshot=replace(standing.snapshot, status=status))
+            for standing, arrived, error, status in zip(
+                race[1].standings, (own, other), (3.0, 4.0), states.split(), strict=True
+            )
+        ]
+        said = duel_view.verdict(standings)
+        assert first in said[0] and second in said[1]
+
+    def test_errors_stand_on_a_log_axis(self, race):
+        _, duel = race
+        root = parsed(duel_view.draw_errors(duel.standings))
+        for standing, dash in zip(duel.standings, ("solid", "dashed")):
+            line = next(p.get("d") for p in root.iter("path") if f"vi-x-{dash}" in p.get("class", ""))
+            x, y = numbers(line).reshape(-1, 2).T
+            errors = np.log(np.maximum(standing.errors_deg, duel_view.LEAST_DEG))
+            slope = (y[-1] - y[0]) / (errors[-1] - errors[0])
+            assert slope < 0 and y == pytest.approx(y[0] + slope * (errors - errors[0]), abs=0.3)
+            assert np.diff(x) == pytest.approx(np.diff(x)[0], abs=0.11)
+
+    def test_with_seven_joints_errors_take_the_landscapes_place(self):
+        session, duel = raced(SEVEN, 2, "linear", "broyden")
+        html = draw_race(session, duel)
+        assert "Largest joint error" in html and "vi-line-own" not in html
+
+    def test_paths_of_many_motions_stay_small(self, race):
+        session, duel = race
+        session, duel = raced(Settings(servo="gradient-retuned"), 400)
+        assert len(draw_race(session, duel).encode()) < 9_000
+
+
+class TestTransfers:
+    def test_each_cross_is_a_minimum_between_the_grids_points(self, studied):
+        session, found = studied
+        for one in found:
+            lowest, grid = one.minima.theta[0], one.landscape
+            assert one.minima.E[0] <= np.nanmin(grid.E) and np.abs(lowest - grid.minimum).max() < np.radians(2.5)
+            assert one.bias_deg == pytest.approx(np.degrees(lowest - session.snapshot.theta_demo))
+        assert np.abs(found[-1].bias_deg).max() < 0.01 < np.abs(found[0].bias_deg).max()  # projective: none
+
+    def test_the_drawing_says_bias_minima_and_basin_of_each(self, studied):
+        session, found = studied
+        html = transfers_view.draw_transfers(session.scene, found, session.snapshot.theta_demo)
+        text = words(html)
+        for one in found:
+            bias = np.abs(one.bias_deg).max()
+            assert f"bias {bias:.1f}° · 1 minimum · basin {100 * one.basin:.0f} %" in text
+        root = parsed(html)
+        crosses = [p for p in root.iter("path") if p.get("class") == "vi-cross"]
+        plane = small_plane(session.scene, transfers_view.MOST_HIGH)
+        for one, cross in zip(found, crosses, strict=True):
+            x, y, half = numbers(cross.get("d"))[:3]
+            assert (x + half / 2, y) == pytest.approx(plane.place(np.degrees(one.minima.theta[0])), abs=0.11)
+        assert len(html.encode()) < 45_000
+
+    def test_minima_are_counted_in_words(self, studied):
+        one = studied[1][0]
+        two = replace(one, minima=replace(one.minima, theta=np.zeros((2, 2)), E=np.ones(2)), basin=0.123)
+        assert transfers_view.describe(two).endswith("2 minima · basin 12 %")
+        none = replace(one, minima=replace(one.minima, theta=np.empty((0, 2)), E=np.empty(0)))
+        assert transfers_view.describe(none) == "no minimum"
+
+    def test_nothing_stands_outside_its_column(self, studied):
+        session, found = studied
+        root = parsed(transfers_view.draw_transfers(session.scene, found, session.snapshot.theta_demo))
+        for column in root.iter("g"):
+            for text in column.findall("text"):
+                assert float(text.get("x")) + 5.6 * len(text.text) < WIDTH + transfers_view.GAP
+
+
+class TestObservability:
+    SPREAD = np.radians([2.0, 1.0, 4.0, np.inf, 9.0])
+
+    def test_bars_are_as_long_as_their_costs(self):
+        bars = [
+            float(bar.get("width"))
+            for bar in parsed(observability_view.draw_bars((1, 2, 3, 4, 5), self.SPREAD, 424, 20)).iter("rect")
+        ]
+        assert np.array(bars) / bars[4] == pytest.approx([2 / 9, 1 / 9, 4 / 9, 1, 1], abs=1e-3)
+
+    def test_weak_joints_are_named_marked_and_beside_the_rest(self):
+        html = observability_view.draw_observability((1, 2, 3, 4, 5), self.SPREAD)
+        said = words(html)
+        assert "Joints 4 and 5 are weakly observable:" in said
+        assert "1 px costs ∞ and 9.0° there, 4.0° at most at the others." in said
+        root = parsed(html)
+        assert len([p for p in root.iter("path") if p.get("class") == "vi-amber"]) == 2
+        one = observability_view.sentences((2, 4), np.radians([1, 3]))
+        assert one == ["Joint 4 is weakly observable:", "1 px costs 3.0° there, 1.0° at most at the others."]
+        none = observability_view.sentences((2, 4), np.radians([1, 1.5]))
+        assert none == ["No joint is much weaker than the others: 1 px costs 1.5° at most."]
+
+    def test_they_take_the_landscapes_place_with_seven_joints_and_its_caption_with_two(self):
+        session = Session(SEVEN)
+        picture = LandscapePicture(None, session.scene, session.snapshot, "too few", np.radians(np.arange(1.0, 8)))
+        assert "What 1 px of noise costs" in picture.html and "too few" not in picture.html
+        assert parsed(picture.draw_path(session.history, 0)).find(".//path") is None
+        blind = LandscapePicture(None, session.scene, session.snapshot, "too few points")
+        assert "too few points" in blind.html
+        session = Session(Settings())
+        views = session.snapshot.views
+        found = landscape(session.world, TRANSFERS["linear"], views.demo, views.visible[:, :2])
+        picture = LandscapePicture(found, session.scene, session.snapshot, spread=np.radians([2.2, 1.8]))
+        assert "1 px costs θ₂ 2.2°, θ₄ 1.8°" in words(picture.html)
+
+
+class TestManyJoints:
+    def test_windows_hold_what_is_near_and_say_when_they_do_not(self):
+        session = Session(SEVEN)
+        world, snapshot = session.world, session.snapshot
+        windows = planes.image_windows(world, [snapshot.theta, snapshot.theta_demo])
+        assert planes.holds(windows, world, snapshot)
+        far = replace(snapshot, theta=np.radians([-100.0, 80, 60, -20, 0, 200, 0]))
+        assert not planes.holds(windows, world, far)
+        wider = planes.image_windows(world, [snapshot.theta, snapshot.theta_demo, far.theta])
+        assert planes.holds(wider, world, far) and planes.holds(wider, world, snapshot)
+        assert wider[False]["L"].scale <= windows[False]["L"].scale
+
+    @pytest.mark.parametrize("settings, columns", [(Settings(), False), (SEVEN, True)])
+    def test_the_learners_bars_stand_in_two_columns_if_many(self, settings, columns):
+        session = Session(settings)
+        theta, demo = session.snapshot.theta, session.snapshot.theta_demo
+        root = parsed(learner_bars.draw_learner(session.scene, theta, demo))
+        assert ("vi-many" in root[0].get("class")) == columns
+        for row, own, mark, low, high in zip(root[0], theta, demo, session.scene.lower, session.scene.upper):
+            left, right = (float(row.find(".//line").get(name)) for name in ("x1", "x2"))
+            places = left + (right - left) * (np.array([own, mark]) - low) / (high - low)
+            assert float(row.find(".//circle").get("cx")) == pytest.approx(places[0], abs=0.1)
+            assert numbers(row.find(".//path").get("d"))[0] == pytest.approx(places[1], abs=0.1)
+            assert float(row.find("b").text.replace("−", "-").rstrip("°")) == pytest.approx(np.degrees(own), abs=0.051)
+
+    def test_curves_label_each_joint_once(self):
+        session = Session(SEVEN)
+        for _ in range(3):
+            session.step()
+        html = curves.draw_curves(session.history, 3, None, session.scene.moving_joints, 424, [9.0, 4.0, 3.0, 2.0])
+        labels = [t for t in parsed(html).iter("text") if t.get("class") == "vi-of-own"]
+        heights = sorted(float(t.get("y")) for t in labels)
+        assert len(labels) == 7 and min(np.diff(heights)) > 12.9
+        assert "2.0° off, rms 3.1° over 3 motions" in words(html)
+
+
+def drawings(race, studied):
+    session, found = studied
+    seven = raced(SEVEN, 1)
+    yield from (
+        draw_race(*race),
+        draw_race(*seven),
+        duel_view.draw_empty(),
+        duel_view.draw_errors_alone(race[1].standings),
+    )
+    yield duel_view.draw_ground(session.scene, [], session.snapshot.theta_demo)
+    yield duel_view.draw_ground(session.scene, found[:2], session.snapshot.theta_demo)
+    yield transfers_view.draw_transfers(session.scene, found, session.snapshot.theta_demo)
+    yield transfers_view.draw_costs((1, 2), {"linear": np.ones(2), "rank3": None})
+    yield observability_view.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))
+
+
+def test_drawings_are_valid_name_roles_only_and_write_a_real_minus(race, studied):
+    for drawing in drawings(race, studied):
+        text = words(drawing)
+        assert not re.search(r"-\d|nan", text)
+        without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
+        assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
+        classes = {name for group in re.findall(r'class="([^"]+)"', drawing) for name in group.split()}
+        assert all(f".{name}" in PAGE_CSS for name in classes - UNSTYLED), classes

@@ -1,0 +1,106 @@
+"""What a pixel costs: against draws of noise, the robot's geometric Jacobian, and what no image can tell."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from viewimit.evaluation import residual
+from viewimit.observability import joint_uncertainty, residual_jacobian, uncertainty, weak_joints
+from viewimit.session import Session
+from viewimit.snapshot import Settings
+from viewimit.transfer import TRANSFERS
+from viewimit.views import FourViews
+
+SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
+
+
+def asked(session, transfer):
+    snapshot = session.snapshot
+    views = snapshot.views
+    return joint_uncertainty(session.world, TRANSFERS[transfer], views.demo, views.visible[:, :2], snapshot.theta_demo)
+
+
+def test_it_is_the_spread_of_least_squares_under_noise():
+    rng = np.random.default_rng(0)
+    J = rng.standard_normal((30, 4)) * (1, 2, 5, 0.1)
+    fits = np.linalg.lstsq(J, rng.standard_normal((30, 5000)), rcond=None)[0]
+    assert uncertainty(J) == pytest.approx(fits.std(1), rel=0.04)
+
+
+@pytest.mark.parametrize("transfer", ["linear", "projective"])
+def test_it_is_the_spread_of_the_smallest_E_under_noise_in_the_own_images(transfer):
+    session = Session(Settings())
+    demo, theta_demo = session.snapshot.views.demo, session.snapshot.theta_demo
+    rng, sigma = np.random.default_rng(1), 0.01
+
+    def minimum(noise):
+        def e(theta):
+            views = FourViews(demo, session.world.own_images(theta)[0] + noise, np.ones(1, bool))
+            return residual(TRANSFERS[transfer](views), views).ravel()
+
+        return least_squares(e, theta_demo, xtol=1e-12, ftol=1e-12).x
+
+    ends = np.array([minimum(sigma * rng.standard_normal(demo.shape)) for _ in range(150)])
+    assert asked(session, transfer) == pytest.approx(ends.std(0) / sigma, rel=0.2)
+
+
+def test_the_linear_transfers_jacobian_is_that_of_the_arm_beyond_the_demonstrators_shape():
+    """e = (I - H H⁺) y, so that J = (I - H H⁺) ∂y/∂θ; and a point turns about a joint by its axis times its arm."""
+    session = Session(SEVEN)
+    world, demo, theta = session.world, session.snapshot.views.demo, session.snapshot.theta_demo
+    frames = world.link_frames(theta, world.T_world_own)
+    points = world.points_world(theta, world.T_world_own)
+    columns = []
+    for j, joint in enumerate(world.robot.joints):
+        axis = frames[j + 1, :3, :3] @ joint.axis
+        velocity = np.cross(axis, points - frames[j + 1, :3, 3]) * (world.body.link > j)[:, None]
+        images = []
+        for camera in world.own_cameras:
+            R, t = camera.T_world_camera[:3, :3], camera.T_world_camera[:3, 3]
+            (x, y, z), (vx, vy, vz) = ((points - t) @ R).T, (velocity @ R).T
+            images += [camera.focal * (vx - x / z * vz) / z, camera.focal * (vy - y / z * vz) / z]
+        columns.append(np.stack(images, -1))
+    U = np.linalg.svd(demo - demo.mean(0))[0][:, :3]  # the first three: the demonstrator's affine shape
+    H = np.column_stack([np.ones(len(U)), U])
+    beyond = np.eye(len(H)) - H @ np.linalg.pinv(H)
+    expected = np.stack([(beyond @ column).ravel() for column in columns], -1)
+    assert asked(session, "linear") == pytest.approx(np.sqrt(np.diag(np.linalg.inv(expected.T @ expected))), rel=1e-4)
+
+
+def test_differences_are_the_derivative():
+    A = np.random.default_rng(2).standard_normal((6, 3))
+    e = lambda theta: np.sin(theta @ A.T)
+    theta = np.array([0.3, -0.8, 1.1])
+    assert residual_jacobian(e, theta) == pytest.approx(np.cos(A @ theta)[:, None] * A, rel=1e-4)
+
+
+def test_what_no_residual_tells_costs_infinitely_much():
+    J = np.zeros((8, 4))
+    J[:, 0], J[:, 1], J[:, 3] = 1.0, np.arange(8), np.arange(8)  # 2 moves nothing, 1 and 3 move the same
+    found = uncertainty(J)
+    assert np.isfinite(found[0]) and np.isinf(found[1:]).all()
+    assert np.isinf(uncertainty(np.zeros((8, 2)))).all()
+    assert np.isinf(uncertainty(np.ones((1, 2)))).all()  # one residual, two angles
+
+
+def test_larger_images_tell_more():
+    J = np.random.default_rng(3).standard_normal((12, 3))
+    assert uncertainty(2 * J) == pytest.approx(uncertainty(J) / 2)
+
+
+def test_the_wrist_is_told_least_and_more_points_tell_more():
+    few, many = (asked(Session(Settings(joints=SEVEN.joints, points=n)), "projective") for n in (10, 20))
+    assert weak_joints(few)[0] == 6 and few[6] > many[6]
+
+
+@pytest.mark.parametrize(
+    "spread, weak",
+    [((1, 1.2, 5), [2]), ((1, 3), [1]), ((1, 1.5), []), ((1, 9, 1, 4, 1), [1, 3]), ((1, np.inf), [1]), ((2,), [])],
+)
+def test_weak_is_what_costs_much_more_than_the_others(spread, weak):
+    assert weak_joints(spread) == weak
+
+
+def test_too_few_points_tell_nothing():
+    session = Session(Settings(missing=1.0))
+    assert asked(session, "linear") is None

@@ -112,8 +112,10 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 
 
 def _rest(snapshot: Snapshot) -> str:
+    if snapshot.expected_error:
+        return f"the images' noise leaves about {_short(float(np.degrees(snapshot.expected_error)))}°"
     if snapshot.settings.servo == "trust-region":
-        return f"E leaves no room for {np.degrees(CERTAIN):.1g}°, or is noise"
+        return f"E leaves no room for {np.degrees(CERTAIN):.1g}°"
     if snapshot.settings.servo == "broyden":
         return "next step under 0.1°"
     return "E no longer falls"

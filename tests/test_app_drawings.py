@@ -4,6 +4,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 import trimesh
@@ -17,7 +18,7 @@ from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.landscape import grid_axes, landscape
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.snapshot import BEST, Settings
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 
@@ -362,6 +363,14 @@ class TestStatus:
         assert status.describe(replace(now, transfer=ill))[0] == "ill-conditioned"
         state, sentence = status.describe(stepped(0, missing=0.5).snapshot)
         assert state == "stopped" and "at least 5 non-coplanar points are needed" in sentence
+
+    @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "noise leaves about 0.")])
+    def test_a_claim_says_how_exact_it_is(self, noise_px, said):
+        session = Session(msgspec.structs.replace(BEST, noise_px=noise_px))
+        while session.step():
+            pass
+        state, sentence = status.describe(session.snapshot)
+        assert state == "converged" and said in sentence
 
     def test_the_trend_is_the_geometric_mean(self, session):
         E = (100.0, 50.0, 25.0)

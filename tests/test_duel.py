@@ -175,7 +175,7 @@ def test_a_runner_is_seen_on_its_way(race):
 
 def test_both_hold_still_where_too_few_points_are_seen_and_go_on_once_they_are(race):
     session, pace, duel, visitor = race
-    visitor.set("missing", 50)
+    visitor.set("missing", 100)
     for tick in range(20):
         pace.advance(float(tick))
     assert session.snapshot.transfer is duel.opponent.snapshot.transfer is None and pace.cursor == 0

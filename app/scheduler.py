@@ -5,6 +5,7 @@ import time
 import traceback
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
+STUCK_AFTER = 10.0  # s without a tick
 
 
 class Scheduler:
@@ -14,6 +15,7 @@ class Scheduler:
         self._lock = threading.Lock()
         self._pages: list = []
         self._running = False
+        self._ticked = time.monotonic()
         self._thread = threading.Thread(target=self._run, name="viewimit-scheduler", daemon=True)
 
     def start(self) -> None:
@@ -33,6 +35,11 @@ class Scheduler:
             if page in self._pages:
                 self._pages.remove(page)
 
+    def health(self) -> dict | None:
+        """How many pages are ticked; None once nothing ticks any more."""
+        stuck = time.monotonic() - self._ticked > STUCK_AFTER
+        return None if stuck or not self._running else {"pages": len(self._pages)}
+
     def _tell(self, page, error: Exception) -> None:
         """Let a page say its own fault; one that cannot even do that is ticked no more."""
         try:
@@ -44,6 +51,7 @@ class Scheduler:
     def _run(self) -> None:
         next_tick = time.monotonic()
         while self._running:
+            self._ticked = time.monotonic()
             with self._lock:
                 pages = list(self._pages)
             for page in pages:

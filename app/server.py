@@ -5,21 +5,26 @@ import errno
 import gc
 import html
 import io
+import logging
 import signal
 import socket
 import threading
 import webbrowser
+from collections.abc import Sequence
 from functools import cache
 
+import segno
 import viser
 
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 
-from . import experiments_tab, help, learner_bars, plots, theme, verdict
+from . import experiments_tab, help, learner_bars, plots, theme, verdict, wire
 from .arms import share_meshes
+from .door import Door
 from .experiment_worker import ExperimentWorker
 from .landscape_worker import LandscapeWorker
+from .origins import is_loopback, lan_address
 from .page import Page
 from .scene3d import share_scene
 from .scheduler import Scheduler
@@ -37,22 +42,30 @@ def serve(
     settings: Settings | None = None,
     max_clients: int = 40,
     open_browser: bool = False,
+    origins: Sequence[str] = (),
 ) -> None:
     """Serve the page until SIGINT or SIGTERM. port 0 takes a free one.
 
+    origins: of pages elsewhere that may connect, such as https://class.example.org of a proxy.
     Raises ValueError for settings that cannot be, PortInUse for a port that is taken.
     """
     settings = settings or Settings()
     Session(settings)  # bad settings must fail here, not in every visitor's tab
     require_free(host, port)
-    with contextlib.redirect_stdout(io.StringIO()):  # viser prints a banner of its own
+    logging.basicConfig(format="%(asctime)s %(message)s")
+    scheduler = Scheduler()
+    door = Door(max_clients, origins, scheduler.health)
+    with contextlib.redirect_stdout(io.StringIO()), wire.serving_with(door.serve):  # viser prints a banner of its own
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
-    app = App(server, settings, max_clients)
+    app = App(server, settings, scheduler)
+    door.guard(server)
     stopped = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopped.set())
     url = address(host, server.get_port())
     print(f"viewimit is listening on {url}", flush=True)
+    if not is_loopback(host):
+        invite(host, server.get_port())
     if open_browser:
         webbrowser.open(url)
     stopped.wait()
@@ -90,14 +103,28 @@ def address(host: str, port: int) -> str:
     return f"http://{shown}:{port}"
 
 
+def invite(host: str, port: int) -> None:
+    """Print what others on the network may open, for typing and for a phone's camera."""
+    reached = lan_address() if host in ("0.0.0.0", "::") else host
+    if reached is None:
+        print("no network that others could reach it by", flush=True)
+        return
+    url = address(reached, port)
+    drawn = io.StringIO()
+    segno.make(url, micro=False).terminal(drawn, compact=True)
+    print(f"others open {url}, which nothing encrypts: anybody on this network can")
+    with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
+        print(drawn.getvalue(), flush=True)
+
+
 class App:
     """Pages by client id. viser's threads connect and disconnect, the scheduler draws."""
 
-    def __init__(self, server: viser.ViserServer, settings: Settings, max_clients: int):
-        self._server, self._settings, self._max_clients = server, settings, max_clients
+    def __init__(self, server: viser.ViserServer, settings: Settings, scheduler: Scheduler):
+        self._server, self._settings, self._scheduler = server, settings, scheduler
         self._pages: dict[int, Page] = {}
         self._lock = threading.Lock()
-        self._scheduler, self._worker, self._experiments = Scheduler(), LandscapeWorker(), ExperimentWorker()
+        self._worker, self._experiments = LandscapeWorker(), ExperimentWorker()
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments_tab))
         server.gui.add_html(f"<style>{css}</style>")
@@ -113,12 +140,7 @@ class App:
 
     def _connect(self, client: viser.ClientHandle) -> None:
         with self._lock:
-            full = len(self._pages) >= self._max_clients
-            if not full:
-                self._pages[client.client_id] = None  # the seat is taken while the page is built
-        if full:
-            client.gui.add_html("<p>All seats are taken. Close a tab elsewhere, then reload this one.</p>")
-            return
+            self._pages[client.client_id] = None  # while the page is built
         try:
             page = Page(client, self._worker, self._experiments, self._share_opponent, self._settings)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.session import Session
-from viewimit.snapshot import Settings, Snapshot
+from viewimit.snapshot import BEST, Settings, Snapshot
 
 from .checks import choice
 from .errors import ErrorTrace
@@ -49,6 +49,8 @@ class Duel:
     def toggle(self) -> None:
         """Begin at the start, playing; or end, which leaves the visitor's learner where it is."""
         if self.opponent is None:
+            if self._settings == self._session.settings:  # a race against itself
+                self.transfer, self.servo = BEST.transfer, BEST.servo
             self.opponent = Session(self._settings)
             self._pace.runners.append(Runner(self.opponent))
             self.begin_again()

@@ -3,7 +3,6 @@
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
-from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.session import Session
@@ -13,10 +12,9 @@ from viewimit.world import World
 from . import duel_view
 from .duel import Duel
 from .inbox import Inbox, on_click, on_value, put, put_html, put_label
-from .landscape_worker import LandscapeWorker, landscape_key
+from .landscape_worker import LandscapeWorker, compute, landscape_key
 from .methods import SERVO_NOTES, TRANSFER_NOTES
 from .pace import Pace
-from .small_landscape import study
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +112,7 @@ class DuelTab:
 
 def _ground(world: World, present: tuple[Snapshot, Snapshot]) -> Ground:
     """Runs in the worker's thread."""
-    if len(world.scene.moving_joints) != 2:
+    found = [compute(world, snapshot) for snapshot in present]
+    if None in found:
         return Ground(world, duel_view.draw_empty_ground())
-    studied = [study(world, snapshot, snapshot.settings.transfer) for snapshot in present]
-    theta_demo: NDArray = present[0].theta_demo
-    return Ground(world, duel_view.draw_ground(world.scene, studied, theta_demo))
+    return Ground(world, duel_view.draw_ground(world.scene, found, present[0].theta_demo))

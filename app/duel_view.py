@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.landscape import Landscape
 from viewimit.scene import Scene
 from viewimit.session import Session
 from viewimit.snapshot import Snapshot
@@ -15,7 +16,7 @@ from .methods import SERVO_NOTES, TRANSFER_NOTES
 from .plots import Plot, Style, decade_ticks, decades, log10
 from .posture_plane import PosturePlane
 from .small_landscape import WIDTH as COLUMN
-from .small_landscape import Studied, draw_small, small_plane
+from .small_landscape import draw_small, small_plane
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP
@@ -37,14 +38,14 @@ WHY = (
 )
 
 
-def draw_ground(scene: Scene, studied: Sequence[Studied], theta_demo: NDArray) -> str:
-    """HTML of what lies under the paths. studied: the learner's and the opponent's transfer, none while computed."""
+def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray) -> str:
+    """HTML of what lies under the paths. found: of the learner's and the opponent's transfer, none while computed."""
     parts = []
     for k in range(2):
         plane = small_plane(scene, MOST_HIGH)
         inside = plane.frame("vi-plane") + plane.message("computing …") + plane.ends()
-        if studied:
-            inside = draw_small(plane, studied[k], theta_demo)
+        if found:
+            inside = draw_small(plane, found[k], found[k].minimum[None], theta_demo)
         parts.append(_column(k, inside))
     return _wrap("".join(parts))
 

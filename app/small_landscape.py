@@ -33,7 +33,7 @@ class Studied:
 
 
 def study(world: World, snapshot: Snapshot, transfer: str) -> Studied:
-    """Around the demonstrator as the learner has seen it; two joints must move. Takes tens of ms."""
+    """Around the demonstrator as the learner has seen it; two joints must move. Takes about 0.1 s."""
     views, fit = snapshot.views, TRANSFERS[transfer]
     demo, visible = views.demo, views.visible[:, :2]
     found = landscape(world, fit, demo, visible, grid_axes(world))
@@ -47,18 +47,21 @@ def small_plane(scene: Scene, most_high: float) -> PosturePlane:
     return PosturePlane(scene, WIDTH, most_high, MARGINS)
 
 
-def draw_small(plane: PosturePlane, studied: Studied, theta_demo: NDArray) -> str:
-    """Relief, axes, the demonstrator's diamond and a cross at the smallest E, smaller ones at other minima."""
+def draw_small(plane: PosturePlane, found: Landscape, minima: NDArray, theta_demo: NDArray) -> str:
+    """Relief, axes, the demonstrator's diamond and a cross at the smallest E, smaller ones at other minima.
+
+    minima: (k, 2) rad, the lowest first; theta_demo: (2,) rad.
+    """
     parts = [plane.frame("vi-plane")]
-    E = studied.landscape.E
+    E = found.E
     if np.isnan(E).all():
         parts.append(plane.message("nowhere are five points seen"))
     else:
-        grid = plane.grid(studied.landscape.axes)
+        grid = plane.grid(found.axes)
         parts += [relief.shading(grid, E, plane.box), relief.plain_contours(grid, E)]
     demo = plane.place(np.degrees(theta_demo))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
-    for k, (x, y) in enumerate(plane.place(np.degrees(studied.minima.theta))):
+    for k, (x, y) in enumerate(plane.place(np.degrees(minima[np.isfinite(minima).all(1)]))):
         size = 5.5 if k == 0 else 3.0
         parts.append(
             f'<path class="vi-cross" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'

@@ -135,7 +135,7 @@ _DRAWINGS = """
 .vi-lead-demo{stroke:var(--demonstrator-edge);stroke-width:1.2}
 .vi-cross{stroke:var(--ink);stroke-width:1.7}
 .vi-inset{fill:var(--paper);stroke:var(--secondary)}
-.vi-now-opponent{stroke:var(--paper);stroke-width:1.4;fill:var(--opponent)}
+.vi-now-opponent{stroke:var(--opponent);stroke-width:2.2;fill:none}
 .vi-now{stroke:var(--paper);stroke-width:1.6;fill:var(--learner)}
 """
 

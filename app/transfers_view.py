@@ -17,37 +17,35 @@ MOST_HIGH, TOP = 82, 15  # px of a plot, and from its row's top
 TOTAL = (2 * WIDTH + GAP, 2 * ROW)
 
 
-def draw_transfers(scene: Scene, studied: Sequence[Studied], theta_demo: NDArray) -> str:
-    """HTML, two by two."""
+def draw_quarter(scene: Scene, studied: Studied, theta_demo: NDArray) -> str:
+    """One transfer's landscape."""
     plane = small_plane(scene, MOST_HIGH)
-    return _two_by_two(
-        {one.transfer: (draw_small(plane, one, theta_demo), describe(one)) for one in studied}, plane.box
-    )
+    drawing = draw_small(plane, studied.landscape, studied.minima.theta, theta_demo)
+    return _quarter(studied.transfer, drawing, describe(studied), plane.box)
 
 
-def draw_costs(joints: Sequence[int], spreads: dict[str, NDArray | None]) -> str:
-    """HTML, two by two, without two moving joints: what 1 px of noise costs at each. spreads: by transfer, rad/px."""
-    drawn = {}
-    for transfer, spread in spreads.items():
-        if spread is None:
-            drawn[transfer] = "", "fewer than five points are seen"
-        else:
-            drawn[transfer] = draw_bars(joints, spread, WIDTH, (MOST_HIGH + 10) / len(joints)), "° a px of noise"
-    return _two_by_two(drawn, (8, 0, WIDTH, MOST_HIGH))
+def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray | None) -> str:
+    """One transfer without two moving joints: what 1 px of noise costs at each, (m,) rad; None with too few points."""
+    bars, words = "", "fewer than five points are seen"
+    if spread is not None:
+        bars, words = draw_bars(joints, spread, WIDTH, (MOST_HIGH + 10) / len(joints)), "° a px of noise"
+    return _quarter(transfer, bars, words, (8, 0, WIDTH, MOST_HIGH))
 
 
-def _two_by_two(drawn: dict[str, tuple[str, str]], box: tuple[float, float, float, float]) -> str:
-    """drawn: a drawing and words for below it, by transfer; box: px of its plot."""
+def draw_together(quarters: Sequence[str]) -> str:
+    """HTML, two by two."""
     parts = []
-    for k, (transfer, (drawing, words)) in enumerate(drawn.items()):
-        x, y = (WIDTH + GAP) * (k % 2), ROW * (k // 2)
-        parts.append(
-            f'<g transform="translate({x} {y})">'
-            f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFER_NOTES[transfer].name)}</text>'
-            f'<g transform="translate(0 {TOP})">{drawing}</g>'
-            f"{svg.text(4, TOP + box[3] + 25, words, 'vi-2nd')}</g>"
-        )
+    for k, quarter in enumerate(quarters):
+        parts.append(f'<g transform="translate({(WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{quarter}</g>')
     return wrap("".join(parts))
+
+
+def _quarter(transfer: str, drawing: str, words: str, box: tuple[float, float, float, float]) -> str:
+    """box: px of the drawing's plot."""
+    return (
+        f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFER_NOTES[transfer].name)}</text>'
+        f'<g transform="translate(0 {TOP})">{drawing}</g>{svg.text(4, TOP + box[3] + 25, words, "vi-2nd")}'
+    )
 
 
 def wrap(inside: str) -> str:

@@ -182,3 +182,10 @@ def test_both_hold_still_where_too_few_points_are_seen_and_go_on_once_they_are(r
     visitor.set("missing", 0)
     pace.advance(30.0)
     assert session.snapshot.motion == duel.opponent.snapshot.motion == 1
+
+
+def test_nobody_races_against_the_same_method():
+    session = Session(Settings(servo="gradient"))
+    duel = Duel(session, Pace(session))
+    duel.toggle()
+    assert (duel.opponent.settings.transfer, duel.opponent.settings.servo) == (BEST.transfer, BEST.servo)

@@ -60,6 +60,11 @@ def draw_race(session, duel):
     return duel_view.draw_race(session.scene, (session, duel.opponent), duel.standings)
 
 
+def compared(session, found):
+    quarters = [transfers_view.draw_quarter(session.scene, one, session.snapshot.theta_demo) for one in found]
+    return transfers_view.draw_together(quarters)
+
+
 class TestDuel:
     def test_paths_run_through_the_postures_of_each(self, race):
         session, duel = race
@@ -140,7 +145,7 @@ class TestTransfers:
 
     def test_the_drawing_says_bias_minima_and_basin_of_each(self, studied):
         session, found = studied
-        html = transfers_view.draw_transfers(session.scene, found, session.snapshot.theta_demo)
+        html = compared(session, found)
         text = words(html)
         for one in found:
             bias = np.abs(one.bias_deg).max()
@@ -162,7 +167,7 @@ class TestTransfers:
 
     def test_nothing_stands_outside_its_column(self, studied):
         session, found = studied
-        root = parsed(transfers_view.draw_transfers(session.scene, found, session.snapshot.theta_demo))
+        root = parsed(compared(session, found))
         for column in root.iter("g"):
             for text in column.findall("text"):
                 assert float(text.get("x")) + 5.6 * len(text.text) < WIDTH + transfers_view.GAP
@@ -250,9 +255,12 @@ def drawings(race, studied):
         duel_view.draw_errors_alone(race[1].standings),
     )
     yield duel_view.draw_ground(session.scene, [], session.snapshot.theta_demo)
-    yield duel_view.draw_ground(session.scene, found[:2], session.snapshot.theta_demo)
-    yield transfers_view.draw_transfers(session.scene, found, session.snapshot.theta_demo)
-    yield transfers_view.draw_costs((1, 2), {"linear": np.ones(2), "rank3": None})
+    yield duel_view.draw_ground(session.scene, [one.landscape for one in found[:2]], session.snapshot.theta_demo)
+    yield compared(session, found)
+    costs = [transfers_view.draw_costs((1, 2), "rank3", spread) for spread in (np.ones(2), None)]
+    yield transfers_view.draw_together(costs)
+    blind = replace(found[0].landscape, E=np.full((91, 181), np.nan))
+    yield duel_view.draw_ground(session.scene, [blind, blind], session.snapshot.theta_demo)
     yield observability_view.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))
 
 

@@ -1,0 +1,111 @@
+"""All transfers are computed only while they are shown, and shown only once they are of one demonstrator."""
+
+import re
+
+import numpy as np
+import pytest
+from viewimit.app.comparison import Comparison
+from viewimit.app.inbox import Inbox
+from viewimit.app.small_landscape import study
+from viewimit.app.transfers_view import draw_quarter, draw_together
+
+from viewimit.session import Session
+from viewimit.snapshot import Settings
+from viewimit.transfer import TRANSFERS
+
+
+class Shown(list):
+    """Panels that keep what they are to show."""
+
+    show_transfers = list.append
+
+
+class LaterWorker(dict):
+    """Keeps each kind's newest wish until it is told to make it."""
+
+    def ask(self, page_id, make, done, kind):
+        self[kind] = make, done
+
+    def make(self, count):
+        for kind in list(self)[:count]:
+            make, done = self.pop(kind)
+            done(make())
+
+
+@pytest.fixture
+def compared():
+    session, shown, worker, inbox = Session(Settings()), Shown(), LaterWorker(), Inbox()
+    comparison = Comparison(1, shown, inbox, worker)
+
+    def tick():
+        for wish, made in inbox.take()[0].items():
+            comparison.wishes[wish](made)
+        comparison.tick(session.world, session.snapshot)
+
+    return session, shown, worker, comparison, tick
+
+
+def test_nothing_is_computed_unless_it_is_shown_and_would_differ(compared):
+    session, shown, worker, comparison, tick = compared
+    tick()
+    assert not worker
+    comparison.wishes["transfers"]()
+    tick()
+    assert len(worker) == len(TRANSFERS) and "computing" in shown[-1]
+    worker.make(4)
+    tick()
+    assert shown[-1].count("basin") == 4 and len(shown) == 2
+    session.step()
+    session.change(servo="trust-region", transfer="rank3")
+    tick()
+    assert not worker and len(shown) == 2  # neither posture nor method of the learner matters
+    session.pose(np.radians([60.0, -60.0]))
+    tick()
+    assert len(worker) == 4
+    comparison.wishes["transfers"]()
+    worker.make(4)
+    tick()
+    assert shown[2:] == [None] and not worker
+
+
+def test_a_moving_demonstrator_is_followed_and_its_last_posture_is_what_remains(compared):
+    session, shown, worker, comparison, tick = compared
+    comparison.wishes["transfers"]()
+    tick()
+    worker.make(4)
+    tick()
+    assert len(shown) == 2
+    for angle in (50.0, 60.0):
+        session.pose(np.radians([angle, -60.0]))
+        tick()
+        worker.make(2)
+        tick()
+    assert len(shown) == 3  # two of either posture
+    worker.make(2)
+    tick()
+    assert len(shown) == 4 and not worker
+    quarters = [
+        draw_quarter(session.scene, study(session.world, session.snapshot, name), session.snapshot.theta_demo)
+        for name in TRANSFERS
+    ]
+    assert plain(shown[-1]) == plain(draw_together(quarters)) != plain(shown[-2])
+
+
+def plain(html):
+    """Without the ids that differ from drawing to drawing."""
+    return re.sub(r"vi-[mh][\w-]+", "", html)
+
+
+def test_what_was_made_in_another_scene_is_not_shown(compared):
+    session, shown, worker, comparison, tick = compared
+    comparison.wishes["transfers"]()
+    tick()
+    late = [make() for make, _ in worker.values()]
+    session.change(scene="panda-facing", demonstrator_deg=None)
+    tick()
+    count = len(shown)
+    for transfer, made in zip(TRANSFERS, late):
+        comparison.wishes[f"compared: {transfer}"](made)
+    assert len(shown) == count and "computing" in shown[-1]
+    with pytest.raises(ValueError, match="nothing to compare for the rank3 transfer: no luck"):
+        comparison.wishes["compared: rank3"](RuntimeError("no luck"))

@@ -13,11 +13,12 @@ from .controls import Controls
 from .duel_tab import DuelTab
 from .experiment_worker import ExperimentWorker
 from .inbox import Inbox
+from .keeper import Head, Memory
 from .laboratory import Laboratory
 from .landscape_worker import LandscapeWorker, landscape_key
 from .pace import Pace
 from .panels import Panels
-from .presets import presets_from
+from .presets import Preset, presets_from
 from .scene3d import Scene3D
 from .visitor import View, Visitor
 
@@ -25,6 +26,7 @@ WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
+KEPT_EVERY = 3.0  # s
 
 
 class Page:
@@ -37,15 +39,19 @@ class Page:
         experiments: ExperimentWorker,
         share_opponent: Callable[[], None],
         settings: Settings,
+        keep: Callable[[Memory], None],
+        resumed: Memory | None = None,
     ):
-        self._client, self._worker = client, worker
+        self._client, self._worker, self._begun, self._keep = client, worker, settings, keep
         self._inbox, self._view = Inbox(), View()
         self._session = Session(settings)
+        if resumed is not None:
+            self._session.resume(resumed.history, resumed.head.cursor)
         self._pace = Pace(self._session)
         self._message: tuple[str, float] | None = None
         self._drawn: dict[str, tuple] = {}
         self._last: dict[str, float] = {}
-        self._canvas, self._dragging = (0, 0), False
+        self._canvas, self._dragging, self._dark = (0, 0), False, False
         presets = presets_from(settings)
         wide = client.camera.image_width >= WIDE
         with client.atomic():
@@ -84,6 +90,39 @@ class Page:
             elsewhere,
         )
 
+        if resumed is not None:
+            self._resume(resumed.head, presets)
+
+    def memory(self) -> Memory:
+        """What of the page is kept. The opponent of a duel and what runs in the tab Experiments is not."""
+        session, view = self._session, self._view
+        head = Head(
+            begun=self._begun,
+            cursor=session.cursor,
+            length=len(session.history),
+            preset=self._controls.preset.value,
+            speed=self._pace.speed,
+            chosen=view.chosen,
+            show=dict(view.show),
+            dark=self._dark,
+            motion=self._laboratory.recorded,
+        )
+        return Memory(head, tuple(session.history))
+
+    def _resume(self, head: Head, presets: dict[str, Preset]) -> None:
+        """Show what the visitor had chosen; the loop is paused."""
+        self._controls.show_preset(presets[head.preset])
+        self._pace.speed = head.speed
+        self._controls.show_speed(head.speed)
+        self._view.chosen = head.chosen
+        self._controls.show_chosen(head.chosen)
+        self._view.show.update(head.show)
+        self._controls.show_switches({**head.show, "dark": head.dark})
+        if head.dark:
+            self._set_dark(True)
+        if head.motion is not None:
+            self._inbox.put("motion file", head.motion)
+
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self._pace.pause()
@@ -99,6 +138,8 @@ class Page:
         self._laboratory.tick()
         self._pace.advance(now)
         self._draw(now)
+        if self._due("kept", now, KEPT_EVERY):
+            self._keep(self.memory())
 
     def _allow(self, now: float, carry_out: Callable, what: str, *value) -> None:
         """Carry out one wish of the visitor; one that cannot be is said, and the others go on."""
@@ -183,6 +224,7 @@ class Page:
             self._scene.fit_untouched_view()
 
     def _set_dark(self, dark) -> None:
+        self._dark = bool(dark)
         self._client.gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
         self._scene.set_dark(bool(dark))
 

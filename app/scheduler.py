@@ -12,7 +12,7 @@ class Scheduler:
     """Pages are added when they are built and removed when their tab is gone."""
 
     def __init__(self):
-        self._lock = threading.Lock()
+        self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list = []
         self._running = False
         self._ticked = time.monotonic()
@@ -31,7 +31,8 @@ class Scheduler:
             self._pages.append(page)
 
     def remove(self, page) -> None:
-        with self._lock:
+        """Afterwards it is ticked no more, nor is it just being ticked."""
+        with self._turn, self._lock:
             if page in self._pages:
                 self._pages.remove(page)
 
@@ -48,6 +49,15 @@ class Scheduler:
             traceback.print_exc()
             self.remove(page)
 
+    def _tick(self, page) -> None:
+        if page not in self._pages:  # it has just been removed
+            return
+        try:
+            page.tick(time.monotonic())
+        except Exception as error:  # one session's fault must not stop the others; its own page says so
+            traceback.print_exc()
+            self._tell(page, error)
+
     def _run(self) -> None:
         next_tick = time.monotonic()
         while self._running:
@@ -55,11 +65,8 @@ class Scheduler:
             with self._lock:
                 pages = list(self._pages)
             for page in pages:
-                try:
-                    page.tick(time.monotonic())
-                except Exception as error:  # one session's fault must not stop the others; its own page says so
-                    traceback.print_exc()
-                    self._tell(page, error)
+                with self._turn:
+                    self._tick(page)
             next_tick += TICK
             delay = next_tick - time.monotonic()
             if delay > 0:

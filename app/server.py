@@ -23,11 +23,14 @@ from . import experiments_tab, help, learner_bars, plots, theme, verdict, wire
 from .arms import share_meshes
 from .door import Door
 from .experiment_worker import ExperimentWorker
+from .keeper import Keeper
 from .landscape_worker import LandscapeWorker
 from .origins import is_loopback, lan_address
 from .page import Page
+from .resume import Seats
 from .scene3d import share_scene
 from .scheduler import Scheduler
+from .store import Store, open_store
 
 PORTS_TO_TRY = 100
 
@@ -40,24 +43,27 @@ def serve(
     host: str = "127.0.0.1",
     port: int = 8080,
     settings: Settings | None = None,
+    store: Store | None = None,
     max_clients: int = 40,
     open_browser: bool = False,
     origins: Sequence[str] = (),
 ) -> None:
     """Serve the page until SIGINT or SIGTERM. port 0 takes a free one.
 
-    origins: of pages elsewhere that may connect, such as https://class.example.org of a proxy.
+    store: where sessions are kept, by default the user's own folder; it is closed in the end. origins: of pages
+    elsewhere that may connect, such as https://class.example.org of a proxy.
     Raises ValueError for settings that cannot be, PortInUse for a port that is taken.
     """
     settings = settings or Settings()
     Session(settings)  # bad settings must fail here, not in every visitor's tab
     require_free(host, port)
     logging.basicConfig(format="%(asctime)s %(message)s")
+    keeper = Keeper(store or open_store())
     scheduler = Scheduler()
     door = Door(max_clients, origins, scheduler.health)
     with contextlib.redirect_stdout(io.StringIO()), wire.serving_with(door.serve):  # viser prints a banner of its own
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
-    app = App(server, settings, scheduler)
+    app = App(server, settings, scheduler, keeper)
     door.guard(server)
     stopped = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -120,9 +126,10 @@ def invite(host: str, port: int) -> None:
 class App:
     """Pages by client id. viser's threads connect and disconnect, the scheduler draws."""
 
-    def __init__(self, server: viser.ViserServer, settings: Settings, scheduler: Scheduler):
-        self._server, self._settings, self._scheduler = server, settings, scheduler
-        self._pages: dict[int, Page] = {}
+    def __init__(self, server: viser.ViserServer, settings: Settings, scheduler: Scheduler, keeper: Keeper):
+        self._server, self._settings, self._scheduler, self._keeper = server, settings, scheduler, keeper
+        self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
+        self._seats = Seats(server, keeper, settings, self._retire)
         self._lock = threading.Lock()
         self._worker, self._experiments = LandscapeWorker(), ExperimentWorker()
         server.gui.configure_theme(show_logo=False, show_share_button=False)
@@ -135,30 +142,44 @@ class App:
         self._scheduler.start()
 
     def stop(self) -> None:
+        """Nothing moves any more, and all that the visitors did is kept."""
         self._scheduler.stop()
+        for client_id in list(self._pages):
+            self._retire(client_id)
+        self._keeper.stop()
         self._experiments.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        with self._lock:
-            self._pages[client.client_id] = None  # while the page is built
+        key, resumed = self._seats.take(client)
+        keep = (lambda memory: self._keeper.keep(key, memory)) if key else (lambda memory: None)
+        shared = self._worker, self._experiments, self._share_opponent, self._settings
         try:
-            page = Page(client, self._worker, self._experiments, self._share_opponent, self._settings)
+            page = Page(client, *shared, keep, resumed)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
             client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
-            self._disconnect(client)
+            if key:
+                self._seats.leave(key)
             return
         with self._lock:
-            if client.client_id in self._pages:  # else the tab closed while its page was built
-                self._pages[client.client_id] = page
-                self._scheduler.add(page)
+            self._pages[client.client_id] = page, key
+            self._scheduler.add(page)
         if client.client_id not in self._server.get_clients():  # it closed before this callback ran
-            self._disconnect(client)
+            self._retire(client.client_id)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
-        with self._lock:
-            page = self._pages.pop(client.client_id, None)
-        if page is not None:
-            self._scheduler.remove(page)
-            self._worker.forget(client.client_id)
-            self._experiments.forget(client.client_id)
+        self._retire(client.client_id)
         gc.collect()  # viser's handles are reference cycles
+
+    def _retire(self, client_id: int) -> None:
+        """Keep what the page is, and forget it."""
+        with self._lock:
+            page, key = self._pages.pop(client_id, (None, None))
+        if page is None:
+            return
+        self._scheduler.remove(page)
+        self._worker.forget(client_id)
+        self._experiments.forget(client_id)
+        if key is not None:
+            self._keeper.keep(key, page.memory())
+            self._keeper.forget(key)
+            self._seats.leave(key)

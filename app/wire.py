@@ -1,5 +1,6 @@
 """The one place that uses viser's private interface: its registries, and messages pushed without its setters."""
 
+import asyncio
 import contextlib
 from collections.abc import Callable, Iterator
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
 from viser._messages import GuiUpdateMessage, SetOrientationMessage
 from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
 
 
 @contextlib.contextmanager
@@ -38,6 +40,32 @@ def client_of(server: ViserServer, connection: ServerConnection) -> ClientHandle
         if live is connection:
             return server.get_clients().get(client_id)
     return None
+
+
+def connection_of(server: ViserServer, client_id: int) -> ServerConnection | None:
+    """None once it is closed."""
+    return server._websock_server._live_connections.get(client_id)
+
+
+def answers(server: ViserServer, client_id: int, within: float) -> bool:
+    """Whether the client is still there: it answers a ping within so many seconds. Not from viser's own thread."""
+    connection, loop = connection_of(server, client_id), server._websock_server._background_event_loop
+
+    async def ask() -> bool:
+        try:
+            await asyncio.wait_for(await connection.ping(), within)
+        except (asyncio.TimeoutError, ConnectionClosed):
+            return False
+        return True
+
+    return connection is not None and asyncio.run_coroutine_threadsafe(ask(), loop).result()
+
+
+def cut_off(server: ViserServer, client_id: int) -> None:
+    """Close a connection that nobody answers on."""
+    connection, loop = connection_of(server, client_id), server._websock_server._background_event_loop
+    if connection is not None:
+        loop.call_soon_threadsafe(connection.transport.abort)
 
 
 def widget_of(client: ClientHandle, uuid: str):

@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 
 import browser as chromium
@@ -19,6 +20,7 @@ from viewimit.cli import main
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 STARTS_WITHIN_S = 30  # on a busy machine
 passed_in_browser: list[str] = []
+kept_sessions = tempfile.TemporaryDirectory(prefix="viewimit-tests-")  # not the user's own
 
 
 @pytest.fixture
@@ -87,7 +89,8 @@ def server():
 def start_server(*options: str) -> tuple[subprocess.Popen, str]:
     """A `viewimit serve` on a free port, once it says that it listens."""
     isolated = [sys.executable, "-I"]  # what is installed, not the folder that happens to be the current one
-    command = [*isolated, "-m", "viewimit.cli", "serve", "--port", "0", *options]
+    kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
+    command = [*isolated, "-m", "viewimit.cli", "serve", "--port", "0", *kept, *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     hung = threading.Timer(STARTS_WITHIN_S, process.kill)
     hung.start()

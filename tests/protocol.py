@@ -1,5 +1,10 @@
 """A client that speaks viser's protocol without a browser: it takes what a page would, and sends what one likes."""
 
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
 import threading
 import time
 from contextlib import suppress
@@ -7,6 +12,7 @@ from contextlib import suppress
 import msgspec
 import viser
 import zstandard
+from conftest import kept_sessions, stop_server
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
@@ -121,6 +127,40 @@ class Client:
             self.values[uuid] = message.get("value")
         elif "name" in message and message["name"].startswith("/"):
             self.nodes.add(message["name"])
+
+
+class Server:
+    """A `viewimit serve` of its own, and what it says."""
+
+    def __init__(self, *options: str):
+        kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
+        command = [sys.executable, "-I", "-m", "viewimit.cli", "serve", "--port", "0", *kept, *options]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines: list[str] = []
+        threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
+        wait_until(lambda: "http://" in self.log or self.process.poll() is not None, 40)
+        self.url = next(word for word in self.log.split() if word.startswith("http://"))
+
+    @property
+    def log(self) -> str:
+        return "".join(list(self.lines))
+
+    @property
+    def memory(self) -> float:
+        """MB that it has in memory."""
+        with open(f"/proc/{self.process.pid}/statm") as pages:
+            return int(pages.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+    def stop(self) -> int:
+        """As a user would."""
+        return stop_server(self.process)
+
+    @contextlib.contextmanager
+    def says(self, text: str):
+        """Inside, it puts exactly one line with this text into its log."""
+        before = self.log.count(text)
+        yield
+        wait_until(lambda: self.log.count(text) == before + 1, 5)
 
 
 def wait_until(condition, seconds: float = 20.0) -> None:

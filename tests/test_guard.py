@@ -3,16 +3,12 @@
 import contextlib
 import os
 import socket
-import subprocess
-import sys
-import threading
 import time
 import urllib.error
 import urllib.request
 
 import pytest
-from conftest import stop_server
-from protocol import VIEW, Client, wait_until
+from protocol import VIEW, Client, Server, wait_until
 from viewimit.app import messages
 from viewimit.app.content_policy import content_policy
 from viewimit.app.door import FRAMES_AT_ONCE, MOST_MESSAGE
@@ -24,40 +20,11 @@ from websockets.exceptions import InvalidStatus
 SEATS = 5
 
 
-class Server:
-    """A `viewimit serve` of its own, and what it says."""
-
-    def __init__(self, *options: str):
-        command = [sys.executable, "-I", "-m", "viewimit.cli", "serve", "--port", "0", *options]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        self.lines: list[str] = []
-        threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
-        wait_until(lambda: "http://" in self.log or self.process.poll() is not None, 40)
-        self.url = next(word for word in self.log.split() if word.startswith("http://"))
-
-    @property
-    def log(self) -> str:
-        return "".join(list(self.lines))
-
-    @property
-    def memory(self) -> float:
-        """MB that it has in memory."""
-        with open(f"/proc/{self.process.pid}/statm") as pages:
-            return int(pages.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
-
-    @contextlib.contextmanager
-    def says(self, text: str):
-        """Inside, it puts exactly one line with this text into its log."""
-        before = self.log.count(text)
-        yield
-        wait_until(lambda: self.log.count(text) == before + 1, 5)
-
-
 @pytest.fixture(scope="module")
 def guarded():
     server = Server("--max-clients", str(SEATS), "--origin", "https://class.example.org")
     yield server
-    assert stop_server(server.process) == 0
+    assert server.stop() == 0
 
 
 @pytest.fixture(scope="module")

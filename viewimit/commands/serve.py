@@ -21,6 +21,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="URL",
         help="a page elsewhere that may connect, such as https://class.example.org of a proxy; more than once for more",
     )
+    parser.add_argument(
+        "--store",
+        metavar="DIR|URL",
+        help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_setting_options(parser, BEST)
     add_run_options(parser, BEST)
@@ -29,7 +34,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args, BEST)
     from ..app.server import serve  # the one place below the page that knows it
+    from ..app.store import open_store
 
+    with naming("--store"):
+        store = open_store(args.store)
     with naming("--host, --port"):
-        serve(args.host, args.port, settings, args.max_clients, open_browser=args.open, origins=args.origin)
+        serve(args.host, args.port, settings, store, args.max_clients, open_browser=args.open, origins=args.origin)
     return DONE

@@ -31,6 +31,7 @@ FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at m
 REFUSALS_A_SECOND, REFUSALS_AT_ONCE = 0.5, 20  # messages that are dropped, before the client is closed
 PAGE_WITHIN = 30.0  # s from the handshake to the first camera message
 PING_EVERY, PONG_WITHIN = 15.0, 15.0  # s: one that does not take what is sent does not answer either
+CLOSED_WITHIN = 2.0  # s that a client is given to say goodbye
 UNSENT = 1 << 18  # bytes that the system keeps for a client that is slow to take them
 OPEN_FILES = 200  # connections at a time that are no seats yet, such as page loads
 STARTING = frozenset({"ViewerCameraMessage"})
@@ -74,6 +75,7 @@ class Door:
                 "max_size": MOST_MESSAGE,
                 "ping_interval": PING_EVERY,
                 "ping_timeout": PONG_WITHIN,
+                "close_timeout": CLOSED_WITHIN,
                 "server_header": None,
             },
         )

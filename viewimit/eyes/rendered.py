@@ -1,0 +1,77 @@
+"""Image points that were detected in pictures, and arms with weight: nothing else reaches the method."""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..detection import Detections, detect
+from ..markers import load_markers, marker_names
+from ..physics.arm import Arm
+from ..physics.model import write_urdf
+from ..physics.studio import Studio
+from ..scene import Scene
+from ..snapshot import Settings
+from ..views import VIEWS
+from ..world import Actuator, World
+
+MIDDLE = 0.56  # of a picture's width: the head turns to the body that it watches, so that the other one is beyond
+NOISE_PX = 0.06  # standard deviation of a coordinate, as `viewimit bench pictures` measures it
+
+
+class RenderedEyes:
+    """See the package. pictures: (height, width, 3) uint8 of the views l, r, L, R, as last taken, and what was
+    detected in them, `detections`."""
+
+    noise_px = NOISE_PX
+
+    def __init__(self, scene: Scene):
+        if scene.robot not in marker_names():
+            raise ValueError(f"camera images need markers, which {', '.join(marker_names())} have")
+        self.markers = load_markers(scene.robot)
+        self.world = World(scene, body=self.markers.body)
+        with tempfile.TemporaryDirectory() as folder:
+            urdf = write_urdf(scene, self.markers, Path(folder))
+            self._arm, self._studio = Arm(urdf), Studio(scene, urdf)
+        rest = np.radians(scene.posture_deg)[scene.moving]
+        self._theta = {"lr": rest, "LR": rest}
+        self.pictures: dict[str, NDArray] = {}
+        self.detections: dict[str, Detections] = {}
+
+    def demo_images(self, theta: Sequence | NDArray) -> tuple[NDArray, NDArray]:
+        return self._images("lr", theta)
+
+    def own_images(self, theta: Sequence | NDArray) -> tuple[NDArray, NDArray]:
+        return self._images("LR", theta)
+
+    def settle(self, theta: NDArray) -> NDArray:
+        return self._arm.drive(theta, theta)
+
+    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+        """What the actuator makes of a command is where the motors are told to go; `sent` plays no part."""
+        start, scene = np.radians(settings.start_deg), self.world.scene
+        actuator = Actuator(settings.gain_error, settings.quantum_deg)
+        return self._arm.drive(theta, np.clip(actuator.move(start, commanded - start), scene.lower, scene.upper))
+
+    def look(self, view: str) -> NDArray:
+        """Take a picture of VIEWS with the arms as they stand → (height, width, 3) uint8, and detect its markers."""
+        cameras = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
+        self._studio.pose(self._theta["lr"], self._theta["LR"])
+        self.pictures[view] = self._studio.picture(cameras[view])
+        self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, MIDDLE)
+        return self.pictures[view]
+
+    def _images(self, pair: str, theta: Sequence | NDArray) -> tuple[NDArray, NDArray]:
+        """One after the other, if theta, m arrays broadcast against each other, says several postures."""
+        theta = np.stack(np.broadcast_arrays(*theta), -1)
+        points, visible = [], []
+        for posture in theta.reshape(-1, theta.shape[-1]):
+            self._theta[pair] = posture
+            for view in pair:
+                self.look(view)
+            points.append(np.concatenate([self.detections[view].points for view in pair], -1))
+            visible.append(np.stack([self.detections[view].found for view in pair], -1))
+        shape = theta.shape[:-1] + (len(self.world.body),)
+        return np.array(points).reshape((*shape, 4)), np.array(visible).reshape((*shape, 2))

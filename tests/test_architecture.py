@@ -18,6 +18,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "camera",
     "robot",
     "views",
+    "tracked",
     "scene",
     "world",
     "posing",

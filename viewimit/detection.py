@@ -5,16 +5,22 @@ own, whatever falls on it of a white light, and stays where the paint is mixed w
 tells how much of the pixel the paint covers. Light that has a colour itself shifts it.
 """
 
+import errno
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 LEAST_CHROMA = 24.0  # of 255: paler is grey
 LEAST_AREA_PX = 6.0
 HUE_SHARE = 0.5  # of the way to the next marker's hue, at most
-ROUND = 0.85  # share of the smallest circle around a blob that it fills, at least: else something hides a part of it
+ROUND = 0.87  # shorter axis over longer, at least: else something hides a part of it
+SMALL = 0.45  # of the picture's median blob: a round remainder of a hidden one
+HUES_A_DEGREE = 4
 PIXEL_VARIANCE = 1 / 12  # px², of a pixel's own width
 NEIGHBOURS = np.ones((3, 3), np.uint8)
 
@@ -32,33 +38,54 @@ class Detections:
         return self.confidence > 0
 
 
-def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0, round_enough: float = ROUND) -> Detections:
+def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0) -> Detections:
     """picture: (height, width, 3) uint8 red, green, blue; hue_deg: (N,) of the markers → their middles.
 
     middle: share of the width that is searched, around the centre: a head that has turned to a body has it there, and
-    another one beside it. Of several blobs of one hue the largest counts.
+    another one beside it. Of several round blobs of one hue the largest counts. All markers are about equally large.
     Pixel (i, j) covers j … j + 1, i … i + 1, so that its middle is at (j + 0.5, i + 0.5).
     """
     hue_deg = np.asarray(hue_deg, float)
     points, confidence = np.full((len(hue_deg), 2), np.nan), np.zeros(len(hue_deg))
-    largest = np.zeros(len(hue_deg))
+    area = np.zeros(len(hue_deg))
     (left, top), (a, b) = _coloured_part(picture, middle)
     chroma = np.hypot(a, b)
-    which = _nearest(np.degrees(np.arctan2(b, a)), hue_deg)
+    which = _marker_by_hue(hue_deg)[np.round(np.degrees(np.arctan2(b, a)) * HUES_A_DEGREE).astype(int)]
     which[chroma < LEAST_CHROMA] = -1
     for marker in np.unique(which[which >= 0]):
-        count, labels, boxes, _ = cv2.connectedComponentsWithStats((which == marker).astype(np.uint8), connectivity=8)
+        count, labels, parts, _ = cv2.connectedComponentsWithStats((which == marker).astype(np.uint8), connectivity=8)
         for k in range(1, count):
-            x, y, width, height, area = boxes[k]
-            if area < max(LEAST_AREA_PX, largest[marker]):
+            x, y, width, height, pixels = parts[k]
+            if pixels < max(LEAST_AREA_PX, area[marker]):
                 continue
             part = slice(y, y + height), slice(x, x + width)
-            centre, fill = _disc(np.where(labels[part] == k, chroma[part], 0.0))
-            largest[marker] = area
-            points[marker], confidence[marker] = centre + (left + x, top + y), fill
-    hidden = confidence < round_enough
-    points[hidden], confidence[hidden] = np.nan, 0.0
+            centre, roundness = _disc(np.where(labels[part] == k, chroma[part], 0.0))
+            if roundness >= ROUND:
+                area[marker] = pixels
+                points[marker], confidence[marker] = centre + (left + x, top + y), roundness
+    if area.any():
+        small = area < SMALL * np.median(area[area > 0])
+        points[small], confidence[small] = np.nan, 0.0
     return Detections(points, confidence)
+
+
+def pictures(path: Path) -> Iterator[NDArray]:
+    """(height, width, 3) uint8 red, green, blue: a picture, or the frames of a video. Raises ValueError, OSError."""
+    if not path.is_file():
+        raise FileNotFoundError(errno.ENOENT, "no such file", str(path))
+    if path.suffix.lower() in PICTURES:
+        picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+        if picture is None:
+            raise ValueError(f"{path}: not a picture that OpenCV reads")
+        yield cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+        return
+    video, count = cv2.VideoCapture(str(path)), 0
+    while (read := video.read())[0]:
+        count += 1
+        yield cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)
+    video.release()
+    if count == 0:
+        raise ValueError(f"{path}: not a picture or video that OpenCV reads")
 
 
 def _coloured_part(picture: NDArray, middle: float) -> tuple[tuple[int, int], tuple[NDArray, NDArray]]:
@@ -72,8 +99,9 @@ def _coloured_part(picture: NDArray, middle: float) -> tuple[tuple[int, int], tu
     return (first + x, y), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))
 
 
-def _nearest(hue: NDArray, hue_deg: NDArray) -> NDArray:
-    """(…) degrees → index of the marker with the nearest hue, -1 where none is near enough."""
+def _marker_by_hue(hue_deg: NDArray) -> NDArray:
+    """Index of the marker with the nearest hue, -1 where none is near enough: of 0°, 1°/HUES_A_DEGREE … 360°."""
+    hue = np.arange(360 * HUES_A_DEGREE) / HUES_A_DEGREE
     away = np.abs((hue[..., None] - hue_deg + 180) % 360 - 180)
     apart = np.abs((hue_deg[:, None] - hue_deg + 180) % 360 - 180)
     np.fill_diagonal(apart, 180.0)

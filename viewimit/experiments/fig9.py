@@ -15,6 +15,7 @@ from .tables import Tables, joint_columns, stacked
 LAWS = ("gradient", "gradient-retuned", "broyden")
 MOTIONS = 3_000
 STARTS = (2, 3)  # a joint: spread evenly over its range, besides the scene's own
+PICTURE_LAWS, PICTURE_MOTIONS, PICTURE_STARTS = (*LAWS, "trust-region"), 300, (1, 2)
 WITHIN_DEG = (3.0, 1.0)
 MARGIN = 1 / 6  # of a joint's range that is left free at both ends
 
@@ -88,6 +89,11 @@ def run(
             found = replace(found, runs=(*found.runs, _run(session)))
             tell((done + 1) / total, found)
     return found
+
+
+def on_pictures(settings: Settings, tell: Callable[[float, Fig9 | None], None] = lambda share, partial: None) -> Fig9:
+    """Fewer starts and motions: two pictures take a tenth of a second. The servos that need few motions run too."""
+    return run(settings, tell, PICTURE_STARTS, PICTURE_MOTIONS, PICTURE_LAWS)
 
 
 def _starts(session: Session, counts: tuple[int, ...]) -> list[tuple[float, ...]]:

@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from ..assets import ROOT
 from ..camera import Camera
 from ..evaluation import conflict, residual
+from ..geometry.affine import MIN_POINTS
+from ..landscape import Landscape
 from ..markers import Markers
 from ..physics.model import write_urdf
 from ..physics.studio import SAMPLES, Studio
@@ -37,8 +39,11 @@ APART_M = 2.5 * RADIUS_M  # on one link
 GRID = (7, 10)  # postures a joint over the range
 DEMONSTRATORS = (3, 4)  # of them, a joint
 AROUND_DEG = 4.0  # of a demonstrator, where the parabola of E is taken
-ENOUGH, FEW_COSTS_DEG = 9, 2.0  # points in all four views; for each that lacks
-EXCHANGES = 10_000
+ENOUGH, LEAST = 14, 8  # points in all four views: wanted, and never fewer
+FEW_COSTS_DEG, TOO_FEW_COST_DEG = 0.3, 2.0  # for each that lacks
+ASTRAY_COSTS_DEG = 20.0  # times the share of postures from which descent ends elsewhere
+TRANSFER = "epipolar"
+EXCHANGES = 5000
 BEHIND_M = 0.004  # that a surface may lie before the ball's own without hiding it
 
 
@@ -160,22 +165,43 @@ def _fits(body: BodyPoints, chosen: NDArray) -> bool:
 
 
 def _cost(demo: Sightings, own: Sightings, close: Sightings, near: NDArray, chosen: NDArray) -> float:
-    """Degrees: rms bias of the minimum of E, and what too few points anywhere in the range count for."""
-    (demo_image, demo_seen), (_, own_seen), (close_image, close_seen) = (each.of(chosen) for each in (demo, own, close))
-    usable = (demo_seen[:, None] & own_seen).sum(-1)
-    cost = FEW_COSTS_DEG * np.maximum(ENOUGH - usable, 0).mean() + FEW_COSTS_DEG * max(ENOUGH - 2 - usable.min(), 0)
-    biases = []
-    steps = len(near)
+    """Degrees: rms bias of the minimum of E, and what too few points and other minima over the range count for."""
+    (demo_image, demo_seen), (own_image, own_seen), (close_image, close_seen) = (
+        each.of(chosen) for each in (demo, own, close)
+    )
+    usable = demo_seen[:, None] & own_seen
+    count = usable.sum(-1)
+    if count.min() < MIN_POINTS:
+        return np.inf
+    few = FEW_COSTS_DEG * np.maximum(ENOUGH - count, 0).mean() + TOO_FEW_COST_DEG * max(LEAST - count.min(), 0)
+    biases, steps = [], len(near)
     for k in range(len(demo_image)):
         part = slice(k * steps, (k + 1) * steps)
         common = demo_seen[k] & close_seen[part].all(0)
-        if common.sum() < ENOUGH - 2:
-            biases.append(2 * AROUND_DEG)
-            continue
-        views = FourViews(demo_image[k][common], close_image[part][:, common], np.ones(1, bool))
-        E = conflict(residual(TRANSFERS["epipolar"](views), views))
-        biases.append(min(_minimum_deg(np.degrees(near), E), 2 * AROUND_DEG))
-    return cost + float(np.sqrt(np.mean(np.square(biases))))
+        bias = np.inf
+        if common.sum() >= LEAST:
+            views = FourViews(demo_image[k][common], close_image[part][:, common], np.ones(1, bool))
+            bias = _minimum_deg(np.degrees(near), conflict(residual(TRANSFERS[TRANSFER](views), views)))
+        biases.append(min(bias, 2 * AROUND_DEG))
+    E = _conflicts(demo_image[:, None], own_image[None], usable).reshape(-1, *GRID)
+    axes = tuple(np.arange(n) for n in GRID)
+    astray = np.mean([1 - Landscape(axes, each).basin_fraction() for each in E])
+    return float(few + np.sqrt(np.mean(np.square(biases))) + ASTRAY_COSTS_DEG * astray)
+
+
+def _conflicts(demo: NDArray, own: NDArray, usable: NDArray) -> NDArray:
+    """E of the usable points, (D, G, N) bool, of images that broadcast to (D, G, N, 4).
+
+    A point at the centroid in all views changes neither fit nor residual, only the count that E is a mean over.
+    """
+    count, weight = usable.sum(-1), usable[..., None]
+    filled = []
+    for images in np.broadcast_arrays(demo, own):
+        centroid = (images * weight).sum(-2, keepdims=True) / count[..., None, None]
+        filled.append(np.where(weight, images, centroid).reshape(-1, *images.shape[-2:]))
+    views = FourViews(*filled, np.ones(1, bool))
+    E = conflict(residual(TRANSFERS[TRANSFER](views), views)).reshape(count.shape)
+    return E * usable.shape[-1] / count
 
 
 def _minimum_deg(delta: NDArray, E: NDArray) -> float:

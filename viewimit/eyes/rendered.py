@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..detection import Detections, detect
-from ..markers import load_markers, marker_names
+from ..markers import load_markers
 from ..physics.arm import Arm
 from ..physics.model import write_urdf
 from ..physics.studio import Studio
@@ -28,8 +28,6 @@ class RenderedEyes:
     noise_px = NOISE_PX
 
     def __init__(self, scene: Scene):
-        if scene.robot not in marker_names():
-            raise ValueError(f"camera images need markers, which {', '.join(marker_names())} have")
         self.markers = load_markers(scene.robot)
         self.world = World(scene, body=self.markers.body)
         with tempfile.TemporaryDirectory() as folder:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..assets import ROOT
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from ..markers import Markers, colours
-from ..scene import Scene, load_robot, robot_names
+from ..scene import Scene, load_robot
 
 ARM_GREY = 0.75
 
@@ -19,11 +19,8 @@ ARM_GREY = 0.75
 def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
     """Write the arm of a scene, and its meshes, into a folder → its URDF.
 
-    Only the scene's moving joints are left; the others are braked at the scene's posture.
-    Raises ValueError for a robot of which there are no meshes.
+    Of a shipped robot. Only the scene's moving joints are left; the others are braked at the scene's posture.
     """
-    if scene.robot not in robot_names():
-        raise ValueError(f"camera images need meshes and masses, which {', '.join(robot_names())} have")
     source = ROOT / "robots" / scene.robot
     root = ElementTree.parse(source / f"{scene.robot}.urdf").getroot()
     shapes = trimesh.load(source / f"{scene.robot}.glb")

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..robot import Angles
 from ..scene import Scene
 from ..snapshot import Settings
 from ..world import Actuator, World
@@ -17,7 +18,12 @@ class ProjectedEyes:
 
     def __init__(self, scene: Scene, points: int):
         self.world = World(scene, points)
-        self.demo_images, self.own_images = self.world.demo_images, self.world.own_images
+
+    def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+        return self.world.demo_images(theta)
+
+    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+        return self.world.own_images(theta)
 
     def settle(self, theta: NDArray) -> NDArray:
         return theta

@@ -1,7 +1,6 @@
 """Image points that were detected in pictures, and arms with weight: nothing else reaches the method."""
 
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +10,15 @@ from ..detection import Detections, detect
 from ..markers import load_markers
 from ..physics.arm import Arm
 from ..physics.model import write_urdf
-from ..physics.studio import Studio
+from ..physics.studio import SAMPLES, Studio
+from ..robot import Angles
 from ..scene import Scene
 from ..snapshot import Settings
 from ..views import VIEWS
 from ..world import Actuator, World
 
 MIDDLE = 0.56  # of a picture's width: the head turns to the body that it watches, so that the other one is beyond
+FACE = 1.2  # times its radius, from a ball's middle to the nearest of its surface in sight, at most
 NOISE_PX = 0.06  # standard deviation of a coordinate, as `viewimit bench pictures` measures it
 
 
@@ -33,15 +34,16 @@ class RenderedEyes:
         with tempfile.TemporaryDirectory() as folder:
             urdf = write_urdf(scene, self.markers, Path(folder))
             self._arm, self._studio = Arm(urdf), Studio(scene, urdf)
+        self._cameras = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         rest = np.radians(scene.posture_deg)[scene.moving]
         self._theta = {"lr": rest, "LR": rest}
         self.pictures: dict[str, NDArray] = {}
         self.detections: dict[str, Detections] = {}
 
-    def demo_images(self, theta: Sequence | NDArray) -> tuple[NDArray, NDArray]:
+    def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
         return self._images("lr", theta)
 
-    def own_images(self, theta: Sequence | NDArray) -> tuple[NDArray, NDArray]:
+    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
         return self._images("LR", theta)
 
     def settle(self, theta: NDArray) -> NDArray:
@@ -55,13 +57,27 @@ class RenderedEyes:
 
     def look(self, view: str) -> NDArray:
         """Take a picture of VIEWS with the arms as they stand → (height, width, 3) uint8, and detect its markers."""
-        cameras = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         self._studio.pose(self._theta["lr"], self._theta["LR"])
-        self.pictures[view] = self._studio.picture(cameras[view])
+        self.pictures[view] = self._studio.picture(self._cameras[view])
         self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, MIDDLE)
         return self.pictures[view]
 
-    def _images(self, pair: str, theta: Sequence | NDArray) -> tuple[NDArray, NDArray]:
+    def truth(self, view: str) -> tuple[NDArray, NDArray]:
+        """Where the view's balls are as the arms stand: (N, 2) px, and (N,) whether the middle of a ball's face is in
+        sight, by the renderer's depth. For benchmarks and tests."""
+        pair = "lr" if view in "lr" else "LR"
+        base = self.world.T_world_demo if pair == "lr" else self.world.T_world_own
+        camera = self._cameras[view]
+        points = self.world.points_world(self._theta[pair], base)
+        image, inside = camera.project(points.T)
+        self._studio.pose(self._theta["lr"], self._theta["LR"])
+        surface = self._studio.depth_m(camera)
+        last = np.array(surface.shape) - 1
+        row, column = np.clip((SAMPLES * image[::-1]).astype(int), 0, last[:, None])
+        depth = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, 2]
+        return image.T, inside & (np.abs(surface[row, column] - depth) < FACE * self.markers.radius)
+
+    def _images(self, pair: str, theta: Angles) -> tuple[NDArray, NDArray]:
         """One after the other, if theta, m arrays broadcast against each other, says several postures."""
         theta = np.stack(np.broadcast_arrays(*theta), -1)
         points, visible = [], []

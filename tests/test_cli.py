@@ -68,7 +68,8 @@ def test_too_few_points_exit_with_1_and_null(ask):
 
 def test_points_lost_at_one_look_may_be_found_at_the_next(ask_json):
     seed, held = next(found for found in map(held_up, range(50)) if found[1] > 0)
-    _, told = ask_json("imitate", "--missing", 0.1, "--seed", seed, "--max-motions", held + 1)
+    paper = "--transfer", "epipolar", "--servo", "broyden", "--frames", 1
+    _, told = ask_json("imitate", *paper, "--missing", 0.1, "--seed", seed, "--max-motions", held + 1)
     assert told["motions"] == held + 1
 
 

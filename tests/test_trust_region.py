@@ -32,9 +32,10 @@ class Learner:
         theta, state = [start], None
 
         def conflict(own, by=None, like=None):
-            views = FourViews(demo, own, np.ones(1, bool))
+            known = np.isfinite(own).all(-1).reshape(-1, len(demo)).all(0)
+            views = FourViews(demo[known], own[..., known, :], np.ones(1, bool))
             e = residual(FITS[by](views), views)
-            return e if like is None else e @ noise_weight(views.with_own(like))
+            return e if like is None else e @ noise_weight(views.with_own(like[known]))
 
         for motion in range(most):
             own, seen = self.noise.apply(*self.world.own_images(theta[-1]), [2, motion])

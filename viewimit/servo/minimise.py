@@ -27,8 +27,9 @@ class Minimum:
 
     def spread(self, noise_px: float) -> NDArray:
         """(m,) rad: standard deviations that residuals of this noise leave to θ, √diag((JᵀJ)⁻¹) of it."""
-        regular = self.hessian + 1e-12 * np.trace(self.hessian) * np.eye(len(self.theta))
-        return noise_px * np.sqrt(np.diagonal(np.linalg.inv(regular)) / self.points)
+        curvatures, directions = np.linalg.eigh(self.hessian)
+        least = max(1e-12 * curvatures[-1], np.finfo(float).tiny)
+        return noise_px * np.sqrt((directions**2 / np.maximum(curvatures, least)).sum(1) / self.points)
 
 
 def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArray, rounds: int = ROUNDS) -> Minimum:

@@ -222,7 +222,7 @@ def _towards(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]
     state, step = _move(replace(state, promised=None), seen, state.goal)
     if np.max(np.abs(state.goal - seen.displacement)) <= LONGEST:
         state = replace(state, goal=None)
-    if state.ending and np.max(np.abs(step)) < max(DONE_STEP / 10, RESTS * state.expected):
+    if state.ending and np.max(np.abs(step)) < np.clip(RESTS * state.expected, DONE_STEP / 10, DONE_STEP):
         return replace(state, ending="", status=state.ending), np.zeros_like(step)
     return state, step
 

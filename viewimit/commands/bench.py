@@ -9,12 +9,13 @@ from dataclasses import asdict
 from tqdm import tqdm
 
 from ..experiments import benchmark, robustness, success
+from ..eyes import require_eyes
 from ..geometry.affine import require_points
 from ..landscape import grid_axes
 from ..scene import Scene, load_scene
 from ..servo import SERVOS
 from ..session import MAX_HISTORY
-from ..snapshot import BEST, Settings
+from ..snapshot import BEST, CAMERAS, Settings
 from ..transfer import TRANSFERS
 from ..world import World
 from .options import DONE, add_json_option, between, naming, print_json
@@ -22,13 +23,14 @@ from .options import DONE, add_json_option, between, naming, print_json
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 RUNS, MAX_MOTIONS = 200, 500
 PAPER_TRANSFER = "epipolar"
+PICTURE_SERVOS = ("broyden", "trust-region")  # the others need thousands of motions
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("speed", "success", "robustness", "all"),
+        choices=("speed", "success", "robustness", "pictures", "all"),
         default="all",
         help="all: speed and success",
     )
@@ -81,6 +83,15 @@ def run(args: argparse.Namespace) -> int:
             if not args.json:
                 print(f"{args.runs} random runs a case, seed {args.seed}, largest joint error to the demonstrator")
                 print(robustness_table(outcomes))
+        if args.what == "pictures":
+            with naming("--scene"):
+                require_eyes("rendered", world.scene)
+            detected, servos = _pictures(args)
+            told["pictures"] = {"detection": asdict(detected), "servos": {k: asdict(v) for k, v in servos.items()}}
+            if not args.json:
+                print(detection_table(detected))
+                print(f"{args.runs} random runs, seed {args.seed}, largest joint error to the demonstrator")
+                print(robustness_table(list(servos.values())))
         if args.what in ("success", "all"):
             results, pairs = _success(args, world.scene)
             told["success"] = [{"pairs": pairs, **asdict(result)} for result in results]
@@ -230,6 +241,44 @@ def _robustness(args: argparse.Namespace) -> list[robustness.Outcome]:
         servo=args.servo or BEST.servo,
     )
     return _with_bar("robustness", lambda tell: robustness.run(settings, runs=args.runs, seed=args.seed, tell=tell))
+
+
+def _pictures(args: argparse.Namespace):
+    """Detection, and the servos on points and on pictures, by transfer, servo and camera."""
+    from ..experiments import detection  # loads pybullet and OpenCV
+
+    detected = _with_bar("detection", lambda tell: detection.run(args.scene, args.runs, args.seed, tell))
+    servos = {}
+    for transfer in [args.transfer] if args.transfer else TRANSFERS:
+        for servo in [args.servo] if args.servo else PICTURE_SERVOS:
+            settings = Settings(scene=args.scene, points=args.points, transfer=transfer, servo=servo)
+            cases = [robustness.Case(f"{transfer}, {servo}, {camera}", {"camera": camera}) for camera in CAMERAS]
+            found = _with_bar(
+                f"{transfer}, {servo}",
+                lambda tell: robustness.run(settings, cases, args.runs, args.seed, tell=tell),  # noqa: B023
+            )
+            servos |= {outcome.case: outcome for outcome in found}
+    return detected, servos
+
+
+def detection_table(found) -> str:
+    """For people."""
+    median, p95, p99, largest = found.error_px
+    fewest, typical = found.usable
+    return "\n".join(
+        [
+            f"{found.pictures} pictures of {found.scene}, {found.markers} markers an arm, random postures",
+            f"  in sight                     {found.in_sight:8.1%}",
+            f"  found, of all                {found.found:8.1%}",
+            f"  found, of those in sight     {found.found_in_sight:8.1%}",
+            f"  error of the middle          median {median:.3f} px, 95 % {p95:.3f}, 99 % {p99:.3f}, "
+            f"most {largest:.2f}",
+            f"  of a coordinate              rms {found.rms_px:.3f} px, mean {found.bias_px[0]:+.3f}, "
+            f"{found.bias_px[1]:+.3f}",
+            f"  false identities             {found.false} of {found.detections}",
+            f"  in all four pictures         median {typical:.0f}, fewest {fewest}",
+        ]
+    )
 
 
 def robustness_table(outcomes: list[robustness.Outcome]) -> str:

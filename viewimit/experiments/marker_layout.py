@@ -1,14 +1,17 @@
-"""Where the balls sit on an arm: places on its surface, chosen for what is seen of them and for a transfer's bias.
+"""Where the balls sit on an arm: chosen for what stays in sight, and for where the paper's E then has its minimum.
 
-    python -m viewimit.experiments.marker_layout panda assets/markers/panda.toml
+    python -m viewimit.experiments.marker_layout panda assets/markers/panda.toml 1
+    python -m viewimit.experiments.marker_layout iiwa assets/markers/iiwa.toml 0
 
-A ball is seen where nothing of the arm and no nearer ball hides a part of it. Places are exchanged one by one, and an
-exchange stays if the points that all four views see then serve the paper's transfer better, over demonstrators and
-postures spread over the scene's range. The same seed gives the same layout.
+A ball is seen where nothing of the arm and no nearer ball hides a part of it. E is of the balls that all four views
+see, others at every pair of postures, so that it is small wherever only the balls near the base are left: what counts
+first is that of each part of the arm enough are seen in both postures. Balls change places one by one by simulated
+annealing (Kirkpatrick et al. 1983), first for that alone, then for E's minima too. The last number is the seed.
 """
 
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -18,143 +21,142 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..assets import ROOT
-from ..camera import Camera
 from ..evaluation import conflict, residual
 from ..geometry.affine import MIN_POINTS
 from ..landscape import Landscape
 from ..markers import Markers
 from ..physics.model import write_urdf
-from ..physics.studio import SAMPLES, Studio
+from ..physics.studio import Studio
 from ..robot import BodyPoints
 from ..scene import load_scene
 from ..transfer import TRANSFERS
 from ..views import FourViews
 from ..world import World
+from .sightings import Sightings, sightings
 
-RADIUS_M = 0.02  # 8 px across at the arm's distance
-BALLS = 24
-PLACES = 70  # a link
-A_LINK = 2  # balls on each, at least
+RADIUS_M = 0.02  # 6 to 9 px across
+FIRST = (4, 3, 5, 4, 5, 6, 4, 5)  # balls a link to begin with
+BALLS = sum(FIRST)
+A_LINK = 2  # at least
 APART_M = 2.5 * RADIUS_M  # on one link
+PLACES, OFF_M = 250, (0.0, 0.02)  # a link; from the surface to the ball
+SEEN_OFTEN, BEST_PLACES = 0.25, 60  # share of postures; a link
 GRID = (7, 10)  # postures a joint over the range
 DEMONSTRATORS = (3, 4)  # of them, a joint
-AROUND_DEG = 4.0  # of a demonstrator, where the parabola of E is taken
-ENOUGH, LEAST = 14, 8  # points in all four views: wanted, and never fewer
-FEW_COSTS_DEG, TOO_FEW_COST_DEG = 0.3, 2.0  # for each that lacks
-ASTRAY_COSTS_DEG = 20.0  # times the share of postures from which descent ends elsewhere
+AROUND_DEG, WORST_DEG = 4.0, 8.0  # of a demonstrator, where the parabola of E is taken; a bias that is no worse
+PARTS = np.array([0, 0, 1, 1, 2, 2, 3, 3])  # of links: base, upper arm, forearm, hand
+WANTED, TWO = 4, 2  # balls of each part in all four views; few, but not none
+WEIGHTS = np.array([0.5, 0.7, 1.0, 1.0])  # of the parts
+FEWEST = MIN_POINTS + 1
 TRANSFER = "epipolar"
-EXCHANGES = 5000
-BEHIND_M = 0.004  # that a surface may lie before the ball's own without hiding it
+UPHILL_MARGIN = 0.2  # of ln E from a posture to its neighbour towards the demonstrator, which is to be so much lower
+COVER_COST, UPHILL_COST, ASTRAY_COST = 3.0, 60.0, 10.0  # degrees; with the bias's own
+COVERING, REFINING = (3000, 0.02, 0.002), (1500, 0.3, 0.03)  # exchanges, first and last temperature
 
 
 @dataclass(frozen=True)
-class Sightings:
-    """Of K places in G postures, in both views of a body: image (G, K, 4) px, depth_m and radius_px (G, K, 2),
-    clear (G, K, 2): nothing of the arm is before it."""
+class Study:
+    """demo: (D postures), own: (the grid), close: (around each demonstrator, one after the other);
+    at: (D,) demonstrators' places in the grid; near_deg: (S, 2), close's offsets."""
 
-    image: NDArray
-    depth_m: NDArray
-    radius_px: NDArray
-    clear: NDArray
-
-    def of(self, chosen: NDArray) -> tuple[NDArray, NDArray]:
-        """Images (G, N, 4) and seen (G, N): in both views, no nearer ball of the chosen before it."""
-        image = self.image[:, chosen].reshape(len(self.image), -1, 2, 2)
-        apart = np.linalg.norm(image[:, :, None] - image[:, None], axis=-1)
-        touch = apart < self.radius_px[:, chosen, None] + self.radius_px[:, None, chosen]
-        nearer = self.depth_m[:, None, chosen] < self.depth_m[:, chosen, None]
-        return self.image[:, chosen], (self.clear[:, chosen] & ~(touch & nearer).any(2)).all(-1)
+    body: BodyPoints
+    demo: Sightings
+    own: Sightings
+    close: Sightings
+    at: NDArray
+    near_deg: NDArray
 
 
-def build(name: str, seed: int = 0) -> Markers:
+def build(name: str, seed: int) -> Markers:
     """Markers of a shipped robot, in the scene of its name."""
     rng = np.random.default_rng(seed)
-    scene = load_scene(name)
-    body = _places(name, rng)
-    axes = [np.linspace(low, high, n) for low, high, n in zip(scene.lower, scene.upper, GRID)]
-    grid = np.array(list(product(*axes)))
-    spread = [axis[np.linspace(1, len(axis) - 2, n).round().astype(int)] for axis, n in zip(axes, DEMONSTRATORS)]
-    demonstrators = np.array(list(product(*spread)))
-    near = np.radians(AROUND_DEG) * np.array(list(product((-1, 0, 1), repeat=grid.shape[1])))
-    around = np.clip(demonstrators[:, None] + near, scene.lower, scene.upper).reshape(-1, grid.shape[1])
-    with tempfile.TemporaryDirectory() as folder:
-        studio = Studio(scene, write_urdf(scene, Markers(RADIUS_M, ()), Path(folder)))
-    world = World(scene, body=body)
-    demo = _sightings(studio, world, demonstrators, True)
-    own, close = (_sightings(studio, world, postures, False) for postures in (grid, around))
-    chosen = _chosen(body, demo, own, close, near, rng)
+    study = _study(name)
+    chosen = _first(study, rng)
+    chosen = _annealed(study, chosen, lambda balls: _cover_cost(study, balls)[0], *COVERING, rng)
+    chosen = _annealed(study, chosen, lambda balls: _cost(study, balls), *REFINING, rng)
+    body = study.body
     order = np.lexsort((chosen, body.link[chosen]))
     hues = 360 / BALLS * ((7 * np.arange(BALLS)) % BALLS)  # neighbours on the arm are far apart in hue
     rows = [(int(body.link[k]), *map(float, body.local[k].round(4)), float(hue)) for k, hue in zip(chosen[order], hues)]
     return Markers(RADIUS_M, tuple(rows))
 
 
-def _places(name: str, rng: np.random.Generator) -> BodyPoints:
-    """Middles of balls that touch the surface from outside."""
+def _study(name: str) -> Study:
+    scene, body = load_scene(name), _places(name)
+    axes = [np.linspace(low, high, n) for low, high, n in zip(scene.lower, scene.upper, GRID)]
+    grid = np.array(list(product(*axes)))
+    spread = [np.linspace(1, n - 2, count).round().astype(int) for n, count in zip(GRID, DEMONSTRATORS)]
+    at = np.array([np.ravel_multi_index(place, GRID) for place in product(*spread)])
+    near_deg = AROUND_DEG * np.array(list(product((-1, 0, 1), repeat=len(GRID))))
+    around = np.clip(grid[at][:, None] + np.radians(near_deg), scene.lower, scene.upper).reshape(-1, len(GRID))
+    with tempfile.TemporaryDirectory() as folder:
+        studio = Studio(scene, write_urdf(scene, Markers(RADIUS_M, ()), Path(folder)))
+    world = World(scene, body=body)
+    demo = sightings(studio, world, RADIUS_M, grid[at], True)
+    own, close = (sightings(studio, world, RADIUS_M, postures, False) for postures in (grid, around))
+    return Study(body, demo, own, close, at, near_deg)
+
+
+def _places(name: str) -> BodyPoints:
+    """Middles of balls outside the surface."""
     shapes = trimesh.load(ROOT / "robots" / name / f"{name}.glb").geometry
     links, local = [], []
-    for link in range(len(shapes)):
+    for off_m, link in product(OFF_M, range(len(shapes))):
         mesh = shapes[f"link{link}"]
-        points, faces = trimesh.sample.sample_surface(mesh, PLACES, seed=int(rng.integers(2**31)))
+        points, faces = trimesh.sample.sample_surface(mesh, PLACES, seed=len(links))
         links += [link] * len(points)
-        local.append(points + RADIUS_M * mesh.face_normals[faces])
+        local.append(points + (RADIUS_M + off_m) * mesh.face_normals[faces])
     return BodyPoints(np.array(links), np.concatenate(local))
 
 
-def _sightings(studio: Studio, world: World, postures: NDArray, demo: bool) -> Sightings:
-    scene_rest = world.scene.lower
-    found = []
-    for theta in postures:
-        studio.pose(*((theta, scene_rest) if demo else (scene_rest, theta)))
-        points = world.points_world(theta, world.T_world_demo if demo else world.T_world_own)
-        cameras = world.demo_cameras if demo else world.own_cameras
-        found.append([_sight(studio.depth_m(camera), camera, points) for camera in cameras])
-    image, depth, radius, clear = (np.array([[side[k] for side in pair] for pair in found]) for k in range(4))
-    image = np.moveaxis(image, 1, -2).reshape(len(postures), -1, 4)
-    return Sightings(image, *(np.moveaxis(each, 1, -1) for each in (depth, radius, clear)))
+def _often(study: Study) -> NDArray:
+    """(K,) share of postures in which a place is in sight of both views."""
+    return (study.own.clear.all(-1).mean(0) + study.demo.clear.all(-1).mean(0)) / 2
 
 
-def _sight(surface_m: NDArray, camera: Camera, points: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Of balls at (K, 3) m: image (K, 2), depth (K,), radius (K,) px, clear (K,)."""
-    image, inside = camera.project(points.T)
-    depth = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, 2]
-    radius = camera.focal * RADIUS_M / depth
-    clear = inside.copy()
-    for share, angle in product((0.0, 0.5, 0.9), np.arange(0, 2 * np.pi, np.pi / 4)):
-        x, y = image + share * radius * np.array([[np.cos(angle)], [np.sin(angle)]])
-        column = np.clip((SAMPLES * x).astype(int), 0, surface_m.shape[1] - 1)
-        row = np.clip((SAMPLES * y).astype(int), 0, surface_m.shape[0] - 1)
-        front = depth - RADIUS_M * np.sqrt(1 - share**2)
-        clear &= surface_m[row, column] > front - BEHIND_M
-    return image.T, depth, radius, clear
-
-
-def _chosen(
-    body: BodyPoints, demo: Sightings, own: Sightings, close: Sightings, near: NDArray, rng: np.random.Generator
-) -> NDArray:
-    often = own.clear.all(-1).mean(0)
-    first = np.concatenate([np.flatnonzero(body.link == k)[np.argsort(-often[body.link == k])] for k in _links(body)])
-    chosen = np.empty(0, int)
-    for least in (A_LINK, BALLS):  # the most often seen of each link, then of all
-        for place in first if least == A_LINK else first[np.argsort(-often[first])]:
-            room = len(chosen) < BALLS and (body.link[chosen] == body.link[place]).sum() < least
-            if room and _fits(body, np.append(chosen, place)):
+def _first(study: Study, rng: np.random.Generator) -> NDArray:
+    """Of each link's places most often seen, some that keep apart."""
+    often, chosen = _often(study), np.empty(0, int)
+    for link, count in enumerate(FIRST):
+        places = np.flatnonzero((study.body.link == link) & (often > SEEN_OFTEN))
+        for place in rng.permutation(places[np.argsort(-often[places])][:BEST_PLACES]):
+            if (study.body.link[chosen] == link).sum() < count and _fits(study.body, np.append(chosen, place)):
                 chosen = np.append(chosen, place)
-    cost = _cost(demo, own, close, near, chosen)
-    for _ in range(EXCHANGES):
-        other = chosen.copy()
-        other[rng.integers(BALLS)] = rng.integers(len(body))
-        few = np.bincount(body.link[other], minlength=len(_links(body))).min() < A_LINK
-        if few or not _fits(body, other):
-            continue
-        cost_other = _cost(demo, own, close, near, other)
-        if cost_other < cost:
-            chosen, cost = other, cost_other
+    pool = np.flatnonzero(often > SEEN_OFTEN)
+    while len(chosen) < BALLS:
+        place = rng.choice(pool)
+        if place not in chosen and _fits(study.body, np.append(chosen, place)):
+            chosen = np.append(chosen, place)
     return chosen
 
 
-def _links(body: BodyPoints) -> NDArray:
-    return np.unique(body.link)
+def _annealed(
+    study: Study,
+    chosen: NDArray,
+    cost_of: Callable[[NDArray], float],
+    exchanges: int,
+    first: float,
+    last: float,
+    rng: np.random.Generator,
+) -> NDArray:
+    """The best that was met."""
+    link = study.body.link
+    pool = np.flatnonzero(_often(study) > SEEN_OFTEN)
+    cost = cost_of(chosen)
+    best, best_cost = chosen, cost
+    for k in range(exchanges):
+        other, ball = chosen.copy(), rng.integers(BALLS)
+        same_link = rng.random() < 0.6
+        other[ball] = rng.choice(pool[link[pool] == link[chosen[ball]]] if same_link else pool)
+        few = np.bincount(link[other], minlength=len(FIRST)).min() < A_LINK
+        if few or len(np.unique(other)) < BALLS or not _fits(study.body, other):
+            continue
+        cost_other, temperature = cost_of(other), first * (last / first) ** (k / exchanges)
+        if cost_other < cost or rng.random() < np.exp((cost - cost_other) / temperature):
+            chosen, cost = other, cost_other
+            if cost < best_cost:
+                best, best_cost = chosen, cost
+    return best
 
 
 def _fits(body: BodyPoints, chosen: NDArray) -> bool:
@@ -164,29 +166,46 @@ def _fits(body: BodyPoints, chosen: NDArray) -> bool:
     return bool((apart[same] >= APART_M).all())
 
 
-def _cost(demo: Sightings, own: Sightings, close: Sightings, near: NDArray, chosen: NDArray) -> float:
-    """Degrees: rms bias of the minimum of E, and what too few points and other minima over the range count for."""
-    (demo_image, demo_seen), (own_image, own_seen), (close_image, close_seen) = (
-        each.of(chosen) for each in (demo, own, close)
-    )
-    usable = demo_seen[:, None] & own_seen
-    count = usable.sum(-1)
-    if count.min() < MIN_POINTS:
-        return np.inf
-    few = FEW_COSTS_DEG * np.maximum(ENOUGH - count, 0).mean() + TOO_FEW_COST_DEG * max(LEAST - count.min(), 0)
-    biases, steps = [], len(near)
-    for k in range(len(demo_image)):
+def _cover_cost(study: Study, chosen: NDArray) -> tuple[float, NDArray]:
+    """How little of each part is seen in both postures, at least -2 Σ WEIGHTS; and which balls are: (D, G, N)."""
+    usable = study.demo.of(chosen)[1][:, None] & study.own.of(chosen)[1]
+    part = PARTS[study.body.link[chosen]]
+    count = np.stack([usable[..., part == k].sum(-1) for k in range(len(WEIGHTS))])
+    share = (np.minimum(count, WANTED) / WANTED).mean((1, 2)) + (count >= TWO).mean((1, 2))
+    return -float(WEIGHTS @ share), usable
+
+
+def _cost(study: Study, chosen: NDArray) -> float:
+    """Degrees: with the cover's, where E does not fall towards the demonstrator, and how far off its minimum is."""
+    cover, usable = _cover_cost(study, chosen)
+    blind = usable.sum(-1) < FEWEST
+    images = study.demo.image[:, chosen][:, None], study.own.image[:, chosen][None]
+    E = np.where(blind, np.nan, _conflicts(*images, usable | blind[..., None]))
+    here = np.stack(np.unravel_index(np.arange(E.shape[1]), GRID), -1)
+    towards = np.ravel_multi_index(tuple(np.moveaxis(here + np.sign(here[study.at][:, None] - here), -1, 0)), GRID)
+    rise = np.nan_to_num(np.log(np.take_along_axis(E, towards, 1) / E), nan=1.0)
+    elsewhere = np.arange(E.shape[1]) != study.at[:, None]
+    uphill = np.where(elsewhere, np.clip(rise + UPHILL_MARGIN, 0, 1), 0).mean()
+    axes = tuple(np.arange(n) for n in GRID)
+    astray = np.mean([1 - Landscape(axes, each.reshape(GRID)).basin_fraction() for each in E])
+    bias = np.sqrt(np.mean(np.square(_biases_deg(study, chosen))))
+    return float(COVER_COST * cover + UPHILL_COST * uphill + ASTRAY_COST * astray + bias)
+
+
+def _biases_deg(study: Study, chosen: NDArray) -> list[float]:
+    """Of E's minimum near each demonstrator, by the balls seen all around it."""
+    demo, demo_seen = study.demo.of(chosen)
+    close, close_seen = study.close.of(chosen)
+    biases, steps = [], len(study.near_deg)
+    for k in range(len(demo)):
         part = slice(k * steps, (k + 1) * steps)
         common = demo_seen[k] & close_seen[part].all(0)
         bias = np.inf
-        if common.sum() >= LEAST:
-            views = FourViews(demo_image[k][common], close_image[part][:, common], np.ones(1, bool))
-            bias = _minimum_deg(np.degrees(near), conflict(residual(TRANSFERS[TRANSFER](views), views)))
-        biases.append(min(bias, 2 * AROUND_DEG))
-    E = _conflicts(demo_image[:, None], own_image[None], usable).reshape(-1, *GRID)
-    axes = tuple(np.arange(n) for n in GRID)
-    astray = np.mean([1 - Landscape(axes, each).basin_fraction() for each in E])
-    return float(few + np.sqrt(np.mean(np.square(biases))) + ASTRAY_COSTS_DEG * astray)
+        if common.sum() >= FEWEST:
+            views = FourViews(demo[k][common], close[part][:, common], np.ones(1, bool))
+            bias = _minimum_deg(study.near_deg, conflict(residual(TRANSFERS[TRANSFER](views), views)))
+        biases.append(min(bias, WORST_DEG))
+    return biases
 
 
 def _conflicts(demo: NDArray, own: NDArray, usable: NDArray) -> NDArray:
@@ -223,4 +242,4 @@ def text(markers: Markers) -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[2]).write_text(text(build(sys.argv[1])))
+    Path(sys.argv[2]).write_text(text(build(sys.argv[1], int(sys.argv[3]))))

@@ -39,6 +39,7 @@ class TrustState:
     """visits: the last of them is where the arm is. goal: (m,) rad, on the way to a restart or back to the best.
 
     promised: decrease of E predicted for the motion just made, None if it was not made for that.
+    ending: what is said once the best posture is reached again, None while the search goes on.
     """
 
     visits: tuple[Visit, ...]
@@ -47,7 +48,7 @@ class TrustState:
     phase: int = 0
     promised: float | None = None
     goal: NDArray | None = None
-    arriving: bool = False
+    ending: str | None = None
     restarts: int = 0
     checks: int = 0
     failures: int = 0
@@ -156,7 +157,7 @@ def _settle(
     state = replace(state, failures=0)
     if PHASES[state.phase][0] is None:
         if doubt < CERTAIN or E < NOISE_FLOOR * seen.noise_px**2:
-            return _towards(replace(state, goal=best, arriving=True), seen)
+            return _towards(replace(state, goal=best, ending="converged"), seen)
         if doubt < DOUBTFUL and state.checks < MOST_CHECKS:
             return _check(replace(state, checks=state.checks + 1), seen, best, flattest)
     if state.phase + 1 < len(PHASES):
@@ -165,7 +166,7 @@ def _settle(
         goal = _farthest(state.visits, seen)
         begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0, goal=goal)
         return _towards(begun, seen)
-    return replace(state, status="stalled", probe=False), np.zeros_like(best)
+    return _towards(replace(state, goal=best, ending="stalled"), seen)
 
 
 def _doubt(E: float, found: Minimum) -> float:
@@ -201,12 +202,12 @@ def _move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustS
 
 
 def _towards(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
-    """On to the goal; there, a learner that drove back to its best posture has arrived."""
+    """On to the goal; there, a learner that drove back to its best posture says how its search ended."""
     state, step = _move(replace(state, promised=None), seen, state.goal)
     if np.max(np.abs(state.goal - seen.displacement)) <= LONGEST:
         state = replace(state, goal=None)
-    if state.arriving and np.max(np.abs(step)) < DONE_STEP / 10:
-        return replace(state, arriving=False, status="converged"), np.zeros_like(step)
+    if state.ending and np.max(np.abs(step)) < DONE_STEP / 10:
+        return replace(state, ending=None, status=state.ending), np.zeros_like(step)
     return state, step
 
 

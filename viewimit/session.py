@@ -265,6 +265,8 @@ class Session:
 
         def predicted(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
             known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
+            if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
+                return np.full((*own.shape[:-2], 1, 4), np.inf)
             imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
             transfer = TRANSFERS[by or now.settings.transfer](imagined) if by or frozen is None else frozen
             e = residual(transfer, imagined)

@@ -19,7 +19,7 @@ from ..world import Actuator, World
 
 MIDDLE = 0.56  # of a picture's width: the head turns to the body that it watches, so that the other one is beyond
 FACE = 1.2  # times its radius, from a ball's middle to the nearest of its surface in sight, at most
-NOISE_PX = 0.06  # standard deviation of a coordinate, as `viewimit bench pictures` measures it
+NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench pictures` measures it
 
 
 class RenderedEyes:

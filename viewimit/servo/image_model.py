@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .observation import Observation
 
-ENOUGH = 8  # points that were seen often, so that those seen rarely can be done without
+ENOUGH = 12  # points that were seen often, so that those seen rarely can be done without
 SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mostly noise
 
 

@@ -16,6 +16,7 @@ LEFT, RIGHT, TOP, BOTTOM = 40, 104, 24, 20
 LIMIT, DOT_LIMIT = 240, 48  # vertices of a curve; motions up to which each has a dot
 STEPS = (1, 2, 4, 5, 10)  # x 10^k: the x axis ends at four of them
 APART = 13  # px between labels
+FLOOR_E = 1e-3  # px² below which E is drawn as this: nobody could see that conflict
 
 
 def draw_curves(
@@ -76,10 +77,10 @@ class _Axis:
 
 
 def _draw_E(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, cursor: int, E_true: float | None) -> str:
-    E = np.array([snapshot.E for snapshot in snapshots])
+    E = np.maximum([snapshot.E for snapshot in snapshots], FLOOR_E)
     known = E[E > 0]
-    if E_true is not None and not E_true > 0:
-        E_true = None
+    if E_true is not None:
+        E_true = max(E_true, FLOOR_E) if np.isfinite(E_true) else None
     everything = known if E_true is None else np.append(known, E_true)
     low, high = (0, 3) if len(everything) == 0 else _decades(everything.min(), everything.max())
     y_of = lambda value: axis.bottom - (axis.bottom - TOP) * (np.log10(np.maximum(value, 1e-30)) - low) / (high - low)
@@ -90,15 +91,19 @@ def _draw_E(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, cursor: in
     if E_true is not None:
         y = float(y_of(E_true))
         parts.append(f'<path class="vi-line-demo" d="M{LEFT} {y:.1f}H{axis.right:.1f}"/>')
-        labels.append((y, f"true posture {svg.number(E_true, 2 if E_true < 10 else 1)}", "vi-of-demo"))
+        labels.append((y, f"true posture {_short(E_true)}", "vi-of-demo"))
     points = np.stack([axis.x(motions), np.where(E > 0, y_of(np.where(E > 0, E, 1.0)), np.nan)], -1)
     done = int(np.searchsorted(motions, cursor, side="right"))
     probes = np.array([snapshot.probe for snapshot in snapshots])
     parts.append(_curve(points, done, probes, "E"))
     if done and np.isfinite(points[done - 1, 1]):
         value = E[done - 1]
-        labels.append((float(points[done - 1, 1]), f"E {svg.number(value, 2 if value < 10 else 1)}", "vi-of-E"))
+        labels.append((float(points[done - 1, 1]), f"E {_short(value)}", "vi-of-E"))
     return "".join(parts) + _labels(axis, labels)
+
+
+def _short(E: float) -> str:
+    return "< 0.01" if E < 0.01 else svg.number(E, 2 if E < 10 else 1)
 
 
 def _draw_angles(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, cursor: int, joints: Sequence[int]) -> str:

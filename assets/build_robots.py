@@ -5,8 +5,8 @@
 
 For each robot two files are written:
 
-- `<name>.urdf`: links and joints only. Names, origins, axes, limits and mimics
-  are copied from the source; inertials, visuals and collisions are left out.
+- `<name>.urdf`: links with their masses, and joints. Names, origins, axes, limits and mimics
+  are copied from the source; visuals and collisions are left out.
 - `<name>.glb`: the visual meshes, decimated. Geometry `link0` is the base,
   `link<i>` is everything that revolute joint i carries rigidly, in the frame of
   that joint's child link, in metres. Prismatic joints (the Panda's fingers)
@@ -39,18 +39,18 @@ CREASE_DEG = 38.0  # sharper edges are shaded as edges
 
 
 def kinematic_urdf(robot: ET.Element, source: str) -> str:
-    """Links and joints of `robot` without inertials, shapes and dynamics."""
+    """Links with their inertials, and joints of `robot`, without shapes and dynamics."""
     slim = ET.Element("robot", name=robot.get("name"))
     for element in robot:
         if element.tag not in ("link", "joint"):
             continue
         copy = ET.SubElement(slim, element.tag, element.attrib)
-        if element.tag == "joint":
-            copy.extend(child for child in element if child.tag in KINEMATIC_TAGS)
+        kept = KINEMATIC_TAGS if element.tag == "joint" else ("inertial",)
+        copy.extend(child for child in element if child.tag in kept)
     for element in slim.iter():
         element.text = element.tail = None
     ET.indent(slim)
-    notice = f"<!-- Links and joints of pybullet_data/{source}. Licence: LICENSE.txt -->"
+    notice = f"<!-- Links, masses and joints of pybullet_data/{source}. Licence: LICENSE.txt -->"
     return f'<?xml version="1.0"?>\n{notice}\n{ET.tostring(slim, encoding="unicode")}\n'
 
 

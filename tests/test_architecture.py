@@ -19,10 +19,13 @@ ORDER = (  # each imports only what stands above it, or itself
     "camera",
     "robot",
     "views",
+    "tracked",
     "scene",
     "world",
     "posing",
     "motion",
+    "markers",
+    "detection",
     "physics",
     "evaluation",
     "transfer",
@@ -30,6 +33,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "observability",
     "servo",
     "snapshot",
+    "eyes",
     "session",
     "trajectory",
     "experiments",
@@ -77,7 +81,8 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "evaluation", "frames", "geometry", "latency", "scene", "servo", "snapshot", "transfer", "views", "world",
+        "evaluation", "eyes", "frames", "geometry", "latency", "scene", "servo", "snapshot", "transfer", "views",
+        "world",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 
@@ -110,7 +115,16 @@ def test_the_page_is_imported_by_serve_alone_and_only_when_called():
                 assert node.col_offset > 0, "at the top of the module"
 
 
-@pytest.mark.parametrize("package, parts", [("viser", {"app"}), ("pybullet", {"physics"}), ("pybullet_data", set())])
+@pytest.mark.parametrize(
+    "package, parts",
+    [
+        ("viser", {"app"}),
+        ("pybullet", {"physics"}),
+        ("pybullet_utils", {"physics"}),
+        ("cv2", {"detection", "experiments"}),
+        ("pybullet_data", set()),
+    ],
+)
 def test_a_heavy_package_is_imported_where_it_belongs(package, parts):
     users = {module_of(path)[1] for path in SOURCES for module, _ in imports_of(path) if module[0] == package}
     assert users - {"assets"} <= parts  # assets/build_robots.py makes the shipped files and is not part of the package

@@ -184,7 +184,7 @@ def files(tmp_path, monkeypatch):
         ("landscape --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
         ("bench --scene moon", "--scene.*: no scene 'moon'"),
         ("bench --points 11", "--points.*: no layout of 11 points"),
-        ("reproduce fig8", "figures: no figure 'fig8'; there are fig7, fig9, fig10 and all"),
+        ("reproduce fig3", "figures: no figure 'fig3'; there are fig7, fig9, fig10 and all"),
         ("reproduce fig10 --motion dance", "--motion: no motion 'dance'; there are sinusoid, circle, or the path"),
         ("reproduce fig10 --motion lost.json", "--motion: lost.json: No such file"),
         ("reproduce fig10 --motion wrong.json", "--motion: wrong.json: not a recorded motion: .*name"),

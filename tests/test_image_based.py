@@ -111,6 +111,6 @@ def test_what_the_images_cannot_tell_is_left_alone():
     """Both joints move the images alike: of all motions that do, the damping takes the shortest."""
     world = LinearWorld(2)
     world.J[..., 1] = world.J[..., 0]
-    model = ImageModel(world.J, ImageModel.start(world.seen(np.zeros(2))).last)
+    model = replace(ImageModel.start(world.seen(np.zeros(2))), jacobian=world.J)
     step = towards(model, world.seen(np.zeros(2)), world.images(np.array([0.1, 0.0])), np.ones(N, bool))
     np.testing.assert_allclose(step, (0.05, 0.05), atol=1e-4)

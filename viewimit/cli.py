@@ -19,6 +19,8 @@ COMMANDS = {
     "imitate": "One run of the loop, without a page.",
     "landscape": "E over the range of the two moving joints.",
     "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
+    "detect": "Markers in your own pictures or videos, as a table of points.",
+    "evaluate": "The method on your own tracked points: transfer, residuals, E.",
     "bench": "How fast E is, and how often and how soon each servo arrives.",
 }
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")

@@ -1,6 +1,7 @@
 """E over a grid of the learner's postures: what Figs. 7 and 8 of the paper show.
 
-It asks the simulated world for the learner's images at every posture, so it is for people, not for a servo.
+It asks for the learner's images at every posture, of the simulated world or of a session's eyes, so it is for people,
+not for a servo.
 """
 
 from collections.abc import Callable
@@ -93,7 +94,10 @@ def landscape(
     axes: tuple[NDArray, NDArray] | None = None,
     with_condition: bool = False,
 ) -> Landscape:
-    """E of a transfer over the learner's postures. axes: two arrays of rad, the scene's range if None."""
+    """E of a transfer over the learner's postures. axes: two arrays of rad, the scene's range if None.
+
+    world: or the eyes of a session, with axes.
+    """
     axes = grid_axes(world) if axes is None else axes
     theta = axes[0][:, None], axes[1]
     return Landscape(axes, *conflict_at(world, fit, demo, demo_visible, theta, with_condition))
@@ -110,7 +114,18 @@ def conflict_at(
     # Freeing one large block, never touched, makes glibc keep what smaller ones give back (mallopt(3),
     # M_TRIM_THRESHOLD). Otherwise the kernel pages it in anew at each step: a third of the time.
     np.empty(KEPT_BYTES, np.uint8)
-    own, own_visible = world.own_images(theta)
+    return conflict_of_images(fit, demo, demo_visible, *world.own_images(theta), with_condition)
+
+
+def conflict_of_images(
+    fit: Callable,
+    demo: NDArray,
+    demo_visible: NDArray,
+    own: NDArray,
+    own_visible: NDArray,
+    with_condition: bool = False,
+) -> NDArray:
+    """As `conflict_at`, of own images (..., N, 4) px, own_visible (..., N, 2)."""
     shape = own.shape[:-2]
     own = own.reshape((-1,) + own.shape[-2:])
     usable = (own_visible.all(-1) & demo_visible.all(-1)).reshape(own.shape[:2])

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import frames
 from .evaluation import residual
+from .eyes import open_eyes
 from .geometry.affine import MIN_POINTS, flatness
 from .latency import MOST_LAG, lag_of
 from .scene import Scene, load_scene
@@ -22,12 +23,12 @@ from .snapshot import Settings, Snapshot
 from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
 from .views import FourViews
-from .world import Actuator, Disturbance, World
+from .world import Disturbance, World
 
 DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
-BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "delay")  # what changes body, camera or start
-EXACT, UNDISTURBED = Actuator(), Disturbance()
+BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "camera", "delay")  # what changes body or camera
+UNDISTURBED = Disturbance()
 MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
 
 
@@ -38,7 +39,7 @@ class Session:
     """
 
     def __init__(self, settings: Settings | None = None):
-        self.world: World | None = None
+        self._built: tuple | None = None
         self.history: list[Snapshot]
         self.cursor: int
         self.begin(settings or Settings())
@@ -51,6 +52,11 @@ class Session:
     @property
     def settings(self) -> Settings:
         return self.snapshot.settings
+
+    @property
+    def world(self) -> World:
+        """The truth, for viewers only."""
+        return self.eyes.world
 
     @property
     def scene(self) -> Scene:
@@ -79,7 +85,7 @@ class Session:
             self._replace(replace(now, servo_state=state, status=status, frozen=frozen))
             return False
         commanded = np.clip(now.commanded + displacement, self.scene.lower, self.scene.upper)
-        theta = obeyed(now.settings, self.scene, now.theta, now.commanded, commanded)
+        theta = self.eyes.drive(now.settings, now.theta, now.commanded, commanded)
         waited, lag = self._wait(theta, now)
         look = now.look + 1 + waited
         after = self.observe(theta, now, motion=now.motion + 1, look=look, status=state.status, lag=lag)
@@ -153,7 +159,7 @@ class Session:
         now, settings = now or self.snapshot, settings or self.settings
         theta_demo = self.scene.require_posture(theta_demo, "demonstrator's")
         settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(theta_demo))
-        now = replace(now, theta_demo=theta_demo)
+        now = replace(now, theta_demo=self.eyes.settle(theta_demo))
         now = self.observe(now.theta, now, settings, status=_awake(now))
         if now.servo_state is not None:
             state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
@@ -187,16 +193,17 @@ class Session:
         demo = scene.require_posture(np.radians(_given(settings.demonstrator_deg, rest)), "demonstrator's")
         start = scene.require_posture(np.radians(_given(settings.start_deg, scene.start_deg)), "learner's start")
         settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(demo), start_deg=_degrees(start))
-        world, empty = self.world, np.empty((0, 4))
-        if world is None or world.scene != scene or len(world.body) != settings.points:
-            world = World(scene, settings.points)
+        build = settings.camera, scene, settings.points
+        if build != self._built:
+            self.eyes, self._built = open_eyes(*build), build
+        demo, standing, empty = self.eyes.settle(demo), self.eyes.settle(start), np.empty((0, 4))
         nothing = FourViews(empty, empty, np.empty((0, 4), bool))
         blank = Snapshot(
-            settings, 0, 0, start, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
+            settings, 0, 0, standing, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
             start, np.zeros_like(start), False, "ready", None, None, None,
         )  # fmt: skip
-        self.world, self._demo_look, self._rest = world, None, None
-        self.history, self.cursor = [self.observe(start, blank)], 0
+        self._demo_look, self._rest = None, None
+        self.history, self.cursor = [self.observe(standing, blank)], 0
 
     def _demo_drift(self) -> NDArray:
         """(N, 4) px: how far the demonstrator's points go in the next motion, if they have gone on during the last two.
@@ -206,7 +213,7 @@ class Session:
         recent = self.history[max(self.cursor - 2, 0) : self.cursor + 1]
         if len(recent) < 3:
             return np.zeros(())
-        before, last = np.diff([moment.views.demo for moment in recent], axis=0)
+        before, last = np.nan_to_num(np.diff([moment.views.demo for moment in recent], axis=0))  # NaN: not seen
         return last if np.vdot(before, last) > 0 else np.zeros(())
 
     def _wait(self, theta: NDArray, now: Snapshot) -> tuple[int, int | None]:
@@ -219,7 +226,7 @@ class Session:
 
         def own(after: int) -> tuple[NDArray, NDArray]:
             pictured = theta if after >= now.settings.delay else now.theta
-            return merged_look(now.settings, self.world.own_images(pictured), OWN_LOOK, now.look + 1 + after)
+            return merged_look(now.settings, self.eyes.own_images(pictured), OWN_LOOK, now.look + 1 + after)
 
         lag = lag_of((now.views.own, now.views.visible[:, 2:]), own, self._noise_at_rest(now.settings))
         return MOST_LAG if lag is None else lag, lag
@@ -228,19 +235,22 @@ class Session:
         """The own body is looked at anew; the demonstrator only when it or its disturbance has changed."""
         key = theta_demo.tobytes(), disturbance(settings), settings.frames, settings.seed
         if self._demo_look is None or self._demo_look[0] != key:
-            images = self.world.demo_images(theta_demo)
+            images = self.eyes.demo_images(theta_demo)
             self._demo_look = key, merged_look(settings, images, DEMO_LOOK)
         demo, demo_visible = self._demo_look[1]
-        own, own_visible = merged_look(settings, self.world.own_images(theta), OWN_LOOK, look)
+        own, own_visible = merged_look(settings, self.eyes.own_images(theta), OWN_LOOK, look)
         return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
 
     def _noise_at_rest(self, settings: Settings) -> float:
         """Standard deviation of a coordinate, as averaged, from single images of the own body at the start, px."""
         key = disturbance(settings), settings.seed, settings.frames
         if self._rest is None or self._rest[0] != key:
-            images = self.world.own_images(np.radians(settings.start_deg))
-            looks = key[0].frames(*images, [settings.seed, REST_LOOK], REST_LOOKS)
-            self._rest = key, frames.noise(*looks) / np.sqrt(settings.frames)
+            measured = 0.0
+            if key[0] != UNDISTURBED:
+                images = self.eyes.own_images(self.history[0].theta)
+                looks = key[0].frames(*images, [settings.seed, REST_LOOK], REST_LOOKS)
+                measured = frames.noise(*looks) / np.sqrt(settings.frames)
+            self._rest = key, float(np.hypot(measured, self.eyes.noise_px))
         return self._rest[1]
 
     def _replace(self, snapshot: Snapshot) -> None:
@@ -260,6 +270,8 @@ class Session:
 
         def predicted(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
             known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
+            if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
+                return np.full((*own.shape[:-2], 1, 4), np.inf)
             imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
             transfer = TRANSFERS[by or now.settings.transfer](imagined) if by or frozen is None else frozen
             e = residual(transfer, imagined)
@@ -281,14 +293,6 @@ def merged_look(settings: Settings, images: tuple[NDArray, NDArray], *stream: in
     if settings.frames == 1 or spoilt == UNDISTURBED:
         return spoilt.apply(*images, seed)
     return frames.merge(*spoilt.frames(*images, seed, settings.frames))
-
-
-def obeyed(settings: Settings, scene: Scene, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
-    """Where an arm at theta that was last sent to `sent` stands once sent to `commanded`; (m,) rad each."""
-    arm = Actuator(settings.gain_error, settings.quantum_deg)
-    if arm == EXACT:
-        return commanded
-    return np.clip(arm.move(theta, commanded - sent), scene.lower, scene.upper)
 
 
 def _awake(now: Snapshot) -> str:

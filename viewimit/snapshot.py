@@ -11,6 +11,7 @@ from .servo import SERVOS
 from .transfer import TRANSFERS
 from .views import FourViews
 
+CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
 
@@ -23,6 +24,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
+    camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers.
     """
 
     scene: str = "panda"
@@ -41,10 +43,12 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     quantum_deg: float = 0.0
     delay: int = 0
     seed: int = 7
+    camera: str = "points"
 
     def __post_init__(self):
         _require_choice("transfer", self.transfer, TRANSFERS)
         _require_choice("servo", self.servo, SERVOS)
+        _require_choice("camera", self.camera, CAMERAS)
         _require_range("noise_px", self.noise_px, 0, 20)
         _require_range("missing", self.missing, 0, 1)
         _require_range("outliers", self.outliers, 0, 1)

@@ -17,7 +17,7 @@ from .posing import hand_position
 from .servo import Observation
 from .servo.image_based import towards
 from .servo.image_model import ImageModel
-from .session import Session, merged_look, obeyed
+from .session import Session, merged_look
 
 APPROACH = 20  # motions at most to the first frame; then one a frame
 ARRIVED = np.radians(0.05)  # a smaller motion ends the approach
@@ -78,22 +78,22 @@ def follow(
 
     The session itself stays as it is, too. tell: the share done.
     """
-    settings, scene, world = session.settings, session.scene, session.world
+    settings, scene, world, eyes = session.settings, session.scene, session.world, session.eyes
     start, model, moved = np.radians(settings.start_deg), learned_images(session), 0
     theta, sent = session.snapshot.theta, session.snapshot.commanded
 
     def look() -> Observation:
-        own, visible = merged_look(settings, world.own_images(theta), OWN_FRAMES, moved)
+        own, visible = merged_look(settings, eyes.own_images(theta), OWN_FRAMES, moved)
         return Observation(own, visible, np.nan, sent - start, scene.lower - start, scene.upper - start, moved)
 
     seen, frames = look(), []
     for frame, theta_demo in enumerate(motion.theta):
-        demo, visible = merged_look(settings, world.demo_images(theta_demo), DEMO_FRAMES, frame)
+        demo, visible = merged_look(settings, eyes.demo_images(theta_demo), DEMO_FRAMES, frame)
         target = transfer.recover(demo[:, :2], demo[:, 2:])
         for _ in range(1 if frame else APPROACH):
             step = towards(model, seen, target, wanted & visible.all(-1))
             commanded = np.clip(sent + step, scene.lower, scene.upper)
-            theta, sent, moved = obeyed(settings, scene, theta, sent, commanded), commanded, moved + 1
+            theta, sent, moved = eyes.drive(settings, theta, sent, commanded), commanded, moved + 1
             seen = look()
             model = model.learn(seen)
             if np.max(np.abs(step)) < ARRIVED:

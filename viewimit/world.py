@@ -69,10 +69,10 @@ class World:
     other, so that (θ2[:, None], θ4[None, :]) is a grid. Own images of a grid are (91, 181, N, 4).
     """
 
-    def __init__(self, scene: Scene, points: int = 10, robot: Robot | None = None):
+    def __init__(self, scene: Scene, points: int = 10, robot: Robot | None = None, body: BodyPoints | None = None):
         self.scene = scene
         self.robot = robot or load_robot(scene.robot)
-        self.body: BodyPoints = scene.body_points(points)
+        self.body: BodyPoints = scene.body_points(points) if body is None else body
         self._chain, self._chain_body = self.robot.held(np.radians(scene.posture_deg), scene.moving, self.body)
         head = scene.stereo_head()
         self.demo_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_demonstrator)

@@ -10,12 +10,13 @@ import msgspec
 from tqdm import tqdm
 
 from ..experiments import benchmark, following, random_scenes, robustness, success
+from ..eyes import require_eyes
 from ..geometry.affine import require_points
 from ..landscape import grid_axes
 from ..scene import Scene, load_scene
 from ..servo import SERVOS
 from ..session import MAX_HISTORY
-from ..snapshot import BEST, Settings
+from ..snapshot import BEST, CAMERAS, Settings
 from ..transfer import TRANSFERS
 from ..world import World
 from . import bench_tables as tables
@@ -25,6 +26,7 @@ INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 RUNS, MAX_MOTIONS = 200, 500
 PAPER_TRANSFER = "epipolar"
 PAIRS_A_SCENE = 5
+PICTURE_SERVOS = ("broyden", "trust-region")  # the others need thousands of motions
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +36,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         choices=(*PARTS, "all"),
         default="all",
         help="success: of every transfer and servo; robustness: with noise, missing and wrong points, seven joints; "
-        "following: a demonstrator that moves; scenes: drawn at random; all: speed and success (%(default)s)",
+        "following: a demonstrator that moves; scenes: drawn at random; pictures: rendered ones, and how "
+        "well markers are detected in them; all: speed and success (%(default)s)",
     )
     parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
     parser.add_argument("--points", type=int, default=10, metavar="N", help="layout of the scene (%(default)s)")
@@ -141,6 +144,27 @@ def _scenes(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
     return {"pairs": heading, **asdict(found)}, tables.success_table([found], heading)
 
 
+def _pictures(args: argparse.Namespace, scene: Scene) -> tuple[dict, str]:
+    """Detection, and the servos on points and on pictures, by transfer, servo and camera."""
+    with naming("--scene"):
+        require_eyes("rendered", scene)
+    from ..experiments import detection  # loads pybullet and OpenCV
+
+    detected = _with_bar("detection", lambda tell: detection.run(args.scene, args.runs, args.seed, tell))
+    outcomes = []
+    for transfer in [args.transfer] if args.transfer else TRANSFERS:
+        for servo in [args.servo] if args.servo else PICTURE_SERVOS:
+            settings = Settings(scene=args.scene, points=args.points, transfer=transfer, servo=servo)
+            cases = [robustness.Case(f"{transfer}, {servo}, {camera}", {"camera": camera}) for camera in CAMERAS]
+            outcomes += _with_bar(
+                f"{transfer}, {servo}",
+                lambda tell: robustness.run(settings, cases, args.runs, args.seed, tell=tell),  # noqa: B023
+            )
+    heading = f"{args.runs} random runs, seed {args.seed}, largest joint error to the demonstrator"
+    told = {"detection": asdict(detected), "servos": [asdict(outcome) for outcome in outcomes]}
+    return told, f"{tables.detection_table(detected)}\n{heading}\n{tables.robustness_table(outcomes)}"
+
+
 def _best(args: argparse.Namespace) -> Settings:
     """A frame at each posture, as the cases of a table set their own."""
     return Settings(transfer=args.transfer or BEST.transfer, servo=args.servo or BEST.servo)
@@ -152,6 +176,7 @@ PARTS = {
     "robustness": _robustness,
     "following": _following,
     "scenes": _scenes,
+    "pictures": _pictures,
 }
 
 

@@ -122,3 +122,23 @@ def following_table(outcomes: Sequence[following.Outcome]) -> str:
     """For people: a row a case."""
     rows = (f"  {o.case:<36}{o.rms_deg:8.2f}°{o.most_deg:8.2f}°" for o in outcomes)
     return "\n".join([f"{'demonstrator, learner':<38}{'rms':>9}{'most':>9}", *rows])
+
+
+def detection_table(found) -> str:
+    """For people."""
+    median, p95, p99, largest = found.error_px
+    fewest, typical = found.usable
+    return "\n".join(
+        [
+            f"{found.pictures} pictures of {found.scene}, {found.markers} markers an arm, random postures",
+            f"  in sight                     {found.in_sight:8.1%}",
+            f"  found, of all                {found.found:8.1%}",
+            f"  found, of those in sight     {found.found_in_sight:8.1%}",
+            f"  error of the middle          median {median:.3f} px, 95 % {p95:.3f}, 99 % {p99:.3f}, "
+            f"most {largest:.2f}",
+            f"  of a coordinate              rms {found.rms_px:.3f} px, mean {found.bias_px[0]:+.3f}, "
+            f"{found.bias_px[1]:+.3f}",
+            f"  false identities             {found.false} of {found.detections}",
+            f"  in all four pictures         median {typical:.0f}, fewest {fewest}",
+        ]
+    )

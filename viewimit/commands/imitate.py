@@ -10,6 +10,7 @@ from ..snapshot import BEST
 from .options import (
     DONE,
     MISSED,
+    add_camera_option,
     add_json_option,
     add_run_options,
     add_setting_options,
@@ -24,6 +25,7 @@ PATIENCE = 100  # looks in a row with too few points, after which the learner is
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_setting_options(parser, BEST)
+    add_camera_option(parser)
     add_run_options(parser, BEST)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")

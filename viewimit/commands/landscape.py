@@ -13,6 +13,7 @@ from . import landscape_file
 from .options import (
     DONE,
     MISSED,
+    add_camera_option,
     add_json_option,
     add_setting_options,
     between,
@@ -22,10 +23,13 @@ from .options import (
     settings_from,
 )
 
+STEP_DEG = {"points": 1.0, "rendered": 10.0}  # of the grid; two pictures take a tenth of a second
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_setting_options(parser)
-    parser.add_argument("--step-deg", type=between(float, 0.1, 45), default=1.0, help="of the grid (%(default)s)")
+    add_camera_option(parser)
+    parser.add_argument("--step-deg", type=between(float, 0.1, 45), help="of the grid (1, camera images 10)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .png or .svg")
     add_json_option(parser)
 
@@ -35,12 +39,12 @@ def run(args: argparse.Namespace) -> int:
         with naming("--out"):
             landscape_file.require_format(args.out)
     session = Session(settings_from(args))
-    now, world, fit = session.snapshot, session.world, TRANSFERS[session.settings.transfer]
+    now, eyes, fit = session.snapshot, session.eyes, TRANSFERS[session.settings.transfer]
     demo, seen = now.views.demo, now.views.visible[:, :2]
     with naming("--scene"):
-        axes = grid_axes(world, args.step_deg)
-    found = landscape(world, fit, demo, seen, axes)
-    there = landscape(world, fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))
+        axes = grid_axes(session.world, args.step_deg or STEP_DEG[session.settings.camera])
+    found = landscape(eyes, fit, demo, seen, axes)
+    there = landscape(eyes, fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))
     if args.out:
         with naming("--out"):
             landscape_file.write(args.out, found, session.scene.moving_joints, now.theta_demo)

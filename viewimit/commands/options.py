@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterator
 import msgspec
 import numpy as np
 
+from ..eyes import require_eyes
 from ..scene import load_scene, robot_names, scene_names
 from ..servo import SERVOS
-from ..snapshot import Settings
+from ..snapshot import CAMERAS, Settings
 from ..transfer import TRANSFERS
 from . import BadInput
 
@@ -40,6 +41,15 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
     parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
 
 
+def add_camera_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--camera",
+        metavar="NAME",
+        help=f"{', '.join(CAMERAS)}: points projected, or detected in rendered pictures of arms that have weight, "
+        "which wear markers in place of --points (points)",
+    )
+
+
 def add_run_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
     """Where the learner starts, and how it moves."""
     parser.add_argument("--start", type=angles, metavar="DEG,DEG", help="the learner's moving joints (the scene's)")
@@ -55,7 +65,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     if args.scene is None and args.robot in scene_names():
         args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
     settings = defaults
-    names = ("transfer", "servo", "noise_px", "missing", "outliers", "frames", "seed")
+    names = ("transfer", "servo", "noise_px", "missing", "outliers", "frames", "seed", "camera")
     given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():
         if value is not None:
@@ -68,6 +78,8 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     freed = tuple(range(1, len(scene.posture_deg) + 1)) if args.joints == ALL else args.joints
     with naming("--joints"):
         scene = load_scene(args.scene or settings.scene, args.robot, freed)
+    with naming("--camera"):
+        require_eyes(settings.camera, scene)
     points = settings.points if args.points is None else args.points
     with naming("--points"):
         scene.body_points(points)

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from ..experiments import EXPERIMENTS, claims, files
+from ..experiments import EXPERIMENTS, ON_PICTURES, claims, files
 from ..motion import MOTIONS, load
 from ..scene import load_scene
 from .options import (
     DONE,
     MISSED,
+    add_camera_option,
     add_json_option,
     add_run_options,
     add_setting_options,
@@ -23,7 +24,12 @@ from .options import (
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("figures", nargs="*", metavar="FIGURE", help=f"{', '.join(EXPERIMENTS)}, or all (all)")
+    parser.add_argument(
+        "figures",
+        nargs="*",
+        metavar="FIGURE",
+        help=f"{', '.join(EXPERIMENTS)}, or all (all); with --camera rendered {', '.join(ON_PICTURES)}",
+    )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="write figures (SVG, PNG), data (CSV, NPZ) and manifests"
     )
@@ -34,13 +40,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"Fig. 10: {', '.join(MOTIONS)}, or a recorded .json (sinusoid)",
     )
     add_setting_options(parser)
+    add_camera_option(parser)
     add_run_options(parser)
     add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    names = _asked(args.figures)
     settings = settings_from(args)
+    experiments = ON_PICTURES if settings.camera == "rendered" else EXPERIMENTS
+    names = _asked(args.figures, experiments)
     with naming("--motion"):
         motion = _motion(args.motion, settings)
     if args.out:
@@ -54,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
     for name in names:
         options = {"motion": motion} if name == "fig10" else {}
         with naming("--scene, --points, --missing"):
-            result = _with_bar(name, lambda tell: EXPERIMENTS[name](settings, tell, **options))  # noqa: B023
+            result = _with_bar(name, lambda tell: experiments[name](settings, tell, **options))  # noqa: B023
         said += result.claims
         written = []
         if args.out:
@@ -68,13 +76,16 @@ def run(args: argparse.Namespace) -> int:
     return MISSED if any(claim.holds is False for claim in said) else DONE
 
 
-def _asked(words: list[str]) -> list[str]:
+def _asked(words: list[str], experiments: dict[str, Callable]) -> list[str]:
     """Figures in the order of the paper, each once. Raises BadInput."""
     with naming("figures"):
         for word in words:
-            if word not in EXPERIMENTS and word != "all":
-                raise ValueError(f"no figure {word!r}; there are {', '.join(EXPERIMENTS)} and all")
-    return [name for name in EXPERIMENTS if not words or name in words or "all" in words]
+            if word in {*EXPERIMENTS, *ON_PICTURES} - {*experiments}:
+                camera = "rendered" if word in ON_PICTURES else "points"
+                raise ValueError(f"{word} needs --camera {camera}")
+            if word not in experiments and word != "all":
+                raise ValueError(f"no figure {word!r}; there are {', '.join(experiments)} and all")
+    return [name for name in experiments if not words or name in words or "all" in words]
 
 
 def _motion(name: str, settings):

@@ -59,11 +59,11 @@ class Broyden:
         high = np.minimum(seen.upper, state.best.displacement + state.radius)
         centre = state.best.displacement
 
-        shape = state.best.own.shape
+        shape, told = state.best.own.shape, _told(state.model, state.best.own)
         per_rad = state.model.jacobian.reshape(-1, len(centre)).T
 
         def residual_at(theta: NDArray) -> NDArray:
-            return conflict(state.best.own + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
+            return conflict(told + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
 
         found = minimise(residual_at, centre[None], low, high)
         promised = found.E_first - found.E
@@ -91,7 +91,7 @@ def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenSta
     """
     here, E_best = state.model.last, state.best_E
     if E_best is None or not (here.seen.all() and state.best.seen.all()):
-        E_best, E_here = map(float, evaluate(conflict(np.stack([state.best.own, here.own]))))
+        E_best, E_here = map(float, evaluate(conflict(_told(state.model, np.stack([state.best.own, here.own])))))
     radius = state.radius
     if state.promised is not None:
         ratio = (E_best - E_here) / max(state.promised, 1e-12)
@@ -102,6 +102,11 @@ def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenSta
             radius = min(2 * radius, MAX_RADIUS)
     best, best_E = (here, E_here) if E_here <= E_best else (state.best, E_best)
     return replace(state, best=best, best_E=best_E, radius=float(radius))
+
+
+def _told(model: ImageModel, own: NDArray) -> NDArray:
+    """Images (..., N, 4) px, NaN for points of which the model knows too little."""
+    return np.where(model.rarely_seen[:, None], np.nan, own)
 
 
 def _probe(state: BroydenState, seen: Observation) -> tuple[BroydenState, NDArray]:

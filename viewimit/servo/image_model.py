@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .observation import Observation
 
+ENOUGH = 12  # points that were seen often, so that those seen rarely can be done without
 SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mostly noise
 
 
@@ -28,16 +29,24 @@ class Visit:
 
 @dataclass(frozen=True)
 class ImageModel:
-    """jacobian: (N, 4, m) px/rad, J_u of Eq. (8); last: the visit that it is about."""
+    """jacobian: (N, 4, m) px/rad, J_u of Eq. (8); last: the visit that it is about; taught: (N,) how many motions at
+    both ends of which a point was seen."""
 
     jacobian: NDArray
     last: Visit
+    taught: NDArray
+
+    @property
+    def rarely_seen(self) -> NDArray:
+        """(N,) bool: taught by fewer motions than there are joints, if others were taught by that many."""
+        enough = np.sort(self.taught)[-min(ENOUGH, len(self.taught))]
+        return self.taught < min(self.jacobian.shape[-1], enough)
 
     @classmethod
     def start(cls, seen: Observation) -> "ImageModel":
         """Nothing is known yet but the image that is seen."""
         here = Visit(seen.displacement, np.where(by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
-        return cls(np.zeros(seen.own.shape + seen.displacement.shape), here)
+        return cls(np.zeros(seen.own.shape + seen.displacement.shape), here, np.zeros(len(seen.own), int))
 
     def learn(self, seen: Observation, soft: float = SOFT) -> "ImageModel":
         """Broyden's update from the motion made since. soft: rad, 0 to take even a tiny motion at its word."""
@@ -46,10 +55,13 @@ class ImageModel:
         now = by_coordinate(seen.seen)
         expected = self.last.own + self.jacobian @ moved
         jacobian = self.jacobian
+        taught = self.taught
         if length > 0:
-            surprise = np.where(now & by_coordinate(self.last.seen), seen.own - expected, 0.0)
+            both = now & by_coordinate(self.last.seen)
+            surprise = np.where(both, seen.own - expected, 0.0)
+            taught = taught + both.all(-1)
             jacobian = jacobian + surprise[..., None] * moved / (length + soft**2)
-        return ImageModel(jacobian, Visit(seen.displacement, np.where(now, seen.own, expected), seen.seen))
+        return ImageModel(jacobian, Visit(seen.displacement, np.where(now, seen.own, expected), seen.seen), taught)
 
     def predict(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (N, 4) px"""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .image_model import Visit, by_coordinate
+from .image_model import ENOUGH, Visit, by_coordinate
 
 OFFSET, SLOPE, BEND, LENGTH = 30.0, 200.0, 100.0, np.radians(100.0)  # px, px/rad, px, rad
 LEAST_NOISE = 0.02  # px: keeps the system regular
@@ -26,7 +26,7 @@ class Surrogate:
     weight: NDArray
 
     def predict(self, displacement: NDArray) -> NDArray:
-        """(..., m) rad → (..., N, 4) px, NaN for points never seen."""
+        """(..., m) rad → (..., N, 4) px, NaN for points never seen, or too rarely to tell how they move."""
         k = _kernel(displacement - self.centre, self.away)
         return self.at_centre + np.tensordot(k, self.weight, 1)
 
@@ -38,6 +38,7 @@ def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
     seen = by_coordinate(np.array([visit.seen for visit in visits]))
     away = displacement - displacement[centre]
     at_centre = _nearest_seen(own, seen, np.abs(away).max(1))
+    at_centre[_rarely_seen(seen, away.shape[1] + 1)] = np.nan
     K = _kernel(away, away) + max(noise_px, LEAST_NOISE) ** 2 * np.eye(len(visits))
     rise = np.where(seen, own - at_centre, 0.0).reshape(len(visits), -1)
     if seen.all():
@@ -55,6 +56,12 @@ def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:
     first = seen[order].argmax(0)
     nearest = np.take_along_axis(own[order], first[None], 0)[0]
     return np.where(seen.any(0), nearest, np.nan)
+
+
+def _rarely_seen(seen: NDArray, times: int) -> NDArray:
+    """(N,) bool: fewer times than a plane over the displacements needs, if others were seen that often."""
+    count = seen.all(-1).sum(0)
+    return count < min(times, np.sort(count)[-min(ENOUGH, len(count))])
 
 
 def _kernel(a: NDArray, b: NDArray) -> NDArray:

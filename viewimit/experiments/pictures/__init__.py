@@ -5,10 +5,10 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from . import fig7, fig9, fig10
+from . import fig7, fig8, fig9, fig10
 from .style import STYLE
 
-DRAWINGS = {"fig7": fig7.figures, "fig9": fig9.figures, "fig10": fig10.figures}
+DRAWINGS = {"fig7": fig7.figures, "fig8": fig8.figures, "fig9": fig9.figures, "fig10": fig10.figures}
 
 
 def draw(name: str, result, folder: Path) -> list[Path]:

@@ -7,7 +7,7 @@ LAWS = {
     "gradient": ("the paper's law", RESIDUAL),
     "gradient-retuned": ("the paper's law, retuned", LEARNER),
     "broyden": ("broyden", RECOVERED),
-    "trust-region": ("trust-region", RECOVERED),
+    "trust-region": ("trust-region", "#b0508a"),
 }
 TRANSFERS = {
     "epipolar": ("epipolar (the paper)", LEARNER),

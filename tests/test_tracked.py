@@ -1,0 +1,146 @@
+"""Tracked points: tidy and DeepLabCut's CSV say the same, faults are named by file, line and column."""
+
+import numpy as np
+import pytest
+
+from viewimit import TRANSFERS
+from viewimit.scene import load_scene
+from viewimit.tracked import read_deeplabcut, read_tidy
+from viewimit.views import VIEWS, FourViews
+from viewimit.world import World
+
+
+@pytest.fixture
+def views():
+    theta = np.radians([45.0, -90.0])
+    return World(load_scene("panda")).look(theta, theta + 0.1)
+
+
+def images(views: FourViews):
+    return dict(zip(VIEWS, (views.demo_left, views.demo_right, views.own_left, views.own_right)))
+
+
+@pytest.fixture
+def tidy(tmp_path, views):
+    lines = ["frame,view,point,x,y,confidence"]
+    for view, points in images(views).items():
+        lines += [f"0,{view},{k},{x!r},{y!r},0.9" for k, (x, y) in enumerate(points.tolist())]
+    path = tmp_path / "points.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture
+def deeplabcut(tmp_path, views):
+    paths = {}
+    for view, points in images(views).items():
+        parts = [f"p{k}" for k in range(len(points)) for _ in range(3)]
+        row = [value for x, y in points.tolist() for value in (repr(x), repr(y), "0.9")]
+        heads = ["scorer", *["net"] * len(parts)], ["bodyparts", *parts], ["coords", *["x", "y", "likelihood"] * 10]
+        paths[view] = tmp_path / f"dlc-{'demo' if view in 'lr' else 'own'}-{view.lower()}.csv"
+        paths[view].write_text("\n".join(",".join(line) for line in (*heads, ["0", *row])) + "\n")
+    return paths
+
+
+def test_both_kinds_of_file_hold_the_same(tidy, deeplabcut, views):
+    for tracked in (read_tidy(tidy), read_deeplabcut(deeplabcut)):
+        read = tracked.views(0.6)
+        np.testing.assert_array_equal(read.demo[0], views.demo)
+        np.testing.assert_array_equal(read.own[0], views.own)
+        assert read.visible.all() and not tracked.views(0.95).visible.any()
+
+
+def test_the_command_says_what_the_library_computes(ask_json, tidy, deeplabcut, views):
+    fitted = TRANSFERS["epipolar"](views)
+    files = [word for view in VIEWS for word in (f"--{view}", deeplabcut[view])]
+    for words in ([tidy], files):
+        status, told = ask_json("evaluate", *words)
+        (frame,) = told["frames"]
+        assert status == 0 and frame["E"] == pytest.approx(float(fitted.conflict(views)))
+        assert frame["condition"] == pytest.approx(float(fitted.condition)) and len(frame["usable"]) == 10
+        assert set(frame["fundamental"]) == {"l,L", "l,R", "r,L", "r,R", "L,R"}
+        for pair, f in frame["fundamental"].items():
+            p, q = (images(views)[view] for view in pair.split(","))
+            away = np.concatenate([p, q], -1) @ [f["f13"], f["f23"], f["f31"], f["f32"]] + f["f33"]
+            assert np.sqrt((away**2).mean()) < 1.5  # Eq. (1), to the affine camera's error
+
+
+def test_a_view_of_one_frame_holds_for_all(tmp_path, tidy):
+    text = tidy.read_text()
+    more = [line.replace("0,", "7,", 1) for line in text.splitlines() if line[:4] in ("0,L,", "0,R,")]
+    tidy.write_text(text + "\n".join(more) + "\n")
+    tracked = read_tidy(tidy)
+    assert tracked.frames == (0, 7) and tracked.views().visible.all()
+
+
+def test_a_report_is_written(ask, tidy, tmp_path):
+    status, _, _ = ask("evaluate", tidy, "--out", tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert status == 0 and page.count("<svg") == 4 and page.count("<circle") == 40 and "http" not in page
+    assert ask("evaluate", tidy, "--out", tmp_path / "report.doc")[0] == 2
+
+
+def test_too_few_points_are_no_success(ask, tidy):
+    status, _, err = ask("evaluate", tidy, "--min-confidence", 0.95)
+    assert status == 1 and "no frame has 5 points" in err
+
+
+@pytest.mark.parametrize(
+    "line, column, text, says",
+    [
+        (1, 3, "u", "line 1: no column x"),
+        (5, 3, "abc", "line 5, column x: 'abc' is not a finite number"),
+        (5, 4, "inf", "line 5, column y: 'inf'"),
+        (5, 5, "high", "line 5, column confidence: 'high'"),
+        (5, 0, "-1", "line 5, column frame: '-1' is not a whole number"),
+        (5, 1, "M", "line 5, column view: 'M' is none of l, r, L, R"),
+        (5, 2, "2", "line 5: point 2 of frame 0 in view l stands in line 4 too"),
+        (5, 5, "1,1", "line 5: 7 cells, but 6 columns"),
+    ],
+)
+def test_faults_are_named_by_line_and_column(ask, tidy, line, column, text, says):
+    lines = tidy.read_text().splitlines()
+    cells = lines[line - 1].split(",")
+    cells[column] = text
+    lines[line - 1] = ",".join(cells)
+    tidy.write_text("\n".join(lines))
+    status, _, err = ask("evaluate", tidy)
+    assert status == 2 and "points.csv" in err and says in err
+
+
+def test_faults_of_deeplabcut_files_are_named(ask, deeplabcut):
+    path = deeplabcut["L"]
+    path.write_text(path.read_text().replace("0.9", "sure", 1))
+    status, _, err = ask("evaluate", *[word for view in VIEWS for word in (f"--{view}", deeplabcut[view])])
+    assert status == 2 and path.name in err and "line 4, column 4 (p0 likelihood): 'sure'" in err
+    assert ask("evaluate", "--l", path)[0] == 2
+    assert ask("evaluate", path)[0] == 2 and "no view" not in err
+
+
+def test_a_picture_says_its_view_by_name_or_option(ask, tmp_path):
+    pytest.importorskip("cv2")
+    status, _, err = ask("detect", tmp_path / "front.png", "--out", tmp_path / "a.csv")
+    assert status == 2 and "does not end in a view" in err
+    status, _, err = ask("detect", "--L", tmp_path / "front.png", "--out", tmp_path / "a.csv")
+    assert status == 2 and "--L" in err and "no such file" in err
+
+
+def test_pictures_become_points_and_an_evaluation(ask, ask_json, tmp_path):
+    cv2 = pytest.importorskip("cv2")
+    pytest.importorskip("pybullet")
+    from viewimit.eyes.rendered import RenderedEyes
+
+    eyes, theta = RenderedEyes(load_scene("panda")), np.radians([45.0, -90.0])
+    eyes.demo_images(theta), eyes.own_images(theta)
+    folders = {view: tmp_path / ("demo" if view in "lr" else "own") for view in VIEWS}  # some disks take l for L
+    files = []
+    for view in VIEWS:
+        folders[view].mkdir(exist_ok=True)
+        files.append(folders[view] / f"take_{view}.png")
+        cv2.imwrite(str(files[-1]), cv2.cvtColor(eyes.look(view), cv2.COLOR_RGB2BGR))
+    status, told = ask_json("detect", *files, "--middle", 0.56, "--out", tmp_path / "p.csv")
+    assert status == 0 and all(each["frames"] == 1 for each in told["views"].values())
+    status, told = ask_json("evaluate", tmp_path / "p.csv")
+    found = np.all([eyes.detections[view].found for view in VIEWS], 0)
+    assert status == 0 and told["frames"][0]["usable"] == [str(k) for k in np.flatnonzero(found)]
+    assert told["frames"][0]["E"] < 5

@@ -1,0 +1,95 @@
+"""viewimit detect: marked points in a person's own pictures or videos, as CSV."""
+
+import argparse
+import importlib.util
+import re
+from pathlib import Path
+
+from ..markers import load_markers, marker_names
+from ..tracked import Row, write_tidy
+from ..views import VIEWS
+from . import BadInput
+from .options import DONE, MISSED, add_json_option, between, naming, print_json
+
+WHAT = {
+    "l": "demonstrator, left",
+    "r": "demonstrator, right",
+    "L": "learner itself, left",
+    "R": "learner itself, right",
+}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "files",
+        nargs="*",
+        type=Path,
+        metavar="FILE",
+        help="videos or pictures whose names end in their view: l.mp4, take2_R.png; several pictures of a view are its "
+        "frames, in the order given",
+    )
+    for view in VIEWS:
+        parser.add_argument(
+            f"--{view}", nargs="+", type=Path, default=[], metavar="FILE", help=f"of view {view}: {WHAT[view]}"
+        )
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="CSV to write")
+    parser.add_argument(
+        "--markers",
+        default="panda",
+        metavar="NAME",
+        help=f"whose hues to look for: {', '.join(marker_names())}, or the path of a .toml file (%(default)s)",
+    )
+    parser.add_argument(
+        "--middle",
+        type=between(float, 0.05, 1.0),
+        default=1.0,
+        metavar="SHARE",
+        help="of a picture's width that is searched, around its centre (%(default)s)",
+    )
+    add_json_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    if importlib.util.find_spec("cv2") is None:
+        raise BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
+    files = _by_view(args)
+    with naming("--markers"):
+        hue_deg = load_markers(args.markers).hue_deg
+    from ..detection import detect, pictures  # loads OpenCV
+
+    rows: dict[str, list[Row]] = {}
+    told = {}
+    for view, paths in files.items():
+        rows[view], count = [], 0
+        with naming("--" + view):
+            for picture in (picture for path in paths for picture in pictures(path)):
+                found = detect(picture, hue_deg, args.middle)
+                rows[view] += [
+                    (count, str(k), *map(float, found.points[k]), float(found.confidence[k]))
+                    for k in range(len(hue_deg))
+                    if found.found[k]
+                ]
+                count += 1
+        told[view] = {"frames": count, "points_a_frame": len(rows[view]) / count}
+    with naming("--out"):
+        write_tidy(args.out, rows)
+    if args.json:
+        print_json({"markers": len(hue_deg), "views": told, "file": str(args.out)})
+    else:
+        for view, each in told.items():
+            print(f"{view}  {each['frames']} frames, {each['points_a_frame']:.1f} of {len(hue_deg)} points in each")
+        print(f"written to {args.out}")
+    return DONE if all(rows.values()) else MISSED
+
+
+def _by_view(args: argparse.Namespace) -> dict[str, list[Path]]:
+    files: dict[str, list[Path]] = {view: list(vars(args)[view]) for view in VIEWS}
+    for path in args.files:
+        view = re.search(r"(?:^|[^A-Za-z])([lrLR])$", path.stem)
+        if not view:
+            raise BadInput(f"{path}: its name does not end in a view such as _l or _R; name it by --l, --r, --L or --R")
+        files[view.group(1)].append(path)
+    found = {view: paths for view, paths in files.items() if paths}
+    if not found:
+        raise BadInput("no pictures: name files, or give them by --l, --r, --L and --R")
+    return found

@@ -1,0 +1,126 @@
+"""Coloured balls found in a picture, with OpenCV: their middles to a fraction of a pixel, told apart by their hue.
+
+A pixel's chroma is the part of its colour that is not grey, a vector in a plane: its angle, the hue, is the paint's
+own, whatever falls on it of a white light, and stays where the paint is mixed with grey at an edge, where its length
+tells how much of the pixel the paint covers. Light that has a colour itself shifts it.
+"""
+
+import errno
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+LEAST_CHROMA = 24.0  # of 255: paler is grey
+LEAST_AREA_PX = 6.0
+HUE_SHARE = 0.5  # of the way to the next marker's hue, at most
+ROUND = 0.87  # shorter axis over longer, at least: else something hides a part of it
+SMALL = 0.45  # of the picture's median blob: a round remainder of a hidden one
+HUES_A_DEGREE = 4
+PIXEL_VARIANCE = 1 / 12  # px², of a pixel's own width
+NEIGHBOURS = np.ones((3, 3), np.uint8)
+
+
+@dataclass(frozen=True)
+class Detections:
+    """points: (N, 2) px, NaN where not found; confidence: (N,) in 0 … 1, how round it is, 0 where not found."""
+
+    points: NDArray
+    confidence: NDArray
+
+    @property
+    def found(self) -> NDArray:
+        """(N,) bool"""
+        return self.confidence > 0
+
+
+def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0) -> Detections:
+    """picture: (height, width, 3) uint8 red, green, blue; hue_deg: (N,) of the markers → their middles.
+
+    middle: share of the width that is searched, around the centre: a head that has turned to a body has it there, and
+    another one beside it. Of several round blobs of one hue the largest counts. All markers are about equally large.
+    Pixel (i, j) covers j … j + 1, i … i + 1, so that its middle is at (j + 0.5, i + 0.5).
+    """
+    hue_deg = np.asarray(hue_deg, float)
+    points, confidence = np.full((len(hue_deg), 2), np.nan), np.zeros(len(hue_deg))
+    area = np.zeros(len(hue_deg))
+    (left, top), (a, b) = _coloured_part(picture, middle)
+    chroma = np.hypot(a, b)
+    which = _marker_by_hue(hue_deg)[np.round(np.degrees(np.arctan2(b, a)) * HUES_A_DEGREE).astype(int)]
+    which[chroma < LEAST_CHROMA] = -1
+    for marker in np.unique(which[which >= 0]):
+        count, labels, parts, _ = cv2.connectedComponentsWithStats((which == marker).astype(np.uint8), connectivity=8)
+        for k in range(1, count):
+            x, y, width, height, pixels = parts[k]
+            if pixels < max(LEAST_AREA_PX, area[marker]):
+                continue
+            part = slice(y, y + height), slice(x, x + width)
+            centre, roundness = _disc(np.where(labels[part] == k, chroma[part], 0.0))
+            if roundness >= ROUND:
+                area[marker] = pixels
+                points[marker], confidence[marker] = centre + (left + x, top + y), roundness
+    if area.any():
+        small = area < SMALL * np.median(area[area > 0])
+        points[small], confidence[small] = np.nan, 0.0
+    return Detections(points, confidence)
+
+
+def pictures(path: Path) -> Iterator[NDArray]:
+    """(height, width, 3) uint8 red, green, blue: a picture, or the frames of a video. Raises ValueError, OSError."""
+    if not path.is_file():
+        raise FileNotFoundError(errno.ENOENT, "no such file", str(path))
+    if path.suffix.lower() in PICTURES:
+        picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+        if picture is None:
+            raise ValueError(f"{path}: not a picture that OpenCV reads")
+        yield cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+        return
+    video, count = cv2.VideoCapture(str(path)), 0
+    while (read := video.read())[0]:
+        count += 1
+        yield cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)
+    video.release()
+    if count == 0:
+        raise ValueError(f"{path}: not a picture or video that OpenCV reads")
+
+
+def _coloured_part(picture: NDArray, middle: float) -> tuple[tuple[int, int], tuple[NDArray, NDArray]]:
+    """Upper left corner of the part that is not grey, and the chroma of its pixels: towards red, towards green."""
+    width = picture.shape[1]
+    first = round((1 - middle) / 2 * width)
+    searched = picture[:, first : width - first]
+    spread = cv2.subtract(searched.max(-1), searched.min(-1))
+    x, y, w, h = cv2.boundingRect((spread >= LEAST_CHROMA / 2).astype(np.uint8))
+    red, green, blue = np.moveaxis(searched[y : y + h, x : x + w].astype(np.float32), -1, 0)
+    return (first + x, y), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))
+
+
+def _marker_by_hue(hue_deg: NDArray) -> NDArray:
+    """Index of the marker with the nearest hue, -1 where none is near enough: of 0°, 1°/HUES_A_DEGREE … 360°."""
+    hue = np.arange(360 * HUES_A_DEGREE) / HUES_A_DEGREE
+    away = np.abs((hue[..., None] - hue_deg + 180) % 360 - 180)
+    apart = np.abs((hue_deg[:, None] - hue_deg + 180) % 360 - 180)
+    np.fill_diagonal(apart, 180.0)
+    nearest = away.argmin(-1)
+    close = np.take_along_axis(away, nearest[..., None], -1)[..., 0] <= HUE_SHARE * apart.min(-1)[nearest]
+    return np.where(close, nearest, -1)
+
+
+def _disc(chroma: NDArray) -> tuple[NDArray, float]:
+    """Of a blob, chroma 0 outside: its middle (x, y) px, and its shorter axis over its longer, by its moments."""
+    inside = np.pad((chroma > 0).astype(np.uint8), 1)
+    interior = cv2.erode(inside, NEIGHBOURS)[1:-1, 1:-1] > 0
+    brightest = cv2.dilate(chroma, NEIGHBOURS)
+    covered = np.where(interior, 1.0, chroma / np.maximum(brightest, 1.0))
+    area = covered.sum()
+    x, y = np.arange(chroma.shape[1]) + 0.5, np.arange(chroma.shape[0]) + 0.5
+    weight_x, weight_y = covered.sum(0) / area, covered.sum(1) / area
+    centre = np.array([weight_x @ x, weight_y @ y])
+    x, y = x - centre[0], y - centre[1]
+    xx, yy, xy = weight_x @ x**2 + PIXEL_VARIANCE, weight_y @ y**2 + PIXEL_VARIANCE, y @ covered @ x / area
+    mean, half = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    return centre, float(np.sqrt((mean - half) / (mean + half)))

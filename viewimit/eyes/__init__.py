@@ -1,0 +1,41 @@
+"""What a session looks with and moves arms by: projected points, or pictures of arms that have weight.
+
+world                                   the truth that they look at
+noise_px                                standard deviation of a coordinate, as their maker states it
+demo_images(theta), own_images(theta)   points (..., N, 4) px, visible (..., N, 2), as `World` has them
+settle(theta)                           where an arm comes to rest that is told to stand at theta, (m,) rad
+drive(settings, theta, sent, commanded) where one at theta, last sent to `sent`, comes to rest once sent to
+                                        `commanded`; (m,) rad each
+"""
+
+import importlib.util
+
+from ..markers import marker_names
+from ..scene import Scene
+from .projected import ProjectedEyes
+
+NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras that bring them
+
+
+def open_eyes(camera: str, scene: Scene, points: int):
+    """camera: of `snapshot.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
+
+    Raises ValueError as `require_eyes`.
+    """
+    if camera == "points":
+        return ProjectedEyes(scene, points)
+    require_eyes(camera, scene)
+    from .rendered import RenderedEyes  # loads pybullet and OpenCV
+
+    return RenderedEyes(scene)
+
+
+def require_eyes(camera: str, scene: Scene) -> None:
+    """Raises ValueError if what rendered pictures need is not installed, or the scene's robot has no markers."""
+    if camera == "points":
+        return
+    missing = [extra for package, extra in NEEDS.items() if importlib.util.find_spec(package) is None]
+    if missing:
+        raise ValueError(f"camera images need what is not installed: pip install 'viewimit[{','.join(missing)}]'")
+    if scene.robot not in marker_names():
+        raise ValueError(f"camera images need markers on the arm, which {' and '.join(marker_names())} have")

@@ -1,0 +1,117 @@
+"""Both arms on their pedestals in a plain room, and pictures of them by PyBullet's software renderer."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..camera import Camera
+from ..scene import Base, Scene
+from .client import connect, quiet
+
+NEAR_M, FAR_M = 0.05, 20.0
+SAMPLES = 2  # a pixel and axis: a sensor gathers light over the whole pixel
+PEDESTAL_M = 0.16  # half its width
+MARGIN_M, HEIGHT_M, THICK_M = 2.5, 3.0, 0.05  # of the room around bases and head
+FLOOR_GREY, WALL_GREY, PEDESTAL_GREY = 0.55, 0.8, 0.4
+LIGHT = {
+    "lightDirection": (-1.5, 0.5, 3.0),
+    "lightColor": (1.0, 1.0, 1.0),
+    "lightAmbientCoeff": 0.55,
+    "lightDiffuseCoeff": 0.4,
+    "lightSpecularCoeff": 0.0,
+    "shadow": 0,
+}
+
+
+class Studio:
+    """A room in which an arm stands at each of two bases.
+
+    The room does not move: it is rendered once a camera, and the arms are drawn over it where they are nearer.
+    """
+
+    def __init__(self, scene: Scene, urdf: Path):
+        self._arms, self._room = connect(), connect()
+        self._bodies = [self._stand(urdf, base) for base in (scene.demonstrator, scene.learner)]
+        joints = range(self._arms.getNumJoints(self._bodies[0]))
+        revolute = self._arms.JOINT_REVOLUTE
+        self._joints = [k for k in joints if self._arms.getJointInfo(self._bodies[0], k)[2] == revolute]
+        self._build_room(scene)
+        self._empty: dict[bytes, tuple[NDArray, NDArray]] = {}
+
+    def pose(self, theta_demo: ArrayLike, theta_own: ArrayLike) -> None:
+        """(m,) rad each"""
+        for body, theta in zip(self._bodies, (theta_demo, theta_own)):
+            for joint, angle in zip(self._joints, theta, strict=True):
+                self._arms.resetJointState(body, joint, float(angle))
+
+    def picture(self, camera: Camera) -> NDArray:
+        """(height, width, 3) uint8, red, green, blue: the mean over each pixel of SAMPLES² rays."""
+        key = camera.T_world_camera.tobytes()
+        if key not in self._empty:
+            self._empty[key] = _render(self._room, camera)
+        (arms, depth), (room, room_depth) = _render(self._arms, camera), self._empty[key]
+        seen = np.where((depth < room_depth)[..., None], arms, room)
+        total = np.full((camera.height, camera.width, 3), SAMPLES**2 // 2, np.uint16)
+        for row in range(SAMPLES):
+            for column in range(SAMPLES):
+                total += seen[row::SAMPLES, column::SAMPLES]
+        return (total // SAMPLES**2).astype(np.uint8)
+
+    def depth_m(self, camera: Camera) -> NDArray:
+        """(SAMPLES height, SAMPLES width) m along the optical axis, of the arms alone."""
+        _, depth = _render(self._arms, camera)
+        return FAR_M * NEAR_M / (FAR_M - depth.astype(float) * (FAR_M - NEAR_M))
+
+    def _stand(self, urdf: Path, base: Base) -> int:
+        half = np.radians(base.yaw_deg) / 2
+        with quiet():
+            return self._arms.loadURDF(str(urdf), base.position, (0, 0, np.sin(half), np.cos(half)), useFixedBase=True)
+
+    def _build_room(self, scene: Scene) -> None:
+        bases = (scene.demonstrator, scene.learner)
+        places = np.array([scene.head.position, *(base.position for base in bases)])
+        low, high = places.min(0) - MARGIN_M, places.max(0) + MARGIN_M
+        (x, y), (half_x, half_y) = (low + high)[:2] / 2, (high - low)[:2] / 2
+        self._box((x, y, -THICK_M), (half_x, half_y, THICK_M), FLOOR_GREY)
+        for side in (-1, 1):
+            wall_x, wall_y = x + side * (half_x + THICK_M), y + side * (half_y + THICK_M)
+            self._box((wall_x, y, HEIGHT_M / 2), (THICK_M, half_y, HEIGHT_M / 2), WALL_GREY)
+            self._box((x, wall_y, HEIGHT_M / 2), (half_x, THICK_M, HEIGHT_M / 2), WALL_GREY)
+        for base in bases:
+            x, y, height = base.position
+            if height > 0:
+                self._box((x, y, height / 2), (PEDESTAL_M, PEDESTAL_M, height / 2), PEDESTAL_GREY)
+
+    def _box(self, centre: ArrayLike, half: ArrayLike, grey: float) -> None:
+        half = [float(m) for m in half]
+        colour = (grey, grey, grey, 1)
+        shape = self._room.createVisualShape(self._room.GEOM_BOX, halfExtents=half, rgbaColor=colour)
+        self._room.createMultiBody(0, -1, shape, [float(m) for m in centre])
+
+
+def _render(client, camera: Camera) -> tuple[NDArray, NDArray]:
+    """All samples: colours (…, …, 3) uint8, and depths (…, …) between 0 and 1."""
+    view, projection = matrices(camera, SAMPLES)
+    width, height = SAMPLES * camera.width, SAMPLES * camera.height
+    how = {"renderer": client.ER_TINY_RENDERER, "flags": client.ER_NO_SEGMENTATION_MASK, **LIGHT}
+    _, _, colours, depth, _ = client.getCameraImage(width, height, view, projection, **how)
+    colours = np.asarray(colours, np.uint8).reshape(height, width, 4)  # a flat tuple if built without numpy
+    return colours[..., :3], np.asarray(depth, np.float32).reshape(height, width)
+
+
+def matrices(camera: Camera, samples: int) -> tuple[list[float], list[float]]:
+    """View and projection of OpenGL, column by column, for `samples` a pixel and axis.
+
+    The renderer looks through the upper right corner of each of its samples where the pixel's middle is meant; half
+    a sample is given back, so that what it draws is where `Camera.project` puts it.
+    """
+    width, height, half = camera.width, camera.height, 0.5 / samples
+    view = np.diag([1.0, -1.0, -1.0, 1.0]) @ np.linalg.inv(camera.T_world_camera)
+    projection = np.zeros((4, 4))
+    projection[0, 0], projection[1, 1] = 2 * camera.focal / width, 2 * camera.focal / height
+    projection[0, 2] = 1 - 2 * (camera.centre[0] - half) / width
+    projection[1, 2] = 2 * (camera.centre[1] + half) / height - 1
+    projection[2, 2:] = -(FAR_M + NEAR_M) / (FAR_M - NEAR_M), -2 * FAR_M * NEAR_M / (FAR_M - NEAR_M)
+    projection[3, 2] = -1
+    return view.T.ravel().tolist(), projection.T.ravel().tolist()

@@ -45,6 +45,7 @@ class Client:
             additional_headers=headers,
             compression=None,
             max_size=None,
+            close_timeout=1,
         )
         self.widgets: dict[str, str] = {}
         self.commands: dict[str, str] = {}

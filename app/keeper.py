@@ -83,8 +83,10 @@ class Keeper:
         return memory
 
     def keep(self, key: str, memory: Memory) -> None:
-        """Write what is new in it, soon."""
+        """Write what is new in it, soon; nothing is taken any more once it is stopped."""
         with self._changed:
+            if self._stopped:
+                return
             self._waiting[key] = memory
             self._changed.notify_all()
 

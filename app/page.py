@@ -16,6 +16,7 @@ from .inbox import Inbox
 from .keeper import Head, Memory
 from .laboratory import Laboratory
 from .landscape_worker import LandscapeWorker, landscape_key
+from .load import Load
 from .pace import Pace
 from .panels import Panels
 from .presets import Preset, presets_from
@@ -40,9 +41,10 @@ class Page:
         share_opponent: Callable[[], None],
         settings: Settings,
         keep: Callable[[Memory], None],
+        load: Load,
         resumed: Memory | None = None,
     ):
-        self._client, self._worker, self._begun, self._keep = client, worker, settings, keep
+        self._client, self._worker, self._begun, self._keep, self._load = client, worker, settings, keep, load
         self._inbox, self._view = Inbox(), View()
         self._session = Session(settings)
         if resumed is not None:
@@ -136,8 +138,9 @@ class Page:
         for action in actions:
             self._allow(now, self._visitor.act, action, now)
         self._laboratory.tick()
-        self._pace.advance(now)
-        self._draw(now)
+        self._pace.advance(now, self._load.step_budget)
+        with self._client.atomic():  # viser's thread is woken once
+            self._draw(now)
         if self._due("kept", now, KEPT_EVERY):
             self._keep(self.memory())
 
@@ -157,9 +160,8 @@ class Page:
         (theta, moving), *others = [runner.theta(now) for runner in self._pace.runners]
         poses = [theta, present.theta_demo, *(other for other, _ in others)]
         if self._changed("poses", *(pose.tobytes() for pose in poses)):
-            with self._client.atomic():
-                self._scene.draw_poses(*poses)
-        if not self._due("panels", now, PANELS_EVERY):
+            self._scene.draw_poses(*poses)
+        if not self._due("panels", now, PANELS_EVERY * self._load.panels):
             return
         self._controls.show_playing(self._pace.playing)
         self._fit_new_canvas()
@@ -168,22 +170,18 @@ class Page:
         shown_as = self._view.chosen, tuple(self._view.show.values()), self._panels.landscape
         if self._changed("panels", present, theta.tobytes(), *shown_as):
             shown = self._session.observe(theta, present) if moving else present
-            with self._client.atomic():
-                self._draw_panels(shown, present)
+            self._draw_panels(shown, present)
         self._draw_status(now)
         if self._changed("duel", *self._duel.state):
-            with self._client.atomic():
-                self._duel.draw()
+            self._duel.draw()
         if self._changed("laboratory", *self._laboratory.state):
-            with self._client.atomic():
-                self._laboratory.draw()
-        if self._due("curves", now, CURVES_EVERY) and self._changed(
+            self._laboratory.draw()
+        if self._due("curves", now, CURVES_EVERY * self._load.plots) and self._changed(
             "curves", present, self._pace.cursor, self._pace.last, self._view.chosen, self._panels.landscape
         ):
-            with self._client.atomic():
-                self._panels.draw_curves(self._session)
-                self._panels.draw_equations(self._session, self._view.chosen)
-                self._controls.show_history(self._pace.cursor, self._pace.last)
+            self._panels.draw_curves(self._session)
+            self._panels.draw_equations(self._session, self._view.chosen)
+            self._controls.show_history(self._pace.cursor, self._pace.last)
 
     def _draw_status(self, now: float) -> None:
         """A message as long as it stays, else what is recorded or replayed, else the diagnosis."""
@@ -202,7 +200,7 @@ class Page:
         self._panels.draw_path(self._session, shown)
         self._controls.show_learner(self._session.scene, shown.theta, present.theta_demo)
         self._gizmo.visible = self._view.show["gizmo"]
-        if not self._dragging:
+        if not self._dragging and self._changed("hand", present.theta_demo.tobytes()):
             self._gizmo.position = self._scene.hand_position(present.theta_demo)
 
     def _ask_for_landscape(self, present: Snapshot) -> None:
@@ -246,6 +244,7 @@ class Page:
 
     def _drop_hand(self, _) -> None:
         self._dragging = False
+        self._drawn.pop("hand", None)
         self._drawn.pop("panels", None)
 
     def _add_gizmo(self):

@@ -4,6 +4,8 @@ import threading
 import time
 import traceback
 
+from .load import Load
+
 TICK = 0.05  # s: poses are drawn at 20 Hz
 STUCK_AFTER = 10.0  # s without a tick
 
@@ -14,6 +16,7 @@ class Scheduler:
     def __init__(self):
         self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list = []
+        self.load = Load(TICK)
         self._running = False
         self._ticked = time.monotonic()
         self._thread = threading.Thread(target=self._run, name="viewimit-scheduler", daemon=True)
@@ -67,6 +70,7 @@ class Scheduler:
             for page in pages:
                 with self._turn:
                     self._tick(page)
+            self.load.ticked(time.monotonic() - self._ticked)
             next_tick += TICK
             delay = next_tick - time.monotonic()
             if delay > 0:

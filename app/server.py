@@ -130,7 +130,7 @@ class App:
         self._server, self._settings, self._scheduler, self._keeper = server, settings, scheduler, keeper
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._seats = Seats(server, keeper, settings, self._retire)
-        self._lock = threading.Lock()
+        self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._worker, self._experiments = LandscapeWorker(), ExperimentWorker()
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments_tab))
@@ -144,9 +144,10 @@ class App:
     def stop(self) -> None:
         """Nothing moves any more, and all that the visitors did is kept."""
         self._scheduler.stop()
-        for client_id in list(self._pages):
-            self._retire(client_id)
-        self._keeper.stop()
+        with self._retiring:
+            for client_id in list(self._pages):
+                self._retire(client_id)
+            self._keeper.stop()
         self._experiments.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
@@ -154,7 +155,7 @@ class App:
         keep = (lambda memory: self._keeper.keep(key, memory)) if key else (lambda memory: None)
         shared = self._worker, self._experiments, self._share_opponent, self._settings
         try:
-            page = Page(client, *shared, keep, resumed)
+            page = Page(client, *shared, keep, self._scheduler.load, resumed)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
             client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             if key:
@@ -172,14 +173,15 @@ class App:
 
     def _retire(self, client_id: int) -> None:
         """Keep what the page is, and forget it."""
-        with self._lock:
-            page, key = self._pages.pop(client_id, (None, None))
-        if page is None:
-            return
-        self._scheduler.remove(page)
-        self._worker.forget(client_id)
-        self._experiments.forget(client_id)
-        if key is not None:
-            self._keeper.keep(key, page.memory())
-            self._keeper.forget(key)
-            self._seats.leave(key)
+        with self._retiring:
+            with self._lock:
+                page, key = self._pages.pop(client_id, (None, None))
+            if page is None:
+                return
+            self._scheduler.remove(page)
+            self._worker.forget(client_id)
+            self._experiments.forget(client_id)
+            if key is not None:
+                self._keeper.keep(key, page.memory())
+                self._keeper.forget(key)
+                self._seats.leave(key)

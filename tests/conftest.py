@@ -6,11 +6,13 @@ With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 
 import browser as chromium
 import pytest
@@ -84,6 +86,23 @@ def server():
     process, url = start_server()
     yield url
     assert stop_server(process) == 0
+
+
+@pytest.fixture(scope="module")
+def redis_url(tmp_path_factory):
+    """A Redis of one's own, without a port. Skips without redis-server or the package."""
+    program = shutil.which("redis-server") or pytest.skip("no redis-server")
+    pytest.importorskip("redis")
+    socket = tmp_path_factory.mktemp("redis") / "redis.sock"
+    command = [program, "--port", "0", "--unixsocket", str(socket), "--save", "", "--appendonly", "no"]
+    process = subprocess.Popen([*command, "--dir", str(socket.parent)], stdout=subprocess.DEVNULL)
+    until = time.monotonic() + STARTS_WITHIN_S
+    while not socket.exists():
+        assert process.poll() is None and time.monotonic() < until, "redis-server did not start"
+        time.sleep(0.02)
+    yield f"unix://{socket}"
+    process.terminate()
+    process.wait(10)
 
 
 def start_server(*options: str) -> tuple[subprocess.Popen, str]:

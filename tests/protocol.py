@@ -7,7 +7,9 @@ import sys
 import tempfile
 import threading
 import time
+from base64 import b64encode
 from contextlib import suppress
+from ssl import SSLContext
 
 import msgspec
 import viser
@@ -33,16 +35,28 @@ VIEW = {
 class Client:
     """One tab. widgets: uuid by label; values: by uuid; html: by uuid; received: (time, message type) of everything.
 
-    cookie: Name=value of a browser that has been here before. The handshake raises websockets.InvalidStatus.
+    cookie: Name=value of a browser that has been here before; login: user:password, for a proxy.
+    The handshake raises websockets.InvalidStatus.
     """
 
-    def __init__(self, url: str, origin: str | None = None, cookie: str | None = None, view: bool = True):
+    def __init__(
+        self,
+        url: str,
+        origin: str | None = None,
+        cookie: str | None = None,
+        view: bool = True,
+        login: str | None = None,
+        ssl: SSLContext | None = None,
+    ):
         headers = {"Cookie": cookie} if cookie else {}
+        if login:
+            headers["Authorization"] = f"Basic {b64encode(login.encode()).decode()}"
         self.socket = connect(
             url.replace("http", "ws", 1),
             subprotocols=[f"viser-v{viser.__version__}"],
             origin=origin,
             additional_headers=headers,
+            ssl=ssl,
             compression=None,
             max_size=None,
             close_timeout=1,

@@ -2,27 +2,10 @@
 
 import contextlib
 import os
-import shutil
-import subprocess
 import time
 
 import pytest
-from protocol import wait_until
 from viewimit.app.store import KEPT_S, SqliteStore, open_store
-
-
-@pytest.fixture(scope="module")
-def redis_url(tmp_path_factory):
-    """A Redis of one's own, without a port. Skips without redis-server or the package."""
-    program = shutil.which("redis-server") or pytest.skip("no redis-server")
-    pytest.importorskip("redis")
-    socket = tmp_path_factory.mktemp("redis") / "redis.sock"
-    command = [program, "--port", "0", "--unixsocket", str(socket), "--save", "", "--appendonly", "no"]
-    process = subprocess.Popen([*command, "--dir", str(socket.parent)], stdout=subprocess.DEVNULL)
-    wait_until(socket.exists)
-    yield f"unix://{socket}"
-    process.terminate()
-    process.wait(10)
 
 
 @pytest.fixture(params=["file", "redis"])

@@ -14,7 +14,7 @@ from viewimit.snapshot import Settings, Snapshot
 from . import encoding
 from .store import Store
 
-CHUNK = 64  # motions a part
+CHUNK = 32  # motions a part
 TOUCH_EVERY = 60.0  # s
 HEAD = "head"
 log = logging.getLogger(__name__)

@@ -27,7 +27,7 @@ WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
-KEPT_EVERY = 3.0  # s
+KEPT_EVERY = 5.0  # s
 
 
 class Page:

@@ -1,8 +1,8 @@
 """What a class costs: `python tests/measure_load.py --clients 30 --seconds 60 [--browsers 3]`.
 
-Clients that speak viser's protocol, from processes of their own, each with a session whose loop runs ten motions a
-second. Of each: updates of poses, of the images and of the plots that arrive, a second. One more client moves its
-demonstrator by a slider and waits until the scene shows it. Of the server: processor time and memory.
+Clients that speak viser's protocol, from processes of their own, each with a session whose loop runs. Of each: updates
+of poses, of the images and of the plots that arrive, a second. One more client moves its demonstrator by a slider and
+waits until the scene shows it. Of the server: processor time and memory.
 """
 
 import argparse
@@ -50,11 +50,11 @@ class Counting(Client):
         return messages
 
 
-def run_clients(url: str, count: int, begin, end, results) -> None:
+def run_clients(url: str, count: int, speed: str, begin, end, results) -> None:
     """Some clients in one process, each with a running loop; their updates between the two events."""
     clients = [Counting(url).ready(120) for _ in range(count)]
     for client in clients:
-        client.put("Speed", "10 a second")
+        client.put("Speed", speed)
         time.sleep(0.03)
         client.press("Play or pause")
     begin.wait()
@@ -103,12 +103,12 @@ def open_browsers(stack: list, url: str, count: int) -> None:
         page.keyboard.press("Space")
 
 
-def measure(clients: int, seconds: float, browsers: int) -> dict:
+def measure(clients: int, seconds: float, browsers: int, speed: str) -> dict:
     server, stack = Server("--max-clients", str(clients + browsers + 1), *OPTIONS), []
     context = multiprocessing.get_context("spawn")
     begin, end, results = context.Event(), context.Event(), context.Queue()
     shares = [len(part) for part in np.array_split(np.arange(clients), 2) if len(part)]
-    processes = [context.Process(target=run_clients, args=(server.url, n, begin, end, results)) for n in shares]
+    processes = [context.Process(target=run_clients, args=(server.url, n, speed, begin, end, results)) for n in shares]
     for process in processes:
         process.start()
     open_browsers(stack, server.url, browsers)
@@ -133,6 +133,7 @@ def measure(clients: int, seconds: float, browsers: int) -> dict:
     return {
         "clients": clients,
         "browsers": browsers,
+        "speed": speed,
         "seconds": round(seconds),
         **{kind: spread([rate[kind] for rate in rates]) for kind in TARGETS},
         "cores": round(used, 3),
@@ -156,8 +157,9 @@ def main() -> None:
     parser.add_argument("--clients", type=int, default=30)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--browsers", type=int, default=0)
+    parser.add_argument("--speed", default="10 a second", help="of the loops, as the page has it (%(default)s)")
     args = parser.parse_args()
-    json.dump(measure(args.clients, args.seconds, args.browsers), sys.stdout, indent=1)
+    json.dump(measure(args.clients, args.seconds, args.browsers, args.speed), sys.stdout, indent=1)
     print()
 
 

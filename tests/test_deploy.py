@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from protocol import Client, Server, wait_until
+from viewimit.app.page import KEPT_EVERY
 from websockets.exceptions import InvalidStatus
 
 DEPLOY = Path(__file__).parent.parent / "deploy"
@@ -113,7 +114,7 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, stude
     wait_until(lambda: all((client.value("History") or 0) >= 3 for client in clients), 60)
     for client in clients:
         client.press("Play or pause")
-    time.sleep(5)  # what is kept regularly
+    time.sleep(KEPT_EVERY + 1)
     motions = [client.value("History") for client in clients]
     moved = seated(first)
     first.process.kill()

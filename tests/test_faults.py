@@ -9,6 +9,7 @@ import threading
 import time
 import urllib.request
 
+import numpy as np
 import pytest
 import viser
 from protocol import Client, Server, wait_until
@@ -16,12 +17,13 @@ from viewimit.app import door as door_module
 from viewimit.app import wire
 from viewimit.app.door import Door
 from viewimit.app.keeper import Keeper
+from viewimit.app.page import KEPT_EVERY
 from viewimit.app.scheduler import Scheduler
 from viewimit.app.server import App
 from viewimit.app.store import SqliteStore
 
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.snapshot import BEST, Settings
 
 
 def browser_of(url: str) -> str:
@@ -197,7 +199,7 @@ def test_a_server_that_is_killed_has_lost_seconds_at_most(tmp_path):
     with Client(server.url, cookie=cookie).ready() as client:
         work(client)
         seen = what_a_visitor_sees(client)
-        time.sleep(4)  # what is kept regularly
+        time.sleep(KEPT_EVERY + 1)
         server.process.kill()
         server.process.wait()
     server = Server("--port", server.url.rsplit(":", 1)[1], *options)
@@ -271,3 +273,25 @@ def test_who_comes_and_goes_leaves_no_memory_behind(visits):
     grown = server.memory - before
     server.stop()
     assert grown < 50, f"{grown:.0f} MB"
+
+
+@pytest.mark.browser
+def test_a_page_that_is_reloaded_is_as_it_was(browser, server):
+    alone = Session(BEST)
+    for _ in range(3):
+        alone.step()
+    stands = [f"{angle:.1f}°".replace("-", "−") for angle in np.degrees(alone.snapshot.theta)]
+    shown = "stands => stands.join() === [...document.querySelectorAll('.vi-bar b')].map(b => b.textContent).join()"
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    page = context.new_page()
+    page.goto(server)
+    page.wait_for_selector(".vi-bar", timeout=30_000)
+    page.wait_for_timeout(500)
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+        page.wait_for_timeout(100)
+    page.wait_for_function(shown, arg=stands, timeout=60_000)
+    page.reload()
+    page.wait_for_selector(".vi-bar", timeout=30_000)
+    page.wait_for_function(shown, arg=stands, timeout=60_000)
+    context.close()

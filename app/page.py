@@ -113,13 +113,14 @@ class Page:
 
     def _resume(self, head: Head, presets: dict[str, Preset]) -> None:
         """Show what the visitor had chosen; the loop is paused."""
-        self._controls.show_preset(presets[head.preset])
+        if head.preset in presets:
+            self._controls.show_preset(presets[head.preset])
         self._pace.speed = head.speed
         self._controls.show_speed(head.speed)
         self._view.chosen = head.chosen
         self._controls.show_chosen(head.chosen)
-        self._view.show.update(head.show)
-        self._controls.show_switches({**head.show, "dark": head.dark})
+        self._view.show.update({name: head.show[name] for name in self._view.show if name in head.show})
+        self._controls.show_switches({**self._view.show, "dark": head.dark})
         if head.dark:
             self._set_dark(True)
         if head.motion is not None:

@@ -74,7 +74,8 @@ def serve(
         invite(host, server.get_port())
     if open_browser:
         webbrowser.open(url)
-    stopped.wait()
+    while not stopped.wait(0.5):  # a signal that the system hands to another thread is seen at the next turn
+        pass
     app.stop()
     with contextlib.redirect_stdout(io.StringIO()):
         server.stop()
@@ -131,6 +132,7 @@ class App:
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._seats = Seats(server, keeper, settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
+        self._collecting = threading.Lock()
         self._worker, self._experiments = LandscapeWorker(), ExperimentWorker()
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments_tab))
@@ -169,7 +171,11 @@ class App:
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         self._retire(client.client_id)
-        gc.collect()  # viser's handles are reference cycles
+        if self._collecting.acquire(blocking=False):  # one for all of a class that leaves at once
+            try:
+                gc.collect()  # viser's handles are reference cycles
+            finally:
+                self._collecting.release()
 
     def _retire(self, client_id: int) -> None:
         """Keep what the page is, and forget it."""

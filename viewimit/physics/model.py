@@ -13,7 +13,9 @@ from ..geometry.rigid import rigid_transform, rotation_about_axis
 from ..markers import Markers, colours
 from ..scene import Scene, load_robot
 
-ARM_GREY = 0.75
+ARM_GREY, STEM_GREY = 0.75, 0.5
+STEM_M = 0.003  # radius
+NOWHERE = (0.0, 0.0, 0.0)
 
 
 def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
@@ -44,6 +46,7 @@ def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
             for (owner, *centre, _), colour in zip(markers.balls, colours(markers.hue_deg)):
                 if owner == number:
                     _add_visual(link, ElementTree.Element("sphere", radius=str(markers.radius)), colour, centre)
+                    _add_stem(link, np.array(centre), shapes.geometry[f"link{number}"].vertices)
     path = folder / "arm.urdf"
     ElementTree.ElementTree(root).write(path)
     return path
@@ -65,13 +68,22 @@ def _give_mass(link: ElementTree.Element) -> None:
         ElementTree.SubElement(inertial, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
 
 
-def _add_visual(link: ElementTree.Element, shape: ElementTree.Element, colour, centre=(0.0, 0.0, 0.0)) -> None:
+def _add_visual(link: ElementTree.Element, shape: ElementTree.Element, colour, centre=NOWHERE, rpy=NOWHERE) -> None:
     visual = ElementTree.SubElement(link, "visual")
-    ElementTree.SubElement(visual, "origin", xyz=_text(centre), rpy="0 0 0")
+    ElementTree.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(rpy))
     ElementTree.SubElement(visual, "geometry").append(copy.copy(shape))
     name = f"{link.get('name')}-{len(link)}"  # one name is one colour throughout the file
     material = ElementTree.SubElement(visual, "material", name=name)
     ElementTree.SubElement(material, "color", rgba=_text([*colour, 1.0]))
+
+
+def _add_stem(link: ElementTree.Element, centre: NDArray, vertices: NDArray) -> None:
+    """A rod from a ball's middle to the nearest of the link's vertices (V, 3) m."""
+    along = vertices[np.linalg.norm(vertices - centre, axis=1).argmin()] - centre
+    length = np.linalg.norm(along)
+    x, y, z = along / length
+    rod = ElementTree.Element("cylinder", radius=str(STEM_M), length=str(length))
+    _add_visual(link, rod, [STEM_GREY] * 3, centre + along / 2, (0.0, np.arccos(z), np.arctan2(y, x)))
 
 
 def _text(numbers: NDArray) -> str:

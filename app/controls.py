@@ -117,9 +117,16 @@ class Controls:
     def show_preset(self, preset: Preset) -> None:
         """The lesson and the speed of a preset; `show` does its settings."""
         self.lesson.content = lesson(preset.lesson)
-        speed = next(name for name, value in SPEEDS.items() if value == preset.motions_per_second)
-        put(self.speed, speed)
+        self.show_speed(preset.motions_per_second)
         put(self.preset, preset.name)
+
+    def show_speed(self, motions_per_second: float) -> None:
+        put(self.speed, next(name for name, value in SPEEDS.items() if value == motions_per_second))
+
+    def show_switches(self, on: dict[str, bool]) -> None:
+        """The switches of the folder Display, by their names in the inbox."""
+        for name, value in on.items():
+            put(self.switches[name], value)
 
     def show_chosen(self, point: int | None) -> None:
         put(self.chosen, NO_POINT if point is None else str(point))
@@ -159,6 +166,7 @@ class Controls:
         gui = self._client.gui
         self.chosen = self._dropdown("Point", [NO_POINT], NO_POINT, "chosen")
         self.points = self._dropdown("Layout", ["10 points"], "10 points", "points")
+        self.switches: dict = {}
         for label, name, value in (
             ("Rays", "rays", False),
             ("Residuals in 3-D", "residuals", True),
@@ -166,7 +174,8 @@ class Controls:
             ("Whole frames", "whole_frames", False),
             ("Dark", "dark", False),
         ):
-            on_value(gui.add_checkbox(label, value), self._inbox, name)
+            self.switches[name] = gui.add_checkbox(label, value)
+            on_value(self.switches[name], self._inbox, name)
         fit = gui.add_button("Fit view")
         on_click(fit, self._inbox, "view")
 

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from numpy.typing import NDArray
 from viser import ClientHandle
 
+from viewimit.motion import Motion, encode
 from viewimit.session import Session
 
 from .experiment_worker import ExperimentWorker
@@ -36,6 +37,7 @@ class Laboratory:
         pose: Callable[[NDArray], None],
     ):
         self._client, self._session, self._sent_at = client, session, -SEND_EVERY
+        self._encoded: tuple[Motion, bytes] | None = None
         page_id = client.client_id
         with tab:
             self._tab = ExperimentsTab(client, inbox)
@@ -55,6 +57,16 @@ class Laboratory:
         experiments, motions = self._experiments, self._motions
         said = motions.name, motions.moment, motions.describe()
         return experiments.chosen, experiments.latest, experiments.shown, self._session.scene, *said
+
+    @property
+    def recorded(self) -> bytes | None:
+        """The motion that was recorded or loaded, as a file has it."""
+        motion = self._motions.recorded
+        if motion is None:
+            return None
+        if self._encoded is None or self._encoded[0] is not motion:
+            self._encoded = motion, encode(motion)
+        return self._encoded[1]
 
     def draw(self) -> None:
         self._tab.show(self._experiments, self._motions, self._session.scene)

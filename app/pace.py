@@ -1,6 +1,7 @@
 """How fast the loop runs, and where an arm is seen between two postures."""
 
 import time
+from collections.abc import Callable
 
 from numpy.typing import NDArray
 
@@ -9,7 +10,7 @@ from viewimit.session import Session
 MOTION_SHARE, LONGEST_MOTION = 0.85, 1.2  # of the period; s: how long the arm is seen to move
 SINGLE_STEP = 0.45  # s a motion takes that was asked for singly
 LATE = 0.05  # s that a tick may be late without the pace giving way
-BUDGET = 0.02  # s a tick for stepping as fast as it computes
+BUDGET = 0.02  # s a tick for stepping as fast as it computes, with nobody else to share it
 
 
 class Runner:
@@ -98,12 +99,12 @@ class Pace:
         for runner in self.runners:
             runner.settle()
 
-    def advance(self, now: float) -> None:
-        """Make the motions that are due."""
+    def advance(self, now: float, budget: Callable[[], float] = lambda: BUDGET) -> None:
+        """Make the motions that are due. budget: s for those that run as fast as they compute."""
         if not self.playing:
             return
         if self.speed == 0:
-            until = time.monotonic() + BUDGET
+            until = time.monotonic() + (budget() if self._awake else 0.0)
             while self._awake and time.monotonic() < until:
                 for runner in self._awake:
                     runner.step()

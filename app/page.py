@@ -13,11 +13,13 @@ from .controls import Controls
 from .duel_tab import DuelTab
 from .experiment_worker import ExperimentWorker
 from .inbox import Inbox
+from .keeper import Head, Memory
 from .laboratory import Laboratory
 from .landscape_worker import LandscapeWorker, landscape_key
+from .load import Load
 from .pace import Pace
 from .panels import Panels
-from .presets import presets_from
+from .presets import Preset, presets_from
 from .scene3d import Scene3D
 from .visitor import View, Visitor
 
@@ -25,6 +27,7 @@ WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
+KEPT_EVERY = 5.0  # s
 
 
 class Page:
@@ -37,15 +40,20 @@ class Page:
         experiments: ExperimentWorker,
         share_opponent: Callable[[], None],
         settings: Settings,
+        keep: Callable[[Memory], None],
+        load: Load,
+        resumed: Memory | None = None,
     ):
-        self._client, self._worker = client, worker
+        self._client, self._worker, self._begun, self._keep, self._load = client, worker, settings, keep, load
         self._inbox, self._view = Inbox(), View()
         self._session = Session(settings)
+        if resumed is not None:
+            self._session.resume(resumed.history, resumed.head.cursor)
         self._pace = Pace(self._session)
         self._message: tuple[str, float] | None = None
         self._drawn: dict[str, tuple] = {}
         self._last: dict[str, float] = {}
-        self._canvas, self._dragging = (0, 0), False
+        self._canvas, self._dragging, self._dark = (0, 0), False, False
         presets = presets_from(settings)
         wide = client.camera.image_width >= WIDE
         with client.atomic():
@@ -84,6 +92,40 @@ class Page:
             elsewhere,
         )
 
+        if resumed is not None:
+            self._resume(resumed.head, presets)
+
+    def memory(self) -> Memory:
+        """What of the page is kept. The opponent of a duel and what runs in the tab Experiments is not."""
+        session, view = self._session, self._view
+        head = Head(
+            begun=self._begun,
+            cursor=session.cursor,
+            length=len(session.history),
+            preset=self._controls.preset.value,
+            speed=self._pace.speed,
+            chosen=view.chosen,
+            show=dict(view.show),
+            dark=self._dark,
+            motion=self._laboratory.recorded,
+        )
+        return Memory(head, tuple(session.history))
+
+    def _resume(self, head: Head, presets: dict[str, Preset]) -> None:
+        """Show what the visitor had chosen; the loop is paused."""
+        if head.preset in presets:
+            self._controls.show_preset(presets[head.preset])
+        self._pace.speed = head.speed
+        self._controls.show_speed(head.speed)
+        self._view.chosen = head.chosen
+        self._controls.show_chosen(head.chosen)
+        self._view.show.update({name: head.show[name] for name in self._view.show if name in head.show})
+        self._controls.show_switches({**self._view.show, "dark": head.dark})
+        if head.dark:
+            self._set_dark(True)
+        if head.motion is not None:
+            self._inbox.put("motion file", head.motion)
+
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self._pace.pause()
@@ -97,8 +139,11 @@ class Page:
         for action in actions:
             self._allow(now, self._visitor.act, action, now)
         self._laboratory.tick()
-        self._pace.advance(now)
-        self._draw(now)
+        self._pace.advance(now, self._load.step_budget)
+        with self._client.atomic():  # viser's thread is woken once
+            self._draw(now)
+        if self._due("kept", now, KEPT_EVERY):
+            self._keep(self.memory())
 
     def _allow(self, now: float, carry_out: Callable, what: str, *value) -> None:
         """Carry out one wish of the visitor; one that cannot be is said, and the others go on."""
@@ -116,9 +161,8 @@ class Page:
         (theta, moving), *others = [runner.theta(now) for runner in self._pace.runners]
         poses = [theta, present.theta_demo, *(other for other, _ in others)]
         if self._changed("poses", *(pose.tobytes() for pose in poses)):
-            with self._client.atomic():
-                self._scene.draw_poses(*poses)
-        if not self._due("panels", now, PANELS_EVERY):
+            self._scene.draw_poses(*poses)
+        if not self._due("panels", now, PANELS_EVERY * self._load.panels):
             return
         self._controls.show_playing(self._pace.playing)
         self._fit_new_canvas()
@@ -127,22 +171,18 @@ class Page:
         shown_as = self._view.chosen, tuple(self._view.show.values()), self._panels.landscape
         if self._changed("panels", present, theta.tobytes(), *shown_as):
             shown = self._session.observe(theta, present) if moving else present
-            with self._client.atomic():
-                self._draw_panels(shown, present)
+            self._draw_panels(shown, present)
         self._draw_status(now)
         if self._changed("duel", *self._duel.state):
-            with self._client.atomic():
-                self._duel.draw()
+            self._duel.draw()
         if self._changed("laboratory", *self._laboratory.state):
-            with self._client.atomic():
-                self._laboratory.draw()
-        if self._due("curves", now, CURVES_EVERY) and self._changed(
+            self._laboratory.draw()
+        if self._due("curves", now, CURVES_EVERY * self._load.plots) and self._changed(
             "curves", present, self._pace.cursor, self._pace.last, self._view.chosen, self._panels.landscape
         ):
-            with self._client.atomic():
-                self._panels.draw_curves(self._session)
-                self._panels.draw_equations(self._session, self._view.chosen)
-                self._controls.show_history(self._pace.cursor, self._pace.last)
+            self._panels.draw_curves(self._session)
+            self._panels.draw_equations(self._session, self._view.chosen)
+            self._controls.show_history(self._pace.cursor, self._pace.last)
 
     def _draw_status(self, now: float) -> None:
         """A message as long as it stays, else what is recorded or replayed, else the diagnosis."""
@@ -161,7 +201,7 @@ class Page:
         self._panels.draw_path(self._session, shown)
         self._controls.show_learner(self._session.scene, shown.theta, present.theta_demo)
         self._gizmo.visible = self._view.show["gizmo"]
-        if not self._dragging:
+        if not self._dragging and self._changed("hand", present.theta_demo.tobytes()):
             self._gizmo.position = self._scene.hand_position(present.theta_demo)
 
     def _ask_for_landscape(self, present: Snapshot) -> None:
@@ -183,6 +223,7 @@ class Page:
             self._scene.fit_untouched_view()
 
     def _set_dark(self, dark) -> None:
+        self._dark = bool(dark)
         self._client.gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
         self._scene.set_dark(bool(dark))
 
@@ -204,6 +245,7 @@ class Page:
 
     def _drop_hand(self, _) -> None:
         self._dragging = False
+        self._drawn.pop("hand", None)
         self._drawn.pop("panels", None)
 
     def _add_gizmo(self):

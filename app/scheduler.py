@@ -4,16 +4,21 @@ import threading
 import time
 import traceback
 
+from .load import Load
+
 TICK = 0.05  # s: poses are drawn at 20 Hz
+STUCK_AFTER = 10.0  # s without a tick
 
 
 class Scheduler:
     """Pages are added when they are built and removed when their tab is gone."""
 
     def __init__(self):
-        self._lock = threading.Lock()
+        self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list = []
+        self.load = Load(TICK)
         self._running = False
+        self._ticked = time.monotonic()
         self._thread = threading.Thread(target=self._run, name="viewimit-scheduler", daemon=True)
 
     def start(self) -> None:
@@ -29,9 +34,15 @@ class Scheduler:
             self._pages.append(page)
 
     def remove(self, page) -> None:
-        with self._lock:
+        """Afterwards it is ticked no more, nor is it just being ticked."""
+        with self._turn, self._lock:
             if page in self._pages:
                 self._pages.remove(page)
+
+    def health(self) -> dict | None:
+        """How many pages are ticked; None once nothing ticks any more."""
+        stuck = time.monotonic() - self._ticked > STUCK_AFTER
+        return None if stuck or not self._running else {"pages": len(self._pages)}
 
     def _tell(self, page, error: Exception) -> None:
         """Let a page say its own fault; one that cannot even do that is ticked no more."""
@@ -41,17 +52,25 @@ class Scheduler:
             traceback.print_exc()
             self.remove(page)
 
+    def _tick(self, page) -> None:
+        if page not in self._pages:  # it has just been removed
+            return
+        try:
+            page.tick(time.monotonic())
+        except Exception as error:  # one session's fault must not stop the others; its own page says so
+            traceback.print_exc()
+            self._tell(page, error)
+
     def _run(self) -> None:
         next_tick = time.monotonic()
         while self._running:
+            self._ticked = time.monotonic()
             with self._lock:
                 pages = list(self._pages)
             for page in pages:
-                try:
-                    page.tick(time.monotonic())
-                except Exception as error:  # one session's fault must not stop the others; its own page says so
-                    traceback.print_exc()
-                    self._tell(page, error)
+                with self._turn:
+                    self._tick(page)
+            self.load.ticked(time.monotonic() - self._ticked)
             next_tick += TICK
             delay = next_tick - time.monotonic()
             if delay > 0:

@@ -6,10 +6,13 @@ With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
+import time
 
 import browser as chromium
 import pytest
@@ -19,6 +22,7 @@ from viewimit.cli import main
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 STARTS_WITHIN_S = 30  # on a busy machine
 passed_in_browser: list[str] = []
+kept_sessions = tempfile.TemporaryDirectory(prefix="viewimit-tests-")  # not the user's own
 
 
 @pytest.fixture
@@ -84,10 +88,28 @@ def server():
     assert stop_server(process) == 0
 
 
+@pytest.fixture(scope="module")
+def redis_url(tmp_path_factory):
+    """A Redis of one's own, without a port. Skips without redis-server or the package."""
+    program = shutil.which("redis-server") or pytest.skip("no redis-server")
+    pytest.importorskip("redis")
+    socket = tmp_path_factory.mktemp("redis") / "redis.sock"
+    command = [program, "--port", "0", "--unixsocket", str(socket), "--save", "", "--appendonly", "no"]
+    process = subprocess.Popen([*command, "--dir", str(socket.parent)], stdout=subprocess.DEVNULL)
+    until = time.monotonic() + STARTS_WITHIN_S
+    while not socket.exists():
+        assert process.poll() is None and time.monotonic() < until, "redis-server did not start"
+        time.sleep(0.02)
+    yield f"unix://{socket}"
+    process.terminate()
+    process.wait(10)
+
+
 def start_server(*options: str) -> tuple[subprocess.Popen, str]:
     """A `viewimit serve` on a free port, once it says that it listens."""
     isolated = [sys.executable, "-I"]  # what is installed, not the folder that happens to be the current one
-    command = [*isolated, "-m", "viewimit.cli", "serve", "--port", "0", *options]
+    kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
+    command = [*isolated, "-m", "viewimit.cli", "serve", "--port", "0", *kept, *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     hung = threading.Timer(STARTS_WITHIN_S, process.kill)
     hung.start()

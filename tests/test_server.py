@@ -3,7 +3,8 @@
 import socket
 
 import pytest
-from viewimit.app.server import PortInUse, address, require_free, serve
+from viewimit.app.origins import is_loopback
+from viewimit.app.server import PortInUse, address, invite, require_free, serve
 
 from viewimit.snapshot import Settings
 
@@ -32,3 +33,14 @@ def test_addresses_are_as_a_browser_takes_them():
     assert address("127.0.0.1", 80) == "http://127.0.0.1:80"
     assert address("0.0.0.0", 8080) == "http://localhost:8080"
     assert address("::1", 8080) == "http://[::1]:8080"
+
+
+def test_who_lets_others_in_is_told_the_address_and_shown_its_code(capsys):
+    invite("192.0.2.7", 8080)
+    text, *drawn = capsys.readouterr().out.splitlines()
+    assert "http://192.0.2.7:8080" in text
+    code = [line for line in drawn if line]
+    assert len(code) > 10 and set("".join(code)) <= set(" ▀▄█")
+    assert [is_loopback(host) for host in ("127.0.0.1", "::1", "localhost", "0.0.0.0", "192.0.2.7")] == [
+        True, True, True, False, False,
+    ]  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 import viser.transforms as vtf
 from hypothesis import given
 from hypothesis import strategies as st
-from viewimit.app.wire import joint_quaternion, quaternion
+from viewimit.app.wire import joint_quaternion, quaternion, serving_with
 from viser._messages import SetOrientationMessage
 
 from viewimit.geometry.rigid import rotation_about_axis, rotation_from_rpy
@@ -36,3 +36,8 @@ def test_joint_quaternion_turns_after_the_rest_pose(roll, yaw, angle):
 
 def test_the_private_message_is_as_relied_upon():
     assert [field.name for field in dataclasses.fields(SetOrientationMessage)] == ["name", "wxyz", "owner"]
+
+
+def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():
+    with pytest.raises(RuntimeError, match="opens its port in a way"), serving_with(lambda plain, *_, **__: None):
+        pass

@@ -5,7 +5,7 @@
 Every pass leaves one immutable Snapshot, which panels, plots, exports and tests all read.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import msgspec
@@ -180,6 +180,11 @@ class Session:
     def reset(self) -> None:
         """Back to the start, with the settings as they are now."""
         self.begin(self.settings)
+
+    def resume(self, history: Sequence[Snapshot], cursor: int) -> None:
+        """Go on from what another session has left: its history, and the motion that it showed."""
+        self.begin(history[cursor].settings)
+        self.history, self.cursor = list(history), cursor
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""

@@ -7,9 +7,25 @@ from .options import DONE, add_run_options, add_setting_options, between, naming
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 lets everybody in who is on its network",
+    )
     parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
     parser.add_argument("--max-clients", type=between(int, 1, 10_000), default=40, help="tabs at a time (%(default)s)")
+    parser.add_argument(
+        "--origin",
+        action="append",
+        default=[],
+        metavar="URL",
+        help="a page elsewhere that may connect, such as https://class.example.org of a proxy; more than once for more",
+    )
+    parser.add_argument(
+        "--store",
+        metavar="DIR|URL",
+        help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_setting_options(parser, BEST)
     add_run_options(parser, BEST)
@@ -18,7 +34,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args, BEST)
     from ..app.server import serve  # the one place below the page that knows it
+    from ..app.store import open_store
 
+    with naming("--store"):
+        store = open_store(args.store)
     with naming("--host, --port"):
-        serve(args.host, args.port, settings, args.max_clients, open_browser=args.open)
+        serve(args.host, args.port, settings, store, args.max_clients, open_browser=args.open, origins=args.origin)
     return DONE

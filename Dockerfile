@@ -1,0 +1,15 @@
+# viewimit's page, for one replica behind the proxy of compose.yaml
+FROM python:3.11-slim
+WORKDIR /src
+COPY pyproject.toml README.md LICENSE ./
+COPY viewimit viewimit
+COPY app app
+COPY assets assets
+RUN pip install --no-cache-dir ".[redis]" && useradd --create-home viewimit
+USER viewimit
+WORKDIR /home/viewimit
+EXPOSE 8080
+HEALTHCHECK --interval=10s --timeout=3s --start-period=30s \
+  CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:8080/health', timeout=2)"]
+STOPSIGNAL SIGTERM
+ENTRYPOINT ["viewimit", "serve", "--host", "0.0.0.0"]

@@ -1,0 +1,131 @@
+"""A session's history as bytes and back, to the last bit. Nothing in the bytes is ever run.
+
+Objects are listed once, children first, however many snapshots share them; a value is a scalar, or the index of an
+object in a list of one. What a snapshot's transfer is follows from its views, so it is fitted anew instead.
+"""
+
+import dataclasses
+
+import msgspec
+import numpy as np
+import zstandard
+
+from viewimit.geometry.affine import MIN_POINTS
+from viewimit.servo.broyden import BroydenState
+from viewimit.servo.gradient import GradientState
+from viewimit.servo.image_model import ImageModel, Visit
+from viewimit.servo.trust_region import TrustState
+from viewimit.snapshot import Settings, Snapshot
+from viewimit.transfer import TRANSFERS
+from viewimit.transfer.affine_map import AffineTransfer
+from viewimit.transfer.projective import ProjectiveTransfer
+from viewimit.transfer.rank3 import Rank3Transfer
+from viewimit.views import FourViews
+
+MOST_BYTES = 256 << 20  # of a part, unpacked
+SCALARS = (type(None), bool, int, float, str)
+KINDS = "biuf"  # of arrays: numbers and truth values, no objects
+CLASSES = {
+    kind.__name__: kind
+    for kind in (
+        Snapshot, FourViews, Visit, ImageModel, BroydenState, GradientState, TrustState,
+        AffineTransfer, ProjectiveTransfer, Rank3Transfer,
+    )
+}  # fmt: skip
+ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
+
+
+def encode(snapshots: list[Snapshot]) -> bytes:
+    """Raises TypeError for what a snapshot has not had so far."""
+    packer = _Packer()
+    return zstandard.compress(msgspec.msgpack.encode((packer.objects, [packer.value(one) for one in snapshots])), 3)
+
+
+def decode(data: bytes) -> list[Snapshot]:
+    """Raises ValueError for what `encode` has not made."""
+    try:
+        unpacked = zstandard.ZstdDecompressor().decompress(data, max_output_size=MOST_BYTES)
+        listed, values = msgspec.msgpack.decode(unpacked)
+        objects: list = []
+        for one in listed:
+            objects.append(_object(one, objects))
+        return [_value(one, objects) for one in values]
+    except (zstandard.ZstdError, msgspec.MsgspecError, KeyError, IndexError, TypeError) as error:
+        raise ValueError(f"no history of this version: {error!r}") from None
+
+
+class _Packer:
+    def __init__(self):
+        self.objects: list = []
+        self._index: dict[int, int] = {}
+        self._alive: list = []  # what is named by its id must not be gone before the end
+
+    def value(self, one):
+        if type(one) in SCALARS:
+            return one
+        if id(one) not in self._index:
+            listed = self._listed(one)
+            self._alive.append(one)
+            self._index[id(one)] = len(self.objects)
+            self.objects.append(listed)
+        return [self._index[id(one)]]
+
+    def _listed(self, one) -> list:
+        if isinstance(one, np.ndarray):
+            if one.dtype.kind not in KINDS:
+                raise TypeError(f"cannot keep an array of {one.dtype}")
+            return [ARRAY, one.dtype.str, one.shape, one.tobytes()]
+        if isinstance(one, np.generic):
+            return [SCALAR, one.dtype.str, one.tobytes()]
+        if type(one) is tuple:
+            return [TUPLE, [self.value(item) for item in one]]
+        if isinstance(one, Settings):
+            return [SETTINGS, msgspec.to_builtins(one)]
+        if type(one) not in CLASSES.values():
+            raise TypeError(f"cannot keep a {type(one).__name__}")
+        return [type(one).__name__, {name: self.value(item) for name, item in _fields(one).items()}]
+
+
+def _fields(one) -> dict:
+    """What of an object is kept."""
+    fields = {field.name: getattr(one, field.name) for field in dataclasses.fields(one)}
+    if isinstance(one, AffineTransfer):
+        fields["measure_condition"] = one.condition
+    if isinstance(one, Snapshot):
+        del fields["transfer"]
+    return fields
+
+
+def _value(one, objects: list):
+    return objects[one[0]] if isinstance(one, list) else one
+
+
+def _object(listed: list, objects: list):
+    kind, *content = listed
+    if kind == ARRAY:
+        return np.frombuffer(content[2], _dtype(content[0])).reshape(content[1]).copy()
+    if kind == SCALAR:
+        return np.frombuffer(content[1], _dtype(content[0]))[0]
+    if kind == TUPLE:
+        return tuple(_value(item, objects) for item in content[0])
+    if kind == SETTINGS:
+        return msgspec.convert(content[0], Settings)
+    fields = {name: _value(item, objects) for name, item in content[0].items()}
+    if kind == AffineTransfer.__name__:
+        condition = fields["measure_condition"]
+        fields["measure_condition"] = lambda: condition
+    if kind == Snapshot.__name__:
+        fields["transfer"] = _fitted(fields["views"], fields["usable"], fields["settings"])
+    return CLASSES[kind](**fields)
+
+
+def _fitted(views: FourViews, usable: np.ndarray, settings: Settings):
+    """As Session.observe has fitted it."""
+    return TRANSFERS[settings.transfer](views.select(usable)) if usable.sum() >= MIN_POINTS else None
+
+
+def _dtype(name: str) -> np.dtype:
+    dtype = np.dtype(name)
+    if dtype.kind not in KINDS:
+        raise ValueError(f"an array of {dtype}")
+    return dtype

@@ -1,0 +1,37 @@
+"""What gives way when there is too much to do: the plots first, then the panels; poses keep their pace."""
+
+import numpy as np
+
+AIM = 0.75  # of a tick that may be spent on all pages together; viser's own thread needs the rest
+GAIN = 0.04  # a tick: from nothing given way to everything in some seconds
+SLOWEST = 5.0  # times the usual period
+STEPS = 0.4  # of a tick: for sessions that run as fast as they compute, all together
+
+
+class Load:
+    """Written by the scheduler, read by its pages. strain: 0 nothing gives way, 1 plots do most, 2 panels too."""
+
+    def __init__(self, tick_s: float):
+        self._tick_s = tick_s
+        self.strain = 0.0
+        self._running, self._ran = 0, 0  # sessions that asked for steps in this tick, and in the one before
+
+    @property
+    def plots(self) -> float:
+        """How many times longer than usual between two plots."""
+        return 1 + (SLOWEST - 1) * min(self.strain, 1.0)
+
+    @property
+    def panels(self) -> float:
+        return 1 + (SLOWEST - 1) * max(self.strain - 1.0, 0.0)
+
+    def step_budget(self) -> float:
+        """s in this tick for one more session that runs as fast as it computes."""
+        self._running += 1
+        return STEPS * self._tick_s / max(self._running, self._ran)
+
+    def ticked(self, busy_s: float) -> None:
+        """How long all pages together took in a tick."""
+        share = min(busy_s / self._tick_s, 2.0)
+        self.strain = float(np.clip(self.strain + GAIN * (share - AIM), 0.0, 2.0))
+        self._ran, self._running = self._running, 0

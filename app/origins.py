@@ -1,0 +1,59 @@
+"""Which pages may connect: those that this server itself has served, under a name that cannot be someone else's."""
+
+import ipaddress
+import socket
+from collections.abc import Collection
+from functools import cache
+from urllib.parse import urlsplit
+
+PORTS = {"http": 80, "https": 443}
+
+
+def is_own_page(origin: str, host: str, allowed: Collection[str]) -> bool:
+    """origin, host: the headers of a handshake; allowed: origins elsewhere that are trusted.
+
+    A page of another site could reach this server under a name of its own that it has let point here
+    (DNS rebinding); its Origin and Host agree then, so the name itself must be known: an address, or this machine's.
+    """
+    origin = origin.lower().rstrip("/")
+    if origin in {other.lower().rstrip("/") for other in allowed}:
+        return True
+    try:
+        page = urlsplit(origin)
+        asked = urlsplit(f"//{host.lower()}")
+        scheme_port = PORTS[page.scheme]
+        same = page.hostname == asked.hostname and (page.port or scheme_port) == (asked.port or scheme_port)
+    except (ValueError, KeyError):
+        return False
+    return same and bool(page.hostname) and (_is_address(page.hostname) or page.hostname in own_names())
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches what listens there."""
+    return host == "localhost" or _is_address(host) and ipaddress.ip_address(host).is_loopback
+
+
+@cache
+def own_names() -> frozenset[str]:
+    """Names of this machine."""
+    name = socket.gethostname().lower()
+    return frozenset({"localhost", name, f"{name}.local", socket.getfqdn().lower()})
+
+
+def lan_address() -> str | None:
+    """Address under which other machines reach this one, None without a network. Nothing is sent."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # reserved for documentation (RFC 5737): tells only the way out
+        except OSError:
+            return None
+        address = probe.getsockname()[0]
+    return None if ipaddress.ip_address(address).is_loopback else address

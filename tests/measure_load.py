@@ -1,0 +1,167 @@
+"""What a class costs: `python tests/measure_load.py --clients 30 --seconds 60 [--browsers 3]`.
+
+Clients that speak viser's protocol, from processes of their own, each with a session whose loop runs. Of each: updates
+of poses, of the images and of the plots that arrive, a second. One more client moves its demonstrator by a slider and
+waits until the scene shows it. Of the server: processor time and memory.
+"""
+
+import argparse
+import json
+import multiprocessing
+import os
+import statistics
+import sys
+import time
+
+import browser as chromium
+import numpy as np
+from protocol import Client, Server
+
+WARM_UP_S = 15.0
+PERIOD_S = 0.5  # of the slider
+TARGETS = {"poses": 20.0, "panels": 10.0, "plots": 5.0}
+OPTIONS = ("--servo", "gradient-retuned", "--transfer", "epipolar", "--frames", "1", "--start", "25,-45")
+
+
+class Counting(Client):
+    """counts: frames with each kind of update since the count began."""
+
+    def __init__(self, url: str):
+        self.counts = dict.fromkeys(TARGETS, 0)
+        self.posed_at: list[float] = []  # s, when frames with poses arrived
+        self._kinds: dict[str, str] = {}
+        super().__init__(url)
+
+    def _unpack(self, frame: bytes) -> list[dict]:
+        messages = super()._unpack(frame)
+        kinds = {message["type"] for message in messages}
+        for message in messages:
+            content = (message.get("updates") or message.get("props") or {}).get("content", "")
+            if "vi-plane" in content:
+                kinds.add("panels")
+            if "vi-cursor" in content:
+                kinds.add("plots")
+        if "SetOrientationMessage" in kinds:
+            kinds.add("poses")
+            self.posed_at.append(time.monotonic())
+        for kind in self.counts:
+            self.counts[kind] += kind in kinds
+        self.received.clear()
+        return messages
+
+
+def run_clients(url: str, count: int, speed: str, begin, end, results) -> None:
+    """Some clients in one process, each with a running loop; their updates between the two events."""
+    clients = [Counting(url).ready(120) for _ in range(count)]
+    for client in clients:
+        client.put("Speed", speed)
+        time.sleep(0.03)
+        client.press("Play or pause")
+    begin.wait()
+    before, since = [dict(client.counts) for client in clients], time.monotonic()
+    end.wait()
+    seconds = time.monotonic() - since
+    results.put(
+        [
+            {kind: (client.counts[kind] - old[kind]) / seconds for kind in TARGETS}
+            for client, old in zip(clients, before)
+        ]
+    )
+
+
+def slider_delays(client: Counting, until: float) -> list[float]:
+    """s from sending a slider's value to the arrival of the poses that follow it, PERIOD_S if none did in time."""
+    delays, angle = [], 45.0
+    while time.monotonic() < until:
+        angle = 50.0 if angle == 45.0 else 45.0
+        client.posed_at.clear()
+        sent = time.monotonic()
+        client.put("θ₂", angle)
+        time.sleep(PERIOD_S)
+        delays += [client.posed_at[0] - sent] if client.posed_at else [PERIOD_S]
+    return delays
+
+
+def cpu_s(pid: int) -> float:
+    """Processor time of a process, s."""
+    with open(f"/proc/{pid}/stat") as stat:
+        fields = stat.read().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def open_browsers(stack: list, url: str, count: int) -> None:
+    if not count:
+        return
+    from playwright.sync_api import sync_playwright
+
+    stack.append(sync_playwright().start())
+    launched = stack[0].chromium.launch(executable_path=chromium.find(), args=chromium.FLAGS)
+    for _ in range(count):
+        page = launched.new_context(viewport={"width": 1280, "height": 720}).new_page()
+        page.goto(url)
+        page.wait_for_selector(".vi-status", timeout=120_000)
+        page.keyboard.press("Space")
+
+
+def measure(clients: int, seconds: float, browsers: int, speed: str) -> dict:
+    server, stack = Server("--max-clients", str(clients + browsers + 1), *OPTIONS), []
+    context = multiprocessing.get_context("spawn")
+    begin, end, results = context.Event(), context.Event(), context.Queue()
+    shares = [len(part) for part in np.array_split(np.arange(clients), 2) if len(part)]
+    processes = [context.Process(target=run_clients, args=(server.url, n, speed, begin, end, results)) for n in shares]
+    for process in processes:
+        process.start()
+    open_browsers(stack, server.url, browsers)
+    probe = Counting(server.url).ready(120)
+    time.sleep(WARM_UP_S)
+    begin.set()
+    cpu, since, memory = cpu_s(server.process.pid), time.monotonic(), [(0.0, server.memory)]
+    delays = []
+    while (passed := time.monotonic() - since) < seconds:
+        delays += slider_delays(probe, time.monotonic() + min(5.0, seconds - passed))
+        memory.append((time.monotonic() - since, server.memory))
+    used = (cpu_s(server.process.pid) - cpu) / (time.monotonic() - since)
+    end.set()
+    rates = [rate for _ in processes for rate in results.get()]
+    for process in processes:
+        process.join()
+    probe.close()
+    if stack:
+        stack[0].stop()
+    server.stop()
+    slope = np.polyfit(*np.transpose(memory), 1)[0] * 60
+    return {
+        "clients": clients,
+        "browsers": browsers,
+        "speed": speed,
+        "seconds": round(seconds),
+        **{kind: spread([rate[kind] for rate in rates]) for kind in TARGETS},
+        "cores": round(used, 3),
+        "cpu_ms_a_client_and_s": round(1e3 * used / (clients + browsers + 1), 1),
+        "slider_to_scene_ms": {
+            "median": round(1e3 * statistics.median(delays)),
+            "p95": round(1e3 * float(np.quantile(delays, 0.95))),
+            "missed": sum(delay >= PERIOD_S for delay in delays),
+        },
+        "memory_mb": round(memory[-1][1]),
+        "memory_mb_a_minute": round(float(slope), 2),
+    }
+
+
+def spread(values: list[float]) -> dict[str, float]:
+    return {"mean": round(statistics.mean(values), 2), "least": round(min(values), 2)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--clients", type=int, default=30)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--browsers", type=int, default=0)
+    parser.add_argument("--speed", default="10 a second", help="of the loops, as the page has it (%(default)s)")
+    args = parser.parse_args()
+    json.dump(measure(args.clients, args.seconds, args.browsers, args.speed), sys.stdout, indent=1)
+    print()
+
+
+if __name__ == "__main__":
+    main()

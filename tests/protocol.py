@@ -1,0 +1,185 @@
+"""A client that speaks viser's protocol without a browser: it takes what a page would, and sends what one likes."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from base64 import b64encode
+from contextlib import suppress
+from ssl import SSLContext
+
+import msgspec
+import viser
+import zstandard
+from conftest import kept_sessions, stop_server
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+VIEW = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [-1.9, -3.8, 3.0],
+    "fov": 0.63,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 720,
+    "image_width": 552,
+    "look_at": [0.7, -0.1, 0.6],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+
+
+class Client:
+    """One tab. widgets: uuid by label; values: by uuid; html: by uuid; received: (time, message type) of everything.
+
+    cookie: Name=value of a browser that has been here before; login: user:password, for a proxy.
+    The handshake raises websockets.InvalidStatus.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        origin: str | None = None,
+        cookie: str | None = None,
+        view: bool = True,
+        login: str | None = None,
+        ssl: SSLContext | None = None,
+    ):
+        headers = {"Cookie": cookie} if cookie else {}
+        if login:
+            headers["Authorization"] = f"Basic {b64encode(login.encode()).decode()}"
+        self.socket = connect(
+            url.replace("http", "ws", 1),
+            subprotocols=[f"viser-v{viser.__version__}"],
+            origin=origin,
+            additional_headers=headers,
+            ssl=ssl,
+            compression=None,
+            max_size=None,
+            close_timeout=1,
+        )
+        self.widgets: dict[str, str] = {}
+        self.commands: dict[str, str] = {}
+        self.values: dict[str, object] = {}
+        self.html: dict[str, str] = {}
+        self.nodes: set[str] = set()
+        self.received: list[tuple[float, str]] = []
+        self._unpacker = zstandard.ZstdDecompressor()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        if view:
+            self.send(VIEW)
+
+    def send(self, message: dict | bytes | str) -> None:
+        with suppress(ConnectionClosed):  # what the server does about it is told by `closed`
+            self.socket.send(message if isinstance(message, (bytes, str)) else msgspec.msgpack.encode(message))
+
+    def put(self, label: str, value) -> None:
+        """A widget's new value, as a browser sends it."""
+        self.send({"type": "GuiUpdateMessage", "uuid": self.widgets[label], "updates": {"value": value}})
+
+    def press(self, command: str) -> None:
+        self.send({"type": "CommandTriggerMessage", "uuid": self.commands[command]})
+
+    def value(self, label: str):
+        return self.values.get(self.widgets[label])
+
+    @property
+    def status(self) -> str:
+        """The pill over the scene."""
+        return next((html for html in self.html.values() if "vi-status" in html and "<style" not in html), "")
+
+    def ready(self, seconds: float = 30.0) -> "Client":
+        """Once its page is built."""
+        wait_until(lambda: self.status and "Help" in self.commands, seconds)
+        return self
+
+    def closed(self, seconds: float = 10.0) -> tuple[int, str] | None:
+        """Code and reason with which the server has closed the connection; None if it has not."""
+        self._reader.join(seconds)
+        return None if self._reader.is_alive() else (self.socket.close_code, self.socket.close_reason)
+
+    def close(self) -> None:
+        self.socket.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def _read(self) -> None:
+        with suppress(ConnectionClosed):
+            for frame in self.socket:
+                for message in self._unpack(frame):
+                    self._take(message)
+
+    def _unpack(self, frame: bytes) -> list[dict]:
+        size, packed = (int.from_bytes(frame[at : at + 8], "little") for at in (0, 8))
+        inner = self._unpacker.decompress(frame[16 : 16 + packed], max_output_size=size)
+        return msgspec.msgpack.decode(inner)["messages"]
+
+    def _take(self, message: dict) -> None:
+        kind, uuid = message["type"], message.get("uuid")
+        self.received.append((time.monotonic(), kind))
+        props = message.get("props") or {}
+        if kind == "GuiUpdateMessage":
+            if "value" in message["updates"]:
+                self.values[uuid] = message["updates"]["value"]
+            if "content" in message["updates"]:
+                self.html[uuid] = message["updates"]["content"]
+        elif kind == "GuiRemoveMessage":
+            self.widgets = {label: other for label, other in self.widgets.items() if other != uuid}
+        elif kind == "RegisterCommandMessage":
+            self.commands[props["label"]] = uuid
+        elif kind == "GuiHtmlMessage":
+            self.html[uuid] = props["content"]
+        elif kind.startswith("Gui") and "label" in props:
+            self.widgets[props["label"]] = uuid
+            self.values[uuid] = message.get("value")
+        elif "name" in message and message["name"].startswith("/"):
+            self.nodes.add(message["name"])
+
+
+class Server:
+    """A `viewimit serve` of its own, and what it says."""
+
+    def __init__(self, *options: str):
+        kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
+        command = [sys.executable, "-I", "-m", "viewimit.cli", "serve", "--port", "0", *kept, *options]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines: list[str] = []
+        threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
+        wait_until(lambda: "http://" in self.log or self.process.poll() is not None, 40)
+        self.url = next(word for word in self.log.split() if word.startswith("http://"))
+
+    @property
+    def log(self) -> str:
+        return "".join(list(self.lines))
+
+    @property
+    def memory(self) -> float:
+        """MB that it has in memory."""
+        with open(f"/proc/{self.process.pid}/statm") as pages:
+            return int(pages.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+    def stop(self) -> int:
+        """As a user would."""
+        return stop_server(self.process)
+
+    @contextlib.contextmanager
+    def says(self, text: str):
+        """Inside, it puts exactly one line with this text into its log."""
+        before = self.log.count(text)
+        yield
+        wait_until(lambda: self.log.count(text) == before + 1, 5)
+
+
+def wait_until(condition, seconds: float = 20.0) -> None:
+    until = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < until, "it did not come about"
+        time.sleep(0.02)

@@ -1,0 +1,297 @@
+"""Faults of networks, browsers and sessions: who comes back finds everything as it was, and nobody else is harmed."""
+
+import contextlib
+import io
+import os
+import signal
+import socket
+import threading
+import time
+import urllib.request
+
+import numpy as np
+import pytest
+import viser
+from protocol import Client, Server, wait_until
+from viewimit.app import door as door_module
+from viewimit.app import wire
+from viewimit.app.door import Door
+from viewimit.app.keeper import Keeper
+from viewimit.app.page import KEPT_EVERY
+from viewimit.app.scheduler import Scheduler
+from viewimit.app.server import App
+from viewimit.app.store import SqliteStore
+
+from viewimit.session import Session
+from viewimit.snapshot import BEST, Settings
+
+
+def browser_of(url: str) -> str:
+    """The cookie of a browser that has opened the page."""
+    with urllib.request.urlopen(url) as page:
+        return page.headers["Set-Cookie"].split(";")[0]
+
+
+class Here:
+    """The server in this process, so that a test can break it."""
+
+    def __init__(self, folder):
+        scheduler = Scheduler()
+        self.door = Door(40, (), scheduler.health)
+        with contextlib.redirect_stdout(io.StringIO()), wire.serving_with(self.door.serve):
+            self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        self.app = App(self.viser, Settings(), scheduler, Keeper(SqliteStore(folder)))
+        self.door.guard(self.viser)
+        self.url = f"http://127.0.0.1:{self.viser.get_port()}"
+
+    def stop(self) -> None:
+        self.app.stop()
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.viser.stop()
+
+
+@pytest.fixture
+def here(tmp_path):
+    server = Here(tmp_path)
+    yield server
+    server.stop()
+
+
+class Relay:
+    """A network between a client and a server that can fall silent without closing anything."""
+
+    def __init__(self, url: str):
+        self._to = ("127.0.0.1", int(url.rsplit(":", 1)[1]))
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
+        self.silent, self._sockets = threading.Event(), []
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self) -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                near = self._listener.accept()[0]
+                far = socket.create_connection(self._to)
+                self._sockets += [near, far]
+                for source, sink in ((near, far), (far, near)):
+                    threading.Thread(target=self._pump, args=(source, sink), daemon=True).start()
+
+    def _pump(self, source: socket.socket, sink: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while not self.silent.is_set() and (data := source.recv(65536)):
+                if not self.silent.is_set():
+                    sink.sendall(data)
+
+    def close(self) -> None:
+        for each in [self._listener, *self._sockets]:
+            each.close()
+
+
+def what_a_visitor_sees(client: Client) -> dict:
+    """Everything that must be as it was."""
+    shown = ("θ₂", "θ₄", "Preset", "Speed", "Transfer", "Servo", "Noise px", "Seed", "History", "Point", "Rays", "Dark")
+    learner = next(html for html in client.html.values() if "vi-bar" in html and "<style" not in html)
+    return {label: client.value(label) for label in shown} | {"learner": learner, "status": client.status}
+
+
+def work(client: Client) -> None:
+    """What a visitor does: chooses, runs, stops, goes back."""
+    for label, value in (
+        ("Preset", "Half a pixel of noise"),
+        ("Seed", 12.0),
+        ("Point", "3"),
+        ("Rays", True),
+        ("Dark", True),
+        ("Speed", "10 a second"),
+        ("θ₂", 55.0),
+    ):
+        client.put(label, value)
+        client.values[client.widgets[label]] = value  # as a browser shows what was done in it
+        time.sleep(0.1)
+    client.press("Play or pause")
+    wait_until(lambda: (client.value("History") or 0) >= 6)
+    client.press("Play or pause")
+    time.sleep(0.5)
+    client.put("History", 4)
+    client.values[client.widgets["History"]] = 4
+    time.sleep(0.7)
+
+
+def comes_back(url: str, cookie: str, seen: dict) -> None:
+    with Client(url, cookie=cookie).ready() as client:
+        wait_until(lambda: client.value("History") == seen["History"])
+        time.sleep(0.4)
+        assert what_a_visitor_sees(client) == seen
+        client.put("History", 6)  # the later motions are kept too
+        time.sleep(0.5)
+        assert what_a_visitor_sees(client)["learner"] != seen["learner"]
+
+
+def test_a_tab_that_is_closed_or_reloaded_comes_back_to_what_it_was(here):
+    cookie = browser_of(here.url)
+    with Client(here.url, cookie=cookie).ready() as client:
+        work(client)
+        seen = what_a_visitor_sees(client)
+    assert seen["θ₂"] == 55.0 and seen["Seed"] == 12.0 and seen["History"] == 4
+    comes_back(here.url, cookie, seen)
+
+
+def test_a_tab_closed_in_mid_run_comes_back_paused_where_it_was(here):
+    cookie = browser_of(here.url)
+    with Client(here.url, cookie=cookie).ready() as client:
+        client.press("Play or pause")
+        wait_until(lambda: (client.value("History") or 0) >= 4)
+    with Client(here.url, cookie=cookie).ready() as client:
+        wait_until(lambda: (client.value("History") or 0) >= 4)
+        before = client.value("History")
+        time.sleep(1.5)
+        assert client.value("History") == before and "Moving" not in client.status
+
+
+def test_a_laptop_that_slept_comes_back_before_its_old_connection_is_missed(here):
+    relay = Relay(here.url)
+    cookie = browser_of(relay.url)
+    with Client(relay.url, cookie=cookie).ready() as asleep:
+        work(asleep)
+        seen = what_a_visitor_sees(asleep)
+        relay.silent.set()
+        name, token = cookie.split("=")
+        awake = f"viewimit-{here.url.rsplit(':', 1)[1]}={token}"
+        comes_back(here.url, awake, seen)
+        relay.close()
+
+
+def test_two_tabs_of_a_browser_have_a_session_each_and_a_stranger_another(here):
+    cookie = browser_of(here.url)
+    with Client(here.url, cookie=cookie).ready() as one, Client(here.url, cookie=cookie).ready() as two:
+        one.put("θ₂", 60.0)
+        two.put("θ₂", 70.0)
+        time.sleep(0.5)
+        with Client(here.url, cookie=browser_of(here.url)).ready() as stranger:
+            assert stranger.value("θ₂") == 45.0
+    with Client(here.url, cookie=cookie).ready() as one, Client(here.url, cookie=cookie).ready() as two:
+        assert (one.value("θ₂"), two.value("θ₂")) == (60.0, 70.0)
+
+
+def test_a_server_that_is_stopped_and_started_again_has_lost_nothing(tmp_path):
+    options = "--store", str(tmp_path / "state")
+    server = Server(*options)
+    cookie = browser_of(server.url)
+    with Client(server.url, cookie=cookie).ready() as client:
+        work(client)
+        seen = what_a_visitor_sees(client)
+        assert server.stop() == 0
+    port = server.url.rsplit(":", 1)[1]
+    server = Server("--port", port, *options)
+    comes_back(server.url, cookie, seen)
+    server.process.send_signal(signal.SIGINT)
+    assert server.process.wait(10) == 0
+    server = Server("--port", port, *options, "--servo", "gradient")  # another lesson begins anew
+    with Client(server.url, cookie=cookie).ready() as client:
+        assert client.value("θ₂") == 45.0
+    server.stop()
+
+
+def test_a_server_that_is_killed_has_lost_seconds_at_most(tmp_path):
+    options = "--store", str(tmp_path / "state")
+    server = Server(*options)
+    cookie = browser_of(server.url)
+    with Client(server.url, cookie=cookie).ready() as client:
+        work(client)
+        seen = what_a_visitor_sees(client)
+        time.sleep(KEPT_EVERY + 1)
+        server.process.kill()
+        server.process.wait()
+    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
+    comes_back(server.url, cookie, seen)
+    server.stop()
+
+
+def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(here, monkeypatch, capfd):
+    step = Session.step
+
+    def breaks(session):
+        if session.settings.seed == 13:
+            raise RuntimeError("the arm fell off")
+        return step(session)
+
+    monkeypatch.setattr(Session, "step", breaks)
+    with Client(here.url).ready() as unlucky, Client(here.url).ready() as other:
+        unlucky.put("Seed", 13.0)
+        other.press("Play or pause")
+        time.sleep(0.2)
+        unlucky.press("Play or pause")
+        wait_until(lambda: "the arm fell off" in unlucky.status)
+        wait_until(lambda: (other.value("History") or 0) >= 3)
+        assert "the arm fell off" not in other.status
+        unlucky.put("Seed", 7.0)
+        time.sleep(0.1)
+        unlucky.press("Reset to the start")
+        wait_until(lambda: "Ready" in unlucky.status)
+        unlucky.press("Play or pause")
+        wait_until(lambda: (unlucky.value("History") or 0) >= 2)
+    assert "RuntimeError: the arm fell off" in capfd.readouterr().err
+
+
+def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, monkeypatch):
+    monkeypatch.setattr(door_module, "PING_EVERY", 1.0)
+    monkeypatch.setattr(door_module, "PONG_WITHIN", 1.0)
+    here = Here(tmp_path)
+    relay = Relay(here.url)
+    with Client(relay.url).ready() as slow, Client(here.url).ready() as other:
+        for client in (slow, other):
+            client.put("Speed", "10 a second")
+            client.press("Play or pause")
+        relay.silent.set()
+        before = len(other.received)
+        wait_until(lambda: len(here.door.seats) == 1, 10)
+        wait_until(lambda: len(other.received) > before + 10)
+        wait_until(lambda: len(here.app._pages) == 1, 5)
+    relay.close()
+    here.stop()
+
+
+def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(door_module, "PAGE_WITHIN", 0.3)
+    here = Here(tmp_path)
+    with Client(here.url, view=False) as nobody, Client(here.url) as somebody:
+        assert nobody.closed()[0] == 1008
+        assert somebody.closed(0.5) is None
+    here.stop()
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")
+@pytest.mark.parametrize("visits", [25, pytest.param(500, marks=pytest.mark.slow)])
+def test_who_comes_and_goes_leaves_no_memory_behind(visits):
+    server = Server()
+    for visit in range(10 + visits):
+        if visit == 10:  # what the first visitors bring in stays: the scene's meshes, code, caches
+            before = server.memory
+        with Client(server.url, cookie=browser_of(server.url)).ready() as client:
+            client.press("Step: one motion")
+    time.sleep(1)
+    grown = server.memory - before
+    server.stop()
+    assert grown < 50, f"{grown:.0f} MB"
+
+
+@pytest.mark.browser
+def test_a_page_that_is_reloaded_is_as_it_was(browser, server):
+    alone = Session(BEST)
+    for _ in range(3):
+        alone.step()
+    stands = [f"{angle:.1f}°".replace("-", "−") for angle in np.degrees(alone.snapshot.theta)]
+    shown = "stands => stands.join() === [...document.querySelectorAll('.vi-bar b')].map(b => b.textContent).join()"
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    page = context.new_page()
+    page.goto(server)
+    page.wait_for_selector(".vi-bar", timeout=30_000)
+    page.wait_for_timeout(500)
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+        page.wait_for_timeout(100)
+    page.wait_for_function(shown, arg=stands, timeout=60_000)
+    page.reload()
+    page.wait_for_selector(".vi-bar", timeout=30_000)
+    page.wait_for_function(shown, arg=stands, timeout=60_000)
+    context.close()

@@ -1,0 +1,84 @@
+"""What gives way when there is too much to do, in which order, and that it comes back."""
+
+import time
+
+import pytest
+from protocol import wait_until
+from viewimit.app.load import SLOWEST, STEPS, Load
+from viewimit.app.pace import Pace
+from viewimit.app.scheduler import TICK, Scheduler
+
+from viewimit.session import Session
+from viewimit.snapshot import Settings
+
+
+def after(load: Load, ticks: int, busy: float) -> tuple[float, float]:
+    for _ in range(ticks):
+        load.ticked(busy * TICK)
+    return load.plots, load.panels
+
+
+def test_plots_give_way_first_then_panels_and_panels_recover_first():
+    load = Load(TICK)
+    assert after(load, 1000, busy=0.5) == (1.0, 1.0)
+    plots, panels = after(load, 60, busy=1.1)
+    assert 1 < plots < SLOWEST and panels == 1.0
+    plots, panels = after(load, 60, busy=1.1)
+    assert plots == SLOWEST and 1 < panels < SLOWEST
+    assert after(load, 1000, busy=9.0) == (SLOWEST, SLOWEST)
+    plots, panels = after(load, 80, busy=0.2)
+    assert plots > 1 and panels == 1.0
+    assert after(load, 1000, busy=0.2) == (1.0, 1.0)
+
+
+def test_sessions_that_run_as_fast_as_they_compute_share_the_time_for_it():
+    load = Load(TICK)
+    for _ in range(2):  # from the second tick on it is known how many there are
+        budgets = [load.step_budget() for _ in range(8)]
+        load.ticked(0.0)
+    assert sum(budgets) == pytest.approx(STEPS * TICK)
+    assert load.step_budget() == pytest.approx(STEPS * TICK / 8)
+    load.ticked(0.0)
+    load.ticked(0.0)
+    assert load.step_budget() == pytest.approx(STEPS * TICK)
+
+
+def test_a_pace_keeps_to_its_budget():
+    pace = Pace(Session(Settings(servo="gradient")))
+    pace.speed = 0
+    pace.toggle()
+    pace.advance(0.0, lambda: 0.0)
+    assert pace.cursor == 0
+    pace.advance(0.0, lambda: 0.02)
+    assert pace.cursor > 1
+
+
+class Slow:
+    """A page whose panels and plots cost too much for the tick, as a real one draws them."""
+
+    def __init__(self, load: Load):
+        self.load, self.poses, self.panels, self.next = load, 0, 0, 0.0
+
+    def tick(self, now: float) -> None:
+        self.poses += 1
+        if now >= self.next:
+            self.next = now + 0.1 * self.load.panels
+            self.panels += 1
+            time.sleep(0.04)
+
+    def fail(self, error: Exception) -> None:
+        raise error
+
+
+def test_poses_recover_their_pace_by_slower_panels():
+    scheduler = Scheduler()
+    pages = [Slow(scheduler.load) for _ in range(4)]  # 1.6 of the time there is
+    for page in pages:
+        scheduler.add(page)
+    scheduler.start()
+    wait_until(lambda: scheduler.load.panels > 2.0, 30)
+    poses, panels = pages[0].poses, pages[0].panels
+    time.sleep(2)
+    scheduler.stop()
+    assert pages[0].poses - poses > 2 * (pages[0].panels - panels)
+    assert scheduler.health() is None

@@ -23,7 +23,7 @@ RUNS = 25
 
 
 class QuietHandle:
-    """Stands for any handle of viser: keeps what is assigned, sends nothing, can be a context."""
+    """Stands for any handle of viser and what it hangs on: keeps what is assigned, sends nothing, can be a context."""
 
     content = ""
 
@@ -34,7 +34,10 @@ class QuietHandle:
         pass
 
     def __getattr__(self, name):
-        return lambda *args, **kwargs: (lambda f: f) if name.startswith("on_") else QuietHandle()
+        return self
+
+    def __call__(self, *args, **kwargs):
+        return QuietHandle()
 
 
 @dataclass

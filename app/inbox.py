@@ -6,6 +6,8 @@ inbox; the scheduler's thread takes them out.
 
 import threading
 
+from .wire import push_html
+
 PENDING_LIMIT = 200  # actions that wait for the scheduler, per page
 
 
@@ -56,7 +58,7 @@ def put(handle, value) -> None:
 
 def put_html(handle, content: str) -> None:
     if handle.content != content:
-        handle.content = content
+        push_html(handle, content)
 
 
 def put_label(button, label: str, icon: str) -> None:

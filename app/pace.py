@@ -9,7 +9,7 @@ from viewimit.session import Session
 
 MOTION_SHARE, LONGEST_MOTION = 0.85, 1.2  # of the period; s: how long the arm is seen to move
 SINGLE_STEP = 0.45  # s a motion takes that was asked for singly
-LATE = 0.05  # s that a tick may be late without the pace giving way
+EARLY, LATE = 0.02, 0.05  # s that a motion may begin before its time, as ticks jitter; and late without giving way
 BUDGET = 0.02  # s a tick for stepping as fast as it computes, with nobody else to share it
 
 
@@ -45,6 +45,11 @@ class Runner:
     def settle(self) -> None:
         """Show the present posture without a motion towards it."""
         self._motion, self.resting = None, False
+
+    @property
+    def duration(self) -> float:
+        """s that the present motion is seen for, 0 without one."""
+        return 0.0 if self._motion is None else self._motion[2]
 
     def theta(self, now: float) -> tuple[NDArray, bool]:
         """Where the arm is seen, (m,) rad, and whether it is on its way."""
@@ -108,7 +113,7 @@ class Pace:
             while self._awake and time.monotonic() < until:
                 for runner in self._awake:
                     runner.step()
-        elif self._awake and now >= self._next:
+        elif self._awake and now >= self._next - EARLY:
             self._next = max(self._next, now - LATE) + 1 / self.speed
             for runner in self._awake:
                 runner.move(now, min(MOTION_SHARE / self.speed, LONGEST_MOTION))

@@ -24,7 +24,7 @@ from .scene3d import Scene3D
 from .visitor import View, Visitor
 
 WIDE = 1600  # px of window from which the page has room for more
-PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
+PANELS_EVERY, CURVES_EVERY, EQUATIONS_EVERY = 0.1, 0.2, 0.5  # s; nobody reads numbers that change faster
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
 KEPT_EVERY = 5.0  # s
@@ -158,19 +158,22 @@ class Page:
 
     def _draw(self, now: float) -> None:
         present = self._session.snapshot
-        (theta, moving), *others = [runner.theta(now) for runner in self._pace.runners]
+        (theta, _), *others = [runner.theta(now) for runner in self._pace.runners]
         poses = [theta, present.theta_demo, *(other for other, _ in others)]
         if self._changed("poses", *(pose.tobytes() for pose in poses)):
             self._scene.draw_poses(*poses)
-        if not self._due("panels", now, PANELS_EVERY * self._load.panels):
+        panels_every = PANELS_EVERY * self._load.panels
+        if not self._due("panels", now, panels_every):
             return
         self._controls.show_playing(self._pace.playing)
         self._fit_new_canvas()
         self._ask_for_landscape(present)
         self._comparison.tick(self._session.world, present)
+        if self._pace.runners[0].duration < 2 * panels_every:  # gone by when it would be drawn again
+            theta = present.theta
         shown_as = self._view.chosen, tuple(self._view.show.values()), self._panels.landscape
         if self._changed("panels", present, theta.tobytes(), *shown_as):
-            shown = self._session.observe(theta, present) if moving else present
+            shown = present if theta is present.theta else self._session.observe(theta, present)
             self._draw_panels(shown, present)
         self._draw_status(now)
         if self._changed("duel", *self._duel.state):
@@ -181,8 +184,11 @@ class Page:
             "curves", present, self._pace.cursor, self._pace.last, self._view.chosen, self._panels.landscape
         ):
             self._panels.draw_curves(self._session)
-            self._panels.draw_equations(self._session, self._view.chosen)
             self._controls.show_history(self._pace.cursor, self._pace.last)
+        if self._due("equations", now, EQUATIONS_EVERY * self._load.plots) and self._changed(
+            "equations", present, self._view.chosen
+        ):
+            self._panels.draw_equations(self._session, self._view.chosen)
 
     def _draw_status(self, now: float) -> None:
         """A message as long as it stays, else what is recorded or replayed, else the diagnosis."""

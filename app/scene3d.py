@@ -16,6 +16,7 @@ from .arms import Arm, link_name, share_meshes
 from .stage import LOOKS, VIEW_ROLES, Stage, plate_map, set_stage
 from .theme import rgb
 from .viewpoint import FOV, fitted_view
+from .wire import push_array
 
 UNTOUCHED = 0.01  # m that a camera may be off the fitted view and still count as there
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
@@ -203,18 +204,18 @@ class Scene3D:
 
     def _draw_rays(self, plates: NDArray, seen: NDArray, demo, own, chosen: int | None, show) -> None:
         far_away = np.array([0, 0, -50.0])
-        self._dots.points = np.where(seen[..., None], plates, far_away).reshape(-1, 3)
+        push_array(self._dots, "points", np.where(seen[..., None], plates, far_away).reshape(-1, 3))
         targets = np.stack([demo, demo, own, own])
-        rays = np.stack([plates, targets], axis=-2)  # (4, N, 2, 3)
         self._rays.visible = show["rays"]
         if show["rays"]:
-            self._rays.points = rays[seen].astype(np.float32)
+            rays = np.stack([plates, targets], axis=-2)  # (4, N, 2, 3)
+            push_array(self._rays, "points", rays[seen])
         picked = chosen is not None and bool(seen[:, chosen].any())
         self._chosen_rays.visible = picked
         if picked:
             eyes = np.array([camera.T_world_camera[:3, 3] for camera in self._cameras])
             lines = np.stack([eyes, targets[:, chosen]], axis=-2)
-            self._chosen_rays.points = lines[seen[:, chosen]].astype(np.float32)
+            push_array(self._chosen_rays, "points", lines[seen[:, chosen]])
 
     def _draw_residuals(self, snapshot: Snapshot, own: NDArray, show: bool) -> None:
         usable = snapshot.usable & (show and snapshot.transfer is not None)
@@ -222,9 +223,8 @@ class Scene3D:
         if usable.any():
             positions = np.full((len(usable), 3), -50.0)
             positions[usable] = triangulate(*self._world.own_cameras, snapshot.recovered[usable])
-            self._recovered.batched_positions = positions.astype(np.float32)
-            ends = np.stack([positions[usable], own[usable]], axis=-2)
-            self._residuals.points = ends.astype(np.float32)
+            push_array(self._recovered, "batched_positions", positions)
+            push_array(self._residuals, "points", np.stack([positions[usable], own[usable]], axis=-2))
 
     def _draw_chosen(self, own: NDArray, demo: NDArray, chosen: int | None) -> None:
         for ring, points in zip(self._rings, (own, demo)):

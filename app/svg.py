@@ -113,8 +113,9 @@ def text(x: float, y: float, content: str, classes: str = "") -> str:
     return f'<text x="{x:.1f}" y="{y:.1f}"{attribute}>{escape(content)}</text>'
 
 
-def thinned(count: int, limit: int, keep: int = 0) -> Sequence[int] | NDArray:
-    """Indices of at most `limit` of `count` items; the first, the last and `keep` are among them."""
+def thinned(count: int, limit: int, keep: int = 0) -> Sequence[int]:
+    """Indices of at most `limit` of `count` items, evenly spaced; the first, the last and `keep` are among them."""
     if count <= limit:
         return range(count)
-    return np.unique([*np.linspace(0, count - 1, limit - 1).round().astype(int), keep])
+    kept = set(range(0, count, -(-count // (limit - 2))))
+    return sorted(kept | {keep, count - 1})

@@ -8,7 +8,7 @@ import numpy as np
 import websockets.asyncio.server
 from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
-from viser._messages import GuiUpdateMessage, SetOrientationMessage
+from viser._messages import GuiUpdateMessage, SceneNodeUpdateMessage, SetOrientationMessage
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
@@ -101,6 +101,20 @@ def push_orientation(client: ClientHandle, name: str, wxyz: tuple[float, float, 
     `handle.wxyz = …` compares arrays and costs 60 µs a joint; thirty pages at 20 Hz would spend a core on it.
     """
     client.scene._queue_scene_message(SetOrientationMessage(name, wxyz))
+
+
+def push_array(node, name: str, value: NDArray) -> None:
+    """Set an array of a scene node, which nobody may change or read back afterwards.
+
+    `node.name = …` looks up types, compares and copies, which takes longer than all the rest of drawing it.
+    """
+    node._impl.api._queue_scene_message(SceneNodeUpdateMessage(node.name, {name: value.astype(np.float32)}))
+
+
+def push_html(handle, content: str) -> None:
+    """Set an HTML widget's content without its setter's checks."""
+    handle._impl.props.content = content
+    handle._queue_update("content", content)
 
 
 def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:

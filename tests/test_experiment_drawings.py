@@ -7,7 +7,7 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app import experiments_tab, fig7_view, fig9_view, fig10_view, plots, theme, verdict
+from viewimit.app import experiments_tab, fig7_view, fig9_view, fig10_view, plots, svg, theme, verdict
 from viewimit.app.experiment_figures import VIEWS, draw, draw_empty
 from viewimit.app.experiment_worker import Run
 from viewimit.app.plots import Plot, decades, log10
@@ -235,7 +235,7 @@ class TestFig10:
             run, scales = trajectory.runs[name], []
             for k, ((own,), (true,), said) in enumerate(pair):
                 assert "LR"[k] in said and own.count("M") == true.count("M") == run.wanted.sum()
-                kept = np.linspace(0, len(run.own) - 1, fig10_view.VERTICES - 1).round().astype(int)
+                kept = svg.thinned(len(run.own), fig10_view.VERTICES)
                 view = slice(2 * k, 2 * k + 2)
                 apart = (run.own - run.desired)[kept][:, run.wanted, view]
                 drawn = (vertices(own.replace("M", " ")) - vertices(true.replace("M", " "))).reshape(

@@ -1,7 +1,7 @@
 """A session's history as bytes and back, to the last bit. Nothing in the bytes is ever run.
 
 Objects are listed once, children first, however many snapshots share them; a value is a scalar, or the index of an
-object in a list of one. What a snapshot's transfer is follows from its views, so it is fitted anew instead.
+object in a list of one. What of a snapshot follows from the rest is found anew instead.
 """
 
 import dataclasses
@@ -10,13 +10,11 @@ import msgspec
 import numpy as np
 import zstandard
 
-from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo.broyden import BroydenState
 from viewimit.servo.gradient import GradientState
 from viewimit.servo.image_model import ImageModel, Visit
 from viewimit.servo.trust_region import TrustState
-from viewimit.snapshot import Settings, Snapshot
-from viewimit.transfer import TRANSFERS
+from viewimit.snapshot import DERIVED, Settings, Snapshot, derived
 from viewimit.transfer.affine_map import AffineTransfer
 from viewimit.transfer.projective import ProjectiveTransfer
 from viewimit.transfer.rank3 import Rank3Transfer
@@ -88,11 +86,10 @@ class _Packer:
 
 def _fields(one) -> dict:
     """What of an object is kept."""
-    fields = {field.name: getattr(one, field.name) for field in dataclasses.fields(one)}
+    left_out = DERIVED if isinstance(one, Snapshot) else ()
+    fields = {field.name: getattr(one, field.name) for field in dataclasses.fields(one) if field.name not in left_out}
     if isinstance(one, AffineTransfer):
         fields["measure_condition"] = one.condition
-    if isinstance(one, Snapshot):
-        del fields["transfer"]
     return fields
 
 
@@ -115,13 +112,8 @@ def _object(listed: list, objects: list):
         condition = fields["measure_condition"]
         fields["measure_condition"] = lambda: condition
     if kind == Snapshot.__name__:
-        fields["transfer"] = _fitted(fields["views"], fields["usable"], fields["settings"])
+        fields |= derived(fields["views"], fields["settings"].transfer)
     return CLASSES[kind](**fields)
-
-
-def _fitted(views: FourViews, usable: np.ndarray, settings: Settings):
-    """As Session.observe has fitted it."""
-    return TRANSFERS[settings.transfer](views.select(usable)) if usable.sum() >= MIN_POINTS else None
 
 
 def _dtype(name: str) -> np.dtype:

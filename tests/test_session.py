@@ -6,8 +6,9 @@ from viewimit.assets import ROOT
 
 from viewimit.experiments import baselines
 from viewimit.servo import SERVOS
-from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.session import RECENT, Session
+from viewimit.snapshot import DERIVED, Settings
+from viewimit.transfer import TRANSFERS
 
 DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
 CALM = Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))
@@ -100,6 +101,24 @@ def test_the_past_is_not_altered():
         np.testing.assert_array_equal(moment.theta, theta)
         np.testing.assert_array_equal(moment.views.own, own)
         np.testing.assert_array_equal(moment.e, e)
+
+
+@pytest.mark.parametrize("transfer", TRANSFERS)
+def test_old_moments_let_go_of_what_follows_from_the_rest_and_find_the_same_again(transfer):
+    session = Session(Settings(servo="gradient-retuned", transfer=transfer, noise_px=0.3, missing=0.1))
+    first = session.snapshot
+    before = {name: getattr(first, name) for name in DERIVED}
+    while session.snapshot.motion < RECENT:
+        assert vars(first).keys() > set(DERIVED)
+        session.step()
+    assert vars(first).keys().isdisjoint(DERIVED)
+    for name, value in before.items():
+        if name != "transfer":
+            np.testing.assert_array_equal(getattr(first, name), value)
+    demo = first.views.demo
+    np.testing.assert_array_equal(
+        first.transfer.recover(demo[:, :2], demo[:, 2:]), before["transfer"].recover(demo[:, :2], demo[:, 2:])
+    )
 
 
 def test_motions_lead_from_one_posture_to_the_next():

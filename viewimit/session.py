@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import frames
 from .evaluation import residual
 from .eyes import open_eyes
-from .geometry.affine import MIN_POINTS, flatness
+from .geometry.affine import MIN_POINTS
 from .latency import MOST_LAG, lag_of
 from .scene import Scene, load_scene
 from .servo import SERVOS, Observation
-from .snapshot import Settings, Snapshot
+from .snapshot import Settings, Snapshot, derived
 from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
 from .views import FourViews
@@ -29,7 +29,7 @@ DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, o
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
 BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "camera", "delay")  # what changes body or camera
 UNDISTURBED = Disturbance()
-MAX_HISTORY = 5_000  # motions a session keeps, about 5 kB each
+MAX_HISTORY, RECENT = 5_000, 64  # motions a session keeps; and with all that follows from them
 
 
 class Session:
@@ -93,37 +93,20 @@ class Session:
         after = replace(after, commanded=commanded, moved=moved, probe=state.probe, servo_state=state)
         self.history[self.cursor + 1 :] = [after]
         self.cursor += 1
+        if self.cursor >= RECENT:
+            self.history[self.cursor - RECENT].fade()
         return True
 
     def observe(self, theta: NDArray, like: Snapshot, settings: Settings | None = None, **changes) -> Snapshot:
         """What would be seen, recovered and evaluated at `theta`, (m,) rad: nothing moves, nothing is kept."""
         settings = settings or like.settings
         views = self._look(theta, like.theta_demo, settings, changes.get("look", like.look))
-        usable = views.usable
-        recovered = np.full_like(views.own, np.nan)
-        transfer, E, shape = None, np.nan, np.inf
-        if usable.sum() >= MIN_POINTS:
-            seen = views.select(usable)
-            transfer = TRANSFERS[settings.transfer](seen)
-            recovered[usable] = transfer.recover(seen.demo_left, seen.demo_right)
-            E = float(transfer.conflict(seen))
-            shape = flatness(seen.demo)
-        else:
+        found, E = derived(views, settings.transfer), np.nan
+        if found["transfer"] is None:
             changes["status"] = "stopped"
-        e = views.own - recovered
-        return replace(
-            like,
-            settings=settings,
-            theta=theta,
-            views=views,
-            usable=usable,
-            transfer=transfer,
-            flatness=shape,
-            recovered=recovered,
-            e=e,
-            E=E,
-            **changes,
-        )
+        else:
+            E = float(found["transfer"].conflict(views.select(found["usable"])))
+        return replace(like, settings=settings, theta=theta, views=views, E=E, **found, **changes)
 
     def observation(self, now: Snapshot) -> Observation:
         """What a servo is told of a moment of the history."""
@@ -185,6 +168,8 @@ class Session:
         """Go on from what another session has left: its history, and the motion that it showed."""
         self.begin(history[cursor].settings)
         self.history, self.cursor = list(history), cursor
+        for moment in self.history[: max(cursor - RECENT, 0)]:
+            moment.fade()
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import msgspec
+import numpy as np
 from numpy.typing import NDArray
 
+from .geometry.affine import MIN_POINTS, flatness
 from .latency import MOST_LAG
 from .servo import SERVOS
 from .transfer import TRANSFERS
@@ -14,6 +16,7 @@ from .views import FourViews
 CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
+DERIVED = ("usable", "transfer", "flatness", "recovered", "e")  # what follows from views and settings alone
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -70,6 +73,9 @@ class Snapshot:
     moved: (m,) rad, the motion that led here; probe: it was a probe;
     status: ready, moving, converged, stalled, stopped; lag: looks that pictures come late, None until a motion has
     shown it; frozen: the transfer as it was fitted at the last convergence, None before.
+
+    A long history keeps of its older moments what does not follow from the rest: `fade` lets go of DERIVED, which are
+    found again when they are asked for.
     """
 
     settings: Settings
@@ -97,6 +103,30 @@ class Snapshot:
         """rad, a standard deviation: what the noise of the images leaves to the worst joint, as the servo reckons;
         None if it gives none."""
         return getattr(self.servo_state, "expected", None)
+
+    def fade(self) -> None:
+        for name in DERIVED:
+            vars(self).pop(name, None)
+
+    def __getattr__(self, name: str):
+        """Only asked for what the moment does not have: DERIVED, after `fade`."""
+        if name not in DERIVED:
+            raise AttributeError(f"'Snapshot' object has no attribute '{name}'")
+        vars(self).update(derived(self.views, self.settings.transfer))
+        return vars(self)[name]
+
+
+def derived(views: FourViews, transfer: str) -> dict[str, Any]:
+    """What `Snapshot` says of DERIVED. transfer: by name."""
+    usable = views.usable
+    recovered = np.full_like(views.own, np.nan)
+    fitted, shape = None, np.inf
+    if usable.sum() >= MIN_POINTS:
+        seen = views.select(usable)
+        fitted = TRANSFERS[transfer](seen)
+        recovered[usable] = fitted.recover(seen.demo_left, seen.demo_right)
+        shape = flatness(seen.demo)
+    return dict(zip(DERIVED, (usable, fitted, shape, recovered, views.own - recovered)))
 
 
 def _require_choice(name: str, value: str, choices) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from viewimit import evaluation
 from viewimit.evaluation import residual
+from viewimit.geometry.affine import MIN_POINTS
 from viewimit.scene import load_scene
 from viewimit.servo import Observation
 from viewimit.servo.trust_region import LONGEST, TrustRegion
@@ -33,6 +34,8 @@ class Learner:
 
         def conflict(own, by=None, like=None):
             known = np.isfinite(own).all(-1).reshape(-1, len(demo)).all(0)
+            if known.sum() < MIN_POINTS:  # as a session has it
+                return np.full((*own.shape[:-2], 1, 4), np.inf)
             views = FourViews(demo[known], own[..., known, :], np.ones(1, bool))
             e = residual(FITS[by](views), views)
             return e if like is None else e @ noise_weight(views.with_own(like[known]))

@@ -4,9 +4,10 @@
     python -m viewimit.experiments.marker_layout iiwa assets/markers/iiwa.toml 0
 
 A ball is seen where nothing of the arm and no nearer ball hides a part of it. E is of the balls that all four views
-see, others at every pair of postures, so that it is small wherever only the balls near the base are left: what counts
-first is that of each part of the arm enough are seen in both postures. Balls change places one by one by simulated
-annealing (Kirkpatrick et al. 1983), first for that alone, then for E's minima too. The last number is the seed.
+see, others at every pair of postures, so that it is small wherever only the balls of one part are left: what counts
+first is that of each part of the arm enough are seen in both postures. Each part has its share of the balls, larger
+farther out, where fewer are seen. Balls change places within their part, one by one, by simulated annealing
+(Kirkpatrick et al. 1983), first for that alone, then for E's minima too. The last number is the seed.
 """
 
 import sys
@@ -35,23 +36,22 @@ from ..world import World
 from .sightings import Sightings, sightings
 
 RADIUS_M = 0.02  # 6 to 9 px across
-FIRST = (4, 3, 5, 4, 5, 6, 4, 5)  # balls a link to begin with
+FIRST = (2, 4, 3, 3, 6, 6, 5, 7)  # balls a link to begin with
 BALLS = sum(FIRST)
 A_LINK = 2  # at least
 APART_M = 2.5 * RADIUS_M  # on one link
-PLACES, OFF_M = 250, (0.0, 0.02)  # a link; from the surface to the ball
+PLACES, OFF_M = 250, (0.0, 0.03, 0.06)  # a link; from the surface to the ball
 SEEN_OFTEN, BEST_PLACES = 0.25, 60  # share of postures; a link
 GRID = (7, 10)  # postures a joint over the range
 DEMONSTRATORS = (3, 4)  # of them, a joint
 AROUND_DEG, WORST_DEG = 4.0, 8.0  # of a demonstrator, where the parabola of E is taken; a bias that is no worse
 PARTS = np.array([0, 0, 1, 1, 2, 2, 3, 3])  # of links: base, upper arm, forearm, hand
 WANTED, TWO = 4, 2  # balls of each part in all four views; few, but not none
-WEIGHTS = np.array([0.5, 0.7, 1.0, 1.0])  # of the parts
 FEWEST = MIN_POINTS + 1
 TRANSFER = "epipolar"
 UPHILL_MARGIN = 0.2  # of ln E from a posture to its neighbour towards the demonstrator, which is to be so much lower
 COVER_COST, UPHILL_COST, ASTRAY_COST = 3.0, 60.0, 10.0  # degrees; with the bias's own
-COVERING, REFINING = (3000, 0.02, 0.002), (1500, 0.3, 0.03)  # exchanges, first and last temperature
+COVERING, REFINING = (3000, 0.02, 0.002), (5000, 0.3, 0.03)  # exchanges, first and last temperature
 
 
 @dataclass(frozen=True)
@@ -146,8 +146,8 @@ def _annealed(
     best, best_cost = chosen, cost
     for k in range(exchanges):
         other, ball = chosen.copy(), rng.integers(BALLS)
-        same_link = rng.random() < 0.6
-        other[ball] = rng.choice(pool[link[pool] == link[chosen[ball]]] if same_link else pool)
+        kin = link if rng.random() < 0.6 else PARTS[link]
+        other[ball] = rng.choice(pool[kin[pool] == kin[chosen[ball]]])
         few = np.bincount(link[other], minlength=len(FIRST)).min() < A_LINK
         if few or len(np.unique(other)) < BALLS or not _fits(study.body, other):
             continue
@@ -167,12 +167,12 @@ def _fits(body: BodyPoints, chosen: NDArray) -> bool:
 
 
 def _cover_cost(study: Study, chosen: NDArray) -> tuple[float, NDArray]:
-    """How little of each part is seen in both postures, at least -2 Σ WEIGHTS; and which balls are: (D, G, N)."""
+    """How little of each part is seen in both postures, at least -2 a part; and which balls are: (D, G, N)."""
     usable = study.demo.of(chosen)[1][:, None] & study.own.of(chosen)[1]
     part = PARTS[study.body.link[chosen]]
-    count = np.stack([usable[..., part == k].sum(-1) for k in range(len(WEIGHTS))])
+    count = np.stack([usable[..., part == k].sum(-1) for k in range(PARTS.max() + 1)])
     share = (np.minimum(count, WANTED) / WANTED).mean((1, 2)) + (count >= TWO).mean((1, 2))
-    return -float(WEIGHTS @ share), usable
+    return -float(share.sum()), usable
 
 
 def _cost(study: Study, chosen: NDArray) -> float:

@@ -10,13 +10,14 @@ is less than CERTAIN, or when E is what the noise of the images makes. With nois
 change in every direction about the posture, from visits there: else a check motion is made first.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
-from .image_model import Visit, by_coordinate
+from .image_model import ENOUGH, Visit, by_coordinate
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
 from .surrogate import LEAST_NOISE, Surrogate, learn
@@ -33,6 +34,7 @@ NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
 MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
 KEPT = 60  # visits
+FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
 FAR_CANDIDATES = 200
 
@@ -80,13 +82,14 @@ class TrustRegion:
             return _towards(state, seen)
         by = PHASES[state.phase][0]
         own, like = _smoothed(state.visits, seen.noise_px), None
-        E = evaluate(conflict(own, by))
+        E, of, best = _measured(state.visits, own, lambda images: conflict(images, by))
         if seen.noise_px > LEAST_NOISE and by is None:
-            like = own[int(np.argmin(E))]
-            E = evaluate(conflict(own, by, like))
-        state, best = _judge(state, E), int(np.argmin(E))
+            like = own[best]
+            E, of, best = _measured(state.visits, own, lambda images: conflict(images, by, like))
+        state = _judge(state, E)
         model = learn(list(state.visits), best, seen.noise_px)
-        found = _search(model, state.radius, seen, lambda theta: conflict(model.predict(theta), by, like))
+        same = np.where(of[best], 0.0, np.nan)[:, None]  # points as those of the best visit's E
+        found = _search(model, state.radius, seen, lambda theta: conflict(model.predict(theta) + same, by, like))
         step = np.max(np.abs(found.theta - model.centre))
         doubt = _doubt(float(E[best]), found)
         # a short motion is made only for the certainty that it promises
@@ -122,6 +125,27 @@ def _smoothed(visits: tuple[Visit, ...], noise_px: float) -> NDArray:
     model = learn(list(visits), len(visits) - 1, noise_px)
     told = model.predict(np.array([visit.displacement for visit in visits]))
     return told if noise_px > LEAST_NOISE else np.where(unseen, told, own)
+
+
+def _measured(
+    visits: tuple[Visit, ...], own: NDArray, residual_of: Callable[[NDArray], NDArray]
+) -> tuple[NDArray, NDArray, int]:
+    """E of all visits, (n,) px², the points that it is of, (n, N) bool, and the best visit.
+
+    Each by the points that were really seen there, if they are ENOUGH; else by all, as the other visits tell of them.
+    Of fewer points E is smaller by itself, as FREE of them fit any images: that is made up for.
+    """
+    seen = np.array([visit.seen.all(-1) for visit in visits])
+    if seen.all():
+        E = evaluate(residual_of(own))
+        return E, seen, int(np.argmin(E))
+    E, count = np.empty((2, len(visits)))
+    for k, (images, these) in enumerate(zip(own, seen)):
+        e = residual_of(np.where(these[:, None], images, np.nan))
+        if e.shape[-2] < ENOUGH:
+            e, these[:] = residual_of(images), True
+        E[k], count[k] = evaluate(e), e.shape[-2]
+    return E, seen, int(np.argmin(E * count / np.maximum(count - FREE, 1)))
 
 
 def _judge(state: TrustState, E: NDArray) -> TrustState:

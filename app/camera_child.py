@@ -1,6 +1,8 @@
 """What runs in the process of the camera images: looks and motions of each session that has pictures, by its key.
 
-Sessions in the same scene share its eyes, of which only the postures last looked at are a session's own. It receives (key, what, *arguments) and answers all but "close", in the order received: ("answer", value, pictures),
+Sessions in the same scene share its eyes, of which only the postures last looked at are a session's own.
+
+It receives (key, what, *arguments) and answers all but "close", in the order received: ("answer", value, pictures),
 ("refused", why) for what cannot be, ("failed", why) for a fault. Nothing of viser is loaded here.
 """
 

@@ -24,10 +24,16 @@ class CameraLost(Exception):
 
 
 class CameraProcess:
-    """open → a key for `ask`; close; stop. For any thread; `ask` and `open` block until they are answered."""
+    """open → a key for `ask`; close; stop. For any thread; `ask` and `open` block until they are answered.
+
+    most: sessions; unused_s: without any, after which the process ends; work: what runs in it.
+    """
 
     def __init__(
-        self, most: int = MOST_SESSIONS, unused_s: float = UNUSED_S, work: Callable[[Connection], None] = camera_child.work
+        self,
+        most: int = MOST_SESSIONS,
+        unused_s: float = UNUSED_S,
+        work: Callable[[Connection], None] = camera_child.work,
     ):
         self._most, self._unused_s, self._work = most, unused_s, work
         self._turn = threading.RLock()  # held until an answer is there

@@ -34,9 +34,9 @@ class Runner:
         if self.session.snapshot.motion > motion:
             self._motion = before, now, duration
 
-    def seen_from(self, now: float) -> None:
-        """A motion that took time to be computed is seen from now on."""
-        if self._motion is not None:
+    def seen_from(self, now: float, asked: float) -> None:
+        """A motion that was asked for earlier, and took until now, is seen from now on."""
+        if self._motion is not None and self._motion[1] == asked:
             self._motion = self._motion[0], now, self._motion[2]
 
     def scrub(self, motion: int, now: float | None = None) -> None:
@@ -103,6 +103,11 @@ class Pace:
         """Show the present postures without motions towards them."""
         for runner in self.runners:
             runner.settle()
+
+    def seen_from(self, now: float, asked: float) -> None:
+        """The motions that were asked for earlier, and took until now, are seen from now on."""
+        for runner in self.runners:
+            runner.seen_from(now, asked)
 
     def due(self, now: float) -> bool:
         """Whether motions are."""

@@ -5,7 +5,8 @@ from collections.abc import Callable
 
 
 class Turns:
-    """alone: during the present turn the session must not be drawn either; without it, reading is safe."""
+    """busy: from a turn's beginning until `end` has told that it has ended; alone: meanwhile the session must not be
+    drawn either, without it, reading is safe."""
 
     def __init__(self):
         self._thread: threading.Thread | None = None
@@ -14,8 +15,7 @@ class Turns:
 
     @property
     def busy(self) -> bool:
-        """Whether a turn goes on; once it has ended, `end` must be called before the next."""
-        return self._thread is not None and self._thread.is_alive()
+        return self._thread is not None
 
     def begin(self, turn: Callable[[], None], alone: bool) -> None:
         self.alone = alone
@@ -24,7 +24,7 @@ class Turns:
 
     def end(self) -> bool:
         """Whether a turn has ended since it was asked last. Raises what the turn raised."""
-        if self._thread is None or self.busy:
+        if self._thread is None or self._thread.is_alive():
             return False
         self._thread, self.alone = None, False
         fault, self._fault = self._fault, None
@@ -32,11 +32,11 @@ class Turns:
             raise fault
         return True
 
-    def wait(self, seconds: float) -> bool:
-        """Whether no turn goes on any more after that time at most."""
+    def wait(self, seconds: float | None = None) -> bool:
+        """Whether no turn goes on any more, after that time at most."""
         if self._thread is not None:
             self._thread.join(seconds)
-        return not self.busy
+        return self._thread is None or not self._thread.is_alive()
 
     def _carry_out(self, turn: Callable[[], None]) -> None:
         try:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import websockets.asyncio.server
 from numpy.typing import NDArray
-from viser import ClientHandle, ViserServer
+from viser import ClientHandle, ImageHandle, ViserServer
 from viser._messages import GuiUpdateMessage, SetOrientationMessage
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
@@ -101,6 +101,11 @@ def push_orientation(client: ClientHandle, name: str, wxyz: tuple[float, float, 
     `handle.wxyz = …` compares arrays and costs 60 µs a joint; thirty pages at 20 Hz would spend a core on it.
     """
     client.scene._queue_scene_message(SetOrientationMessage(name, wxyz))
+
+
+def push_jpeg(handle: ImageHandle, picture: bytes) -> None:
+    """Show a picture that is packed already; the handle itself would take pixels, and pack them."""
+    handle._data = picture
 
 
 def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:

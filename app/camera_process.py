@@ -15,7 +15,7 @@ from viewimit.scene import Scene
 from . import camera_child
 
 MOST_SESSIONS = 8  # that share the seven motions a second of one process
-UNUSED_S = 20.0  # after which it ends; to begin takes 2 s
+UNUSED_S = 10.0  # after which it ends; to begin takes 2 s
 ANSWERS_WITHIN_S = 30.0  # else it hangs
 
 

@@ -51,6 +51,11 @@ class Experiments:
         return self.latest is not None and self.latest.goes_on
 
     @property
+    def sets_pictures_aside(self) -> bool:
+        """Whether the page looks with pictures, which an experiment does not."""
+        return self._session.settings.camera == "rendered"
+
+    @property
     def shown(self) -> Run | None:
         """Of the experiment that is chosen."""
         return self.runs.get(self.chosen)

@@ -198,7 +198,8 @@ class Page:
                 self._allow(now, *wish)
         moving = [wish for wish in wishes if self._moves(wish[1])]
         self._asked_at = now
-        if opens:
+        if opens:  # which takes seconds
+            self._draw(now)
             self._panels.draw_state("message", "starting the camera images …")
         if moving or self._laboratory.poses:
             self._turns.begin(lambda: self._carry_out(moving, now), alone=True)

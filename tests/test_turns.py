@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 from viewimit.app import session_eyes
-from viewimit.app.benchmark import QuietClient
+from viewimit.app.camera_benchmark import quiet_client
 from viewimit.app.camera_process import CameraLost
 from viewimit.app.experiment_worker import ExperimentWorker
 from viewimit.app.keeper import Memory
@@ -51,29 +51,11 @@ class Camera:
         self.closed.append(key)
 
 
-class Handle:
-    """Stands for any handle of viser: keeps what is assigned, sends nothing, can be a context."""
-
-    content, value, visible, disabled, label, max = "", None, True, False, "", None
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        pass
-
-    def __getattr__(self, name):
-        if name.startswith("__"):
-            raise AttributeError(name)
-        return lambda *args, **kwargs: (lambda f: f) if name.startswith("on_") else Handle()
-
-
 class Visit:
     """A page without a browser, ticked by hand in a clock of its own."""
 
     def __init__(self, camera, resumed=None, settings=BEST):
-        client = QuietClient(Handle(), Handle())
-        client.client_id, client.gui.main_panel = id(self), Handle()
+        client = quiet_client(id(self))
         self.kept, self.now = [], 100.0
         workers = LandscapeWorker(), ExperimentWorker(), camera
         self.page = Page(client, *workers, lambda: None, settings, self.kept.append, Load(TICK), resumed)

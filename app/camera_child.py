@@ -13,7 +13,7 @@ import traceback
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 
-NICENESS = 2  # drawing the pages goes first, experiments last
+NICENESS = 1  # drawing the pages goes first, experiments last
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 QUALITY = 80  # of a JPEG: about 7 kB each
 MOST_SCENES = 4  # of 140 MB each

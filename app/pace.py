@@ -119,7 +119,7 @@ class Pace:
             return
         if self.speed == 0:
             until = time.monotonic() + budget()
-            while self._awake and time.monotonic() < until:
+            while self.playing and self._awake and time.monotonic() < until:
                 for runner in self._awake:
                     runner.step()
         else:

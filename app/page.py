@@ -37,6 +37,7 @@ WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY = 0.1, 0.2  # s
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
+BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
 
@@ -206,7 +207,7 @@ class Page:
             return
         self._laboratory.tick()
         if self._pace.due(now):
-            self._turns.begin(lambda: self._pace.advance(now), alone=False)
+            self._turns.begin(lambda: self._pace.advance(now, lambda: BESIDE), alone=False)
 
     def _carry_out(self, wishes: list[tuple], now: float, budget: Callable[[], float] = lambda: 0.0) -> None:
         for wish in wishes:

@@ -12,7 +12,7 @@ from .inbox import Inbox, on_click, on_value, put, put_html, put_label
 from .motions import MOST_BYTES, NAMES, Motions
 from .verdict import draw_progress, draw_verdict
 
-POINTS_ONLY = '<div class="vi-said vi-points-only">Experiments look at projected points, not at camera images.</div>'
+POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
 
 
 class ExperimentsTab:
@@ -108,7 +108,7 @@ div:has(>div>.vi-row)>div>button{height:26px!important;min-width:86px;--button-p
 div:has(>div>.vi-row) .vi-panel{padding:2px 0 8px}
 div:has(>div>.vi-quiet)>div>button,div:has(>.vi-progress)+div>button:not(:disabled){background:transparent;color:var(--learner);
   border:1px solid var(--learner)}
-.vi-points-only{padding:0 9px}
+.vi-points-only{font:400 12px/16px Inter,system-ui,sans-serif;color:var(--secondary);padding-bottom:3px}
 .vi-said{font:400 12.5px/26px Inter,system-ui,sans-serif;color:var(--secondary);white-space:nowrap;overflow:hidden;
   text-overflow:ellipsis}
 """

@@ -4,6 +4,7 @@ import importlib.util
 import re
 import time
 
+import numpy as np
 import pytest
 from protocol import Client, wait_until
 from test_browser_page import open_page, posture, press, status, switch
@@ -93,6 +94,18 @@ def test_what_is_not_installed_is_said_and_the_box_jumps_back(here, monkeypatch)
         wait_until(lambda: "pip install 'viewimit[pybullet]'" in client.status.replace("&#x27;", "'"))
         wait_until(lambda: client.value("Camera images") is False)
         assert not here.camera.running and not photographs(client)
+
+
+@needed
+def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
+    with Client(here.url).ready() as client:
+        client.put("Preset", "Camera images")
+        wait_until(lambda: len(photographs(client)) == 4, 60)
+        client.press("Play or pause")
+        wait_until(lambda: "Converged" in client.status, 60)
+        bars = next(html for html in client.html.values() if "vi-bar" in html and "<style" not in html)
+        shown = [float(angle.replace("−", "-")) for angle in re.findall(r"<b>([^<]*)°</b>", bars)]
+        assert np.abs(np.array(shown) - [45, -90]).max() < 2
 
 
 LOADED = """async () => {

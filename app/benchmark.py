@@ -25,7 +25,7 @@ RUNS = 25
 class QuietHandle:
     """Stands for any handle of viser and what it hangs on: keeps what is assigned, sends nothing, can be a context."""
 
-    content = ""
+    content, value, visible, disabled, label, max = "", None, True, False, "", None
 
     def __enter__(self):
         return self
@@ -34,6 +34,8 @@ class QuietHandle:
         pass
 
     def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
         return self
 
     def __call__(self, *args, **kwargs):
@@ -44,6 +46,7 @@ class QuietHandle:
 class QuietClient:
     """A page's client without a browser."""
 
+    client_id: int = 0
     scene: QuietHandle = field(default_factory=QuietHandle)
     gui: QuietHandle = field(default_factory=QuietHandle)
     camera: SimpleNamespace = field(

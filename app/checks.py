@@ -21,3 +21,10 @@ def choice(value, options: Mapping, what: str):
     if not isinstance(value, str) or value not in options:
         raise ValueError(f"no {what} {str(value)[:40]!r}")
     return options[value]
+
+
+def switch(value) -> bool:
+    """Raises ValueError."""
+    if not isinstance(value, bool):
+        raise ValueError(f"{str(value)[:40]!r} is neither on nor off")
+    return value

@@ -45,7 +45,7 @@ class Controls:
 
     def __init__(self, client: ClientHandle, inbox: Inbox, presets: dict[str, Preset], session: Session):
         self._client, self._inbox = client, inbox
-        settings, scene = session.settings, session.scene
+        settings = session.settings
         gui = client.gui
         begun = next(iter(presets.values()))
         self.preset = self._dropdown("Preset", list(presets), begun.name, "preset")
@@ -81,11 +81,12 @@ class Controls:
             self._build_display()
         gui.add_html(key_hints())
         self.sliders: list = []
-        self.build_sliders(scene, settings)
+        self.build_sliders(session)
         self._hotkeys()
 
-    def build_sliders(self, scene: Scene, settings: Settings) -> None:
-        """One slider a moving joint, and the choices that depend on the scene."""
+    def build_sliders(self, session: Session) -> None:
+        """One slider a moving joint, and the choices that depend on the scene and on what is seen of it."""
+        scene, settings, count = session.scene, session.settings, len(session.world.body)
         for slider in self.sliders:
             slider.remove()
         self.sliders = []
@@ -98,8 +99,11 @@ class Controls:
                 self.sliders.append(slider)
         self._joint_choices = joint_choices(settings)
         self.joints.options = list(self._joint_choices)
-        self.points.options = [f"{count} points" for count in scene.points]
-        self.chosen.options = [NO_POINT, *(str(i) for i in range(settings.points))]
+        pictured = settings.camera == "rendered"  # which show the markers that the robot wears, in one layout
+        self._markers = f"{count} markers" if pictured else ""
+        self.points.options = [self._markers] if pictured else [f"{layout} points" for layout in scene.points]
+        self.points.disabled = pictured
+        self.chosen.options = [NO_POINT, *(str(i) for i in range(count))]
         self.show(settings)
 
     def show(self, settings: Settings) -> None:
@@ -112,7 +116,8 @@ class Controls:
         for name, handle in self.disturbances.items():
             put(handle, DISTURBANCES[name].shown(settings))
         put(self.seed, settings.seed)
-        put(self.points, f"{settings.points} points")
+        put(self.points, self._markers or f"{settings.points} points")
+        put(self.camera, settings.camera == "rendered")
 
     def show_preset(self, preset: Preset) -> None:
         """The lesson and the speed of a preset; `show` does its settings."""
@@ -166,6 +171,8 @@ class Controls:
         gui = self._client.gui
         self.chosen = self._dropdown("Point", [NO_POINT], NO_POINT, "chosen")
         self.points = self._dropdown("Layout", ["10 points"], "10 points", "points")
+        self.camera = gui.add_checkbox("Camera images", False)
+        on_value(self.camera, self._inbox, "camera")
         self.switches: dict = {}
         for label, name, value in (
             ("Rays", "rays", False),

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings, Snapshot
 
+from .camera_process import CameraProcess
 from .checks import choice
 from .errors import ErrorTrace
 from .methods import SERVO_NOTES, TRANSFER_NOTES
 from .pace import Pace, Runner
+from .session_eyes import SessionEyes
 
 ARRIVED_DEG = 1.0  # of the largest joint error
 
@@ -32,11 +34,12 @@ class Duel:
     """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
 
     The opponent has the settings of the visitor's session but for its own transfer and servo. opponent: None without
-    a duel; transfer, servo: what it has or would have, at first the paper's.
+    a duel; transfer, servo: what it has or would have, at first the paper's. eyes: opens the opponent's.
     """
 
-    def __init__(self, session: Session, pace: Pace):
+    def __init__(self, session: Session, pace: Pace, eyes: SessionEyes | None = None):
         self._session, self._pace = session, pace
+        self._eyes = eyes or SessionEyes(CameraProcess())
         self.opponent: Session | None = None
         self.transfer, self.servo = "epipolar", "gradient"
         self._traces = ErrorTrace(), ErrorTrace()
@@ -51,12 +54,13 @@ class Duel:
         if self.opponent is None:
             if self._settings == self._session.settings:  # a race against itself
                 self.transfer, self.servo = BEST.transfer, BEST.servo
-            self.opponent = Session(self._settings)
+            self.opponent = Session(self._settings, self._eyes)
             self._pace.runners.append(Runner(self.opponent))
             self.begin_again()
             self._pace.playing = True
         else:
             self.opponent = None
+            self._eyes.close()
             del self._pace.runners[1:]
 
     def begin_again(self) -> None:

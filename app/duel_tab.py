@@ -15,6 +15,7 @@ from .inbox import Inbox, on_click, on_value, put, put_html, put_label
 from .landscape_worker import LandscapeWorker, compute, landscape_key
 from .methods import SERVO_NOTES, TRANSFER_NOTES
 from .pace import Pace
+from .session_eyes import SessionEyes
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,8 @@ class Ground:
 class DuelTab:
     """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
 
-    tab: what is built in; worker: makes the landscapes beside the session; wide: with room for the errors beneath them.
+    tab: what is built in; worker: makes the landscapes beside the session; wide: with room for the errors beneath them;
+    eyes: opens the opponent's.
     """
 
     def __init__(
@@ -40,10 +42,11 @@ class DuelTab:
         pace: Pace,
         worker: LandscapeWorker,
         wide: bool,
+        eyes: SessionEyes,
     ):
         self._page_id, self._inbox, self._session, self._worker = client.client_id, inbox, session, worker
         self._wide, self._asked = wide, None
-        self.duel = Duel(session, pace)
+        self.duel = Duel(session, pace, eyes)
         self.wishes = {**self.duel.wishes, "duel's landscapes": self._take}
         with tab:
             self._build(client.gui)

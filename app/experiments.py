@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+import msgspec
+
 from viewimit.experiments import EXPERIMENTS
 from viewimit.session import Session
 
@@ -19,7 +21,8 @@ TITLES = {
 class Experiments:
     """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
 
-    latest: the run asked for last; runs: by experiment, its latest.
+    latest: the run asked for last; runs: by experiment, its latest. All look at projected points, whatever the page
+    looks with: pictures would take them hours.
     """
 
     def __init__(
@@ -48,6 +51,11 @@ class Experiments:
         return self.latest is not None and self.latest.goes_on
 
     @property
+    def sets_pictures_aside(self) -> bool:
+        """Whether the page looks with pictures, which an experiment does not."""
+        return self._session.settings.camera == "rendered"
+
+    @property
     def shown(self) -> Run | None:
         """Of the experiment that is chosen."""
         return self.runs.get(self.chosen)
@@ -60,7 +68,8 @@ class Experiments:
             self._worker.cancel(self._page_id)
             return
         options = {"motion": self._motions.asked_for()} if self.chosen == "fig10" else {}
-        self._worker.ask(self._page_id, Wish(self.chosen, self._session.settings, options), self._tell)
+        settings = msgspec.structs.replace(self._session.settings, camera="points")
+        self._worker.ask(self._page_id, Wish(self.chosen, settings, options), self._tell)
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""

@@ -12,6 +12,8 @@ from .inbox import Inbox, on_click, on_value, put, put_html, put_label
 from .motions import MOST_BYTES, NAMES, Motions
 from .verdict import draw_progress, draw_verdict
 
+POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
+
 
 class ExperimentsTab:
     """Builds the tab in __init__, inside the container that is open; `show` writes what differs."""
@@ -28,6 +30,7 @@ class ExperimentsTab:
             gui.add_html('<span class="vi-row"></span>')
             self._progress = gui.add_html(draw_progress(None, ""))
             self._download = gui.add_button("Download figure and data", icon="download", disabled=True)
+        self._note = gui.add_html("")
         self._figure = gui.add_html("")
         with gui.add_folder("Demonstrator's motion", expand_by_default=False):
             self._build_motion()
@@ -49,6 +52,7 @@ class ExperimentsTab:
         put_label(self._run, *(("Cancel", "player-stop") if going_on else ("Run", "player-play")))
         put_html(self._progress, draw_progress(experiments.latest if going_on else run, experiments.chosen))
         figure = run.figure if run is not None and run.figure else draw_empty(experiments.chosen, scene)
+        put_html(self._note, POINTS_ONLY if experiments.sets_pictures_aside else "")
         put_html(self._figure, f'<div class="vi-panel">{figure}</div>')
         put_html(self._verdict, draw_verdict(run))
         if self._download.disabled != (run is None or not run.archive):
@@ -104,6 +108,7 @@ div:has(>div>.vi-row)>div>button{height:26px!important;min-width:86px;--button-p
 div:has(>div>.vi-row) .vi-panel{padding:2px 0 8px}
 div:has(>div>.vi-quiet)>div>button,div:has(>.vi-progress)+div>button:not(:disabled){background:transparent;color:var(--learner);
   border:1px solid var(--learner)}
+.vi-points-only{font:400 12px/16px Inter,system-ui,sans-serif;color:var(--secondary);padding-bottom:3px}
 .vi-said{font:400 12.5px/26px Inter,system-ui,sans-serif;color:var(--secondary);white-space:nowrap;overflow:hidden;
   text-overflow:ellipsis}
 """

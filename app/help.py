@@ -16,6 +16,9 @@ PARAGRAPHS = (
      " preset that breaks the method. The sentence under the scene says what the learner itself can tell."),
     ("Race two methods.", "The tab Duel sends a second, see-through learner from your learner's start, with another "
      "transfer and servo. Compare all transfers under the landscape; free all seven joints under Method."),
+    ("Look with cameras.", "Camera images, under Display, shows both arms with weight and coloured balls in rendered"
+     " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
+     " picture is taken on the way. Landscapes and experiments remain those of projected points."),
     ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
      "paper and hands you figure and data. Fig. 10 also follows a motion that you record there or load."),
 )  # fmt: skip

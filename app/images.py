@@ -1,5 +1,8 @@
 """The panel Images: the learner's four image planes and what the transfer says about them."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +22,7 @@ GAINS = (10, 5, 2)
 SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
 FIRST, SECOND = np.array([(0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3)]).T  # pairs of the views l, r, L, R
 INTO, SOURCE = np.concatenate([SECOND, FIRST]), np.concatenate([FIRST, SECOND])
+NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
 CAPTIONS = {"L": "own left", "R": "own right", "l": "", "r": ""}
 
 
@@ -30,10 +34,12 @@ def draw_images(
     whole_frames: bool = False,
     gain: float | None = None,
     wide: bool = False,
+    pictures: Mapping[str, bytes] = NO_PICTURES,
 ) -> str:
     """HTML of the panel, WIDTH x HEIGHT scaled to its container.
 
-    chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic.
+    chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic;
+    pictures: JPEGs of the whole frames by view, which stand behind the drawing.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
@@ -47,14 +53,16 @@ def draw_images(
     frame = silhouettes.world.scene.head.image
     parts = []
     for k, view in enumerate("lrLR"):
-        inside = content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
+        behind = planes.photograph(pictures[view], shown[view], frame) if view in pictures else ""
+        inside = behind + content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
         if view in "LR" and chosen is not None:
             inside += _readout(snapshot, chosen, k - 2, shown[view], planes.BOXES[whole_frames][view])
         parts.append(planes.plane(view, shown[view], whole_frames, frame, CAPTIONS[view] if wide else "", inside))
     parts.append(draw_legend(whole_frames, gain, chosen))
     parts.append(draw_metrics(snapshot, lengths, 253))
     return (
-        f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'<div class="vi-panel"><svg class="vi{" vi-pictured" if pictures else ""}" '
+        f'viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
         f'aria-label="The four images">{"".join(parts)}</svg></div>'
     )
 

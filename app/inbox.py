@@ -5,6 +5,7 @@ inbox; the scheduler's thread takes them out.
 """
 
 import threading
+from collections.abc import Callable
 
 from .wire import push_html
 
@@ -28,10 +29,13 @@ class Inbox:
             if len(self._actions) < PENDING_LIMIT:
                 self._actions.append(action)
 
-    def take(self) -> tuple[dict[str, object], list[str]]:
+    def take(self, wanted: Callable[[str], bool] = lambda name: True) -> tuple[dict[str, object], list[str]]:
+        """What is wanted of it, by name; the rest waits."""
         with self._lock:
-            values, actions = self._values, self._actions
-            self._values, self._actions = {}, []
+            values = {name: value for name, value in self._values.items() if wanted(name)}
+            actions = [action for action in self._actions if wanted(action)]
+            self._values = {name: value for name, value in self._values.items() if name not in values}
+            self._actions = [action for action in self._actions if not wanted(action)]
         return values, actions
 
 

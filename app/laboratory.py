@@ -52,6 +52,15 @@ class Laboratory:
         self._motions.tick()
 
     @property
+    def poses(self) -> bool:
+        """Whether `tick` moves the demonstrator."""
+        return self._motions.replaying
+
+    def moves(self, name: str) -> bool:
+        """Whether a wish may move the demonstrator."""
+        return name in self._motions.wishes
+
+    @property
     def state(self) -> tuple:
         """What the tab shows: drawn again when this differs."""
         experiments, motions = self._experiments, self._motions

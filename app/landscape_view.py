@@ -21,6 +21,7 @@ from .theme import OBSERVED
 CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than that: an inset of ±CLOSE_DEG, px wide
 PATH_LIMIT, DOT_LIMIT = 200, 60  # vertices of the path; motions up to which each has a dot
 INSET_MOTIONS = 30  # the last ones, which the inset shows
+CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 NOW = 5.8  # px, radius of the big dot
 
 
@@ -53,7 +54,7 @@ class LandscapePicture:
         else:
             inside = self._draw(landscape, snapshot)
         note = described(joints, spread) if spread is not None else ""
-        self.html = plane.wrap(plane.frame("vi-plane") + inside + plane.axes(note))
+        self.html = plane.wrap(plane.frame("vi-plane") + inside + plane.axes(note, CONTOURS[snapshot.settings.camera]))
 
     def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None = None) -> str:
         """The motions up to the cursor, later ones faint. theta: (m,) rad, where the arm is seen while it moves."""

@@ -34,6 +34,11 @@ class Runner:
         if self.session.snapshot.motion > motion:
             self._motion = before, now, duration
 
+    def seen_from(self, now: float, asked: float) -> None:
+        """A motion that was asked for earlier, and took until now, is seen from now on."""
+        if self._motion is not None and self._motion[1] == asked:
+            self._motion = self._motion[0], now, self._motion[2]
+
     def scrub(self, motion: int, now: float | None = None) -> None:
         """To the moment after that many motions, or to its last one; seen as a motion that begins now, if at all."""
         before = self.session.snapshot.theta
@@ -104,16 +109,25 @@ class Pace:
         for runner in self.runners:
             runner.settle()
 
+    def seen_from(self, now: float, asked: float) -> None:
+        """The motions that were asked for earlier, and took until now, are seen from now on."""
+        for runner in self.runners:
+            runner.seen_from(now, asked)
+
+    def due(self, now: float) -> bool:
+        """Whether motions are."""
+        return self.playing and bool(self._awake) and (self.speed == 0 or now >= self._next - EARLY)
+
     def advance(self, now: float, budget: Callable[[], float] = lambda: BUDGET) -> None:
         """Make the motions that are due. budget: s for those that run as fast as they compute."""
-        if not self.playing:
+        if not self.due(now):
             return
         if self.speed == 0:
-            until = time.monotonic() + (budget() if self._awake else 0.0)
-            while self._awake and time.monotonic() < until:
+            until = time.monotonic() + budget()
+            while self.playing and self._awake and time.monotonic() < until:
                 for runner in self._awake:
                     runner.step()
-        elif self._awake and now >= self._next - EARLY:
+        else:
             self._next = max(self._next, now - LATE) + 1 / self.speed
             for runner in self._awake:
                 runner.move(now, min(MOTION_SHARE / self.speed, LONGEST_MOTION))

@@ -1,13 +1,21 @@
-"""One page: a session, its pace, its drawings. Built in viser's thread, then ticked by the scheduler alone."""
+"""One page: a session, its pace, its drawings. Built in viser's thread, then ticked by the scheduler alone.
 
+A session that looks with pictures takes its turns beside the scheduler; the page is ticked, and drawn, as ever.
+"""
+
+import threading
 from collections.abc import Callable
+from dataclasses import replace
 
+import msgspec
 import numpy as np
+from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.session import Session
 from viewimit.snapshot import Settings, Snapshot
 
+from .camera_process import CameraLost, CameraProcess
 from .comparison import Comparison
 from .controls import Controls
 from .duel_tab import DuelTab
@@ -21,12 +29,16 @@ from .pace import Pace
 from .panels import Panels
 from .presets import Preset, presets_from
 from .scene3d import Scene3D
+from .session_eyes import RemoteEyes, SessionEyes
+from .turns import Turns
 from .visitor import View, Visitor
 
 WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY, EQUATIONS_EVERY = 0.1, 0.2, 0.5  # s; nobody reads numbers that change faster
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
+BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
+LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
 
 
@@ -38,6 +50,7 @@ class Page:
         client: ClientHandle,
         worker: LandscapeWorker,
         experiments: ExperimentWorker,
+        camera: CameraProcess,
         share_opponent: Callable[[], None],
         settings: Settings,
         keep: Callable[[Memory], None],
@@ -46,8 +59,15 @@ class Page:
     ):
         self._client, self._worker, self._begun, self._keep, self._load = client, worker, settings, keep, load
         self._inbox, self._view = Inbox(), View()
-        self._session = Session(settings)
-        if resumed is not None:
+        self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
+        self._turns, self._asked_at = Turns(), 0.0
+        self._looked: Snapshot | None = None  # what the panels have shown last of an arm at rest
+        self._session = Session(settings, self._eyes)
+        pictured = resumed is not None and resumed.history[resumed.head.cursor].settings.camera == "rendered"
+        if pictured:  # its eyes are opened in its first turn; until then it stands as it began
+            self._session.begin(_on_points(resumed.history[resumed.head.cursor].settings))
+            self._inbox.put("resume", resumed)
+        elif resumed is not None:
             self._session.resume(resumed.history, resumed.head.cursor)
         self._pace = Pace(self._session)
         self._message: tuple[str, float] | None = None
@@ -63,7 +83,9 @@ class Page:
             self._panels = Panels(client, self._inbox, wide)
             self._comparison = Comparison(client.client_id, self._panels, self._inbox, worker)
             tab = self._panels.lower.add_tab("Duel")
-            self._duel = DuelTab(client, tab, self._inbox, self._session, self._pace, worker, wide)
+            self._duel = DuelTab(
+                client, tab, self._inbox, self._session, self._pace, worker, wide, self._opponents_eyes
+            )
             tab = self._panels.lower.add_tab("Experiments")
             pose = lambda theta: self._visitor.pose(theta)
             self._laboratory = Laboratory(client, tab, self._inbox, self._session, experiments, worker, pose)
@@ -77,6 +99,7 @@ class Page:
             "dark": self._set_dark,
             "hand dropped": self._drop_hand,
             "landscape": self._panels.show_landscape,
+            "resume": self._resume_pictures,
             **self._comparison.wishes,
             **self._duel.wishes,
             **self._laboratory.wishes,
@@ -93,7 +116,7 @@ class Page:
         )
 
         if resumed is not None:
-            self._resume(resumed.head, presets)
+            self._resume(msgspec.structs.replace(resumed.head, chosen=None) if pictured else resumed.head, presets)
 
     def memory(self) -> Memory:
         """What of the page is kept. The opponent of a duel and what runs in the tab Experiments is not."""
@@ -126,6 +149,25 @@ class Page:
         if head.motion is not None:
             self._inbox.put("motion file", head.motion)
 
+    def _resume_pictures(self, resumed: Memory) -> None:
+        self._session.resume(resumed.history, resumed.head.cursor)
+        self._view.chosen = resumed.head.chosen
+        self._visitor.draw_anew()
+
+    def close(self) -> bool:
+        """The page is gone. Whether its last turn has ended, so that what `memory` tells is whole."""
+        ended = self._turns.wait(LEAVES_WITHIN)
+        if ended:
+            self._give_back_eyes()
+        else:
+            threading.Thread(target=self._give_back_eyes, name="viewimit-leaving", daemon=True).start()
+        return ended
+
+    def _give_back_eyes(self) -> None:
+        self._turns.wait()
+        self._eyes.close()
+        self._opponents_eyes.close()
+
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self._pace.pause()
@@ -133,17 +175,83 @@ class Page:
         self._panels.draw_state("message", self._message[0])
 
     def tick(self, now: float) -> None:
-        values, actions = self._inbox.take()
-        for name, value in values.items():
-            self._allow(now, self._visitor.set, name, value)
-        for action in actions:
-            self._allow(now, self._visitor.act, action, now)
-        self._laboratory.tick()
-        self._pace.advance(now, self._load.step_budget)
-        with self._client.atomic():  # viser's thread is woken once
-            self._draw(now)
-        if self._due("kept", now, KEPT_EVERY):
+        self._end_turn(now)
+        if self._turns.busy:
+            self._act_meanwhile(now)
+        else:
+            self._take_turn(now)
+        if not self._turns.alone:
+            with self._client.atomic():  # viser's thread is woken once
+                self._draw(now)
+        if not self._turns.busy and self._due("kept", now, KEPT_EVERY):
             self._keep(self.memory())
+
+    def _take_turn(self, now: float) -> None:
+        """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes
+        pictures, at once if not."""
+        wishes = self._wishes(now)
+        opens = any(self._takes_pictures(*wish[1:3]) for wish in wishes)
+        if not opens and self._session.settings.camera == "points":
+            self._carry_out(wishes, now, self._load.step_budget)
+            return
+        for wish in wishes:
+            if not self._moves(wish[1]):
+                self._allow(now, *wish)
+        moving = [wish for wish in wishes if self._moves(wish[1])]
+        self._asked_at = now
+        if opens:  # which takes seconds
+            self._draw(now)
+            self._panels.draw_state("message", "starting the camera images …")
+        if moving or self._laboratory.poses:
+            self._turns.begin(lambda: self._carry_out(moving, now), alone=True)
+            return
+        self._laboratory.tick()
+        if self._pace.due(now):
+            self._turns.begin(lambda: self._pace.advance(now, lambda: BESIDE), alone=False)
+
+    def _carry_out(self, wishes: list[tuple], now: float, budget: Callable[[], float] = lambda: 0.0) -> None:
+        for wish in wishes:
+            self._allow(now, *wish)
+        self._laboratory.tick()
+        self._pace.advance(now, budget)
+        if isinstance(self._session.eyes, RemoteEyes):
+            self._session.eyes.retake(self._session.snapshot)
+
+    def _act_meanwhile(self, now: float) -> None:
+        """What need not wait for the turn that goes on."""
+        if self._turns.alone:
+            return
+        for carry_out, what, *value in self._wishes(now, lambda name: name == "play" or not self._moves(name)):
+            if what == "play":
+                self._pace.toggle()
+            else:
+                self._allow(now, carry_out, what, *value)
+
+    def _end_turn(self, now: float) -> None:
+        try:
+            if self._turns.end():
+                self._pace.seen_from(now, self._asked_at)
+        except CameraLost as lost:
+            self._visitor.leave_pictures()
+            self._say(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
+
+    def _wishes(self, now: float, wanted: Callable[[str], bool] = lambda name: True) -> list[tuple]:
+        """What carries it out, its name, and its arguments."""
+        values, actions = self._inbox.take(wanted)
+        return [(self._visitor.set, *item) for item in values.items()] + [
+            (self._visitor.act, action, now) for action in actions
+        ]
+
+    def _moves(self, name: str) -> bool:
+        return (
+            name == "resume"
+            or self._visitor.moves(name)
+            or name in self._duel.duel.wishes
+            or self._laboratory.moves(name)
+        )
+
+    def _takes_pictures(self, name: str, value) -> bool:
+        return name == "resume" or self._visitor.takes_pictures(name, value)
 
     def _allow(self, now: float, carry_out: Callable, what: str, *value) -> None:
         """Carry out one wish of the visitor; one that cannot be is said, and the others go on."""
@@ -158,7 +266,7 @@ class Page:
 
     def _draw(self, now: float) -> None:
         present = self._session.snapshot
-        (theta, _), *others = [runner.theta(now) for runner in self._pace.runners]
+        (theta, moving), *others = [runner.theta(now) for runner in self._pace.runners]
         poses = [theta, present.theta_demo, *(other for other, _ in others)]
         if self._changed("poses", *(pose.tobytes() for pose in poses)):
             self._scene.draw_poses(*poses)
@@ -170,11 +278,10 @@ class Page:
         self._ask_for_landscape(present)
         self._comparison.tick(self._session.world, present)
         if self._pace.runners[0].duration < 2 * panels_every:  # gone by when it would be drawn again
-            theta = present.theta
+            theta, moving = present.theta, False
         shown_as = self._view.chosen, tuple(self._view.show.values()), self._panels.landscape
         if self._changed("panels", present, theta.tobytes(), *shown_as):
-            shown = present if theta is present.theta else self._session.observe(theta, present)
-            self._draw_panels(shown, present)
+            self._draw_panels(*self._seen(theta, moving, present), present)
         self._draw_status(now)
         if self._changed("duel", *self._duel.state):
             self._duel.draw()
@@ -201,9 +308,25 @@ class Page:
         else:
             self._panels.draw_status(self._session, self._pace.playing)
 
-    def _draw_panels(self, shown: Snapshot, present: Snapshot) -> None:
+    def _seen(self, theta: NDArray, moving: bool, present: Snapshot) -> tuple[Snapshot, Snapshot]:
+        """What the images show, and what all else does. On its way an arm is seen by points only: no picture of it is
+        taken before it has arrived."""
+        if not moving:
+            self._looked = present
+        elif present.settings.camera == "points":
+            self._looked = self._session.observe(theta, present)
+        elif self._looked is not None:
+            return self._looked, replace(self._looked, theta=theta, theta_demo=present.theta_demo)
+        else:
+            self._looked = present
+        return self._looked, self._looked
+
+    def _draw_panels(self, looked: Snapshot, shown: Snapshot, present: Snapshot) -> None:
+        eyes = self._session.eyes
+        pictures = eyes.pictures(looked) if isinstance(eyes, RemoteEyes) else {}
         self._scene.draw(shown, self._view.chosen, self._view.show)
-        self._panels.draw_images(shown, self._view.chosen, self._view.show["whole_frames"])
+        self._scene.show_pictures(pictures)
+        self._panels.draw_images(looked, self._view.chosen, self._view.show["whole_frames"], pictures)
         self._panels.draw_path(self._session, shown)
         self._controls.show_learner(self._session.scene, shown.theta, present.theta_demo)
         self._gizmo.visible = self._view.show["gizmo"]
@@ -220,6 +343,7 @@ class Page:
         self._scene.build(self._session.world)
         self._panels.set_world(self._session.world, self._session.snapshot)
         self._drawn.clear()
+        self._looked = None
 
     def _fit_new_canvas(self) -> None:
         """Fit the view when the canvas has changed, as when the panels dock or the window is resized."""
@@ -269,3 +393,7 @@ class Page:
             self._inbox.put("hand dropped", True)
 
         return gizmo
+
+
+def _on_points(settings: Settings) -> Settings:
+    return msgspec.structs.replace(settings, camera="points")

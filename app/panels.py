@@ -1,5 +1,6 @@
 """The right panels and the overlays: where the drawings go; only what changed is sent."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from .curves import draw_curves
 from .equations import draw_conflict, draw_equations, draw_law
 from .errors import ErrorTrace, following
 from .help import help_html
-from .images import draw_images, image_windows
+from .images import NO_PICTURES, draw_images, image_windows
 from .inbox import Inbox, on_click, put_html, put_label
 from .landscape_view import LandscapePicture
 from .planes import holds
@@ -85,11 +86,15 @@ class Panels:
         self._windows = image_windows(world, self._held)
         self.show_landscape(MadeLandscape(world, LandscapePicture(None, world.scene, snapshot), None))
 
-    def draw_images(self, snapshot: Snapshot, chosen: int | None, whole_frames: bool) -> None:
+    def draw_images(
+        self, snapshot: Snapshot, chosen: int | None, whole_frames: bool, pictures: Mapping[str, bytes] = NO_PICTURES
+    ) -> None:
         if not holds(self._windows, self._world, snapshot):
             self._held += [snapshot.theta, snapshot.theta_demo]
             self._windows = image_windows(self._world, self._held)
-        drawn = draw_images(snapshot, self._silhouettes, self._windows, chosen, whole_frames, wide=self._wide)
+        drawn = draw_images(
+            snapshot, self._silhouettes, self._windows, chosen, whole_frames, wide=self._wide, pictures=pictures
+        )
         put_html(self._images, drawn)
 
     def draw_path(self, session: Session, shown: Snapshot) -> None:

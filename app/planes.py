@@ -3,6 +3,7 @@
 An arm covers a small part of its image, so that a window follows the arm's whole range instead of the frame.
 """
 
+from base64 import b64encode
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
@@ -152,6 +153,16 @@ def draw_arm(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, who
     paths = dict(zip(views, zip(svg.polygons(hulls), map(svg.path, bones))))
     silhouettes.memory[arm] = key, windows, (paths, origins)
     return paths, origins
+
+
+def photograph(jpeg: bytes, window: Window, frame: tuple[int, int]) -> str:
+    """A picture of the whole frame, (width, height) px, so placed that what the window shows of it fills the box."""
+    k = window.scale
+    return (
+        f'<image class="vi-photograph" x="{-window.x * k:.2f}" y="{-window.y * k:.2f}" width="{frame[0] * k:.2f}"'
+        f' height="{frame[1] * k:.2f}" preserveAspectRatio="none" decoding="sync"'
+        f' href="data:image/jpeg;base64,{b64encode(jpeg).decode()}"/>'
+    )
 
 
 def plane(view: str, window: Window, whole: bool, frame: tuple[int, int], caption: str, content: str) -> str:

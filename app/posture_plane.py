@@ -81,13 +81,13 @@ class PosturePlane:
             ]
         )
 
-    def axes(self, note: str = "") -> str:
-        """The frame with ticks and names. note: below, at the right."""
+    def axes(self, note: str = "", contours: str = "E in px²") -> str:
+        """The frame with ticks and names. note: below, at the right; contours: what they are of."""
         left, top, w, h = self.box
         bottom = top + h
         parts = [
             self.frame("vi-axis"),
-            svg.text(left, bottom + 29, "contours: E in px²", "vi-2nd"),
+            svg.text(left, bottom + 29, f"contours: {contours}", "vi-2nd"),
             svg.text(left + w / 2, bottom + 29, self._joints[1], "vi-mid"),
             svg.text(left + w, bottom + 29, note, "vi-2nd vi-end") if note else "",
             svg.text(left - 8, top + h / 4 + 4, self._joints[0], "vi-end"),

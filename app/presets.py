@@ -104,6 +104,12 @@ PRESETS = (
         2,
         "Another body, the same method: nothing in it knows the robot.",
     ),
+    Preset(
+        "Camera images",
+        replace(BEST, camera="rendered"),
+        2,
+        "Pictures of arms that have weight: only markers detected in them count.",
+    ),
 )
 
 AS_STARTED = "As started"

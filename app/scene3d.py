@@ -1,6 +1,6 @@
 """The 3-D scene of one page: arms, head, frusta, body points, residuals, rays. Truth, for the viewer only."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,6 +89,10 @@ class Scene3D:
         self._draw_rays(on_plates, seen, demo, own, chosen, show)
         self._draw_residuals(snapshot, own, show["residuals"])
         self._draw_chosen(own, demo, chosen)
+
+    def show_pictures(self, pictures: Mapping[str, bytes]) -> None:
+        """JPEGs by view on the image plates; a plate without one is plain."""
+        self._stage.show_pictures(pictures)
 
     def draw_poses(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
         """Turn the arms only, (m,) rad each. theta_opponent: None without a duel, which hides that arm."""

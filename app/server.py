@@ -21,6 +21,7 @@ from viewimit.snapshot import Settings
 
 from . import experiments_tab, help, learner_bars, plots, theme, verdict, wire
 from .arms import share_meshes
+from .camera_process import CameraProcess
 from .door import Door
 from .experiment_worker import ExperimentWorker
 from .keeper import Keeper
@@ -133,7 +134,7 @@ class App:
         self._seats = Seats(server, keeper, settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._collecting = threading.Lock()
-        self._worker, self._experiments = LandscapeWorker(), ExperimentWorker()
+        self._worker, self._experiments, self._camera = LandscapeWorker(), ExperimentWorker(), CameraProcess()
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments_tab))
         server.gui.add_html(f"<style>{css}</style>")
@@ -146,6 +147,7 @@ class App:
     def stop(self) -> None:
         """Nothing moves any more, and all that the visitors did is kept."""
         self._scheduler.stop()
+        self._camera.stop()
         with self._retiring:
             for client_id in list(self._pages):
                 self._retire(client_id)
@@ -155,7 +157,7 @@ class App:
     def _connect(self, client: viser.ClientHandle) -> None:
         key, resumed = self._seats.take(client)
         keep = (lambda memory: self._keeper.keep(key, memory)) if key else (lambda memory: None)
-        shared = self._worker, self._experiments, self._share_opponent, self._settings
+        shared = self._worker, self._experiments, self._camera, self._share_opponent, self._settings
         try:
             page = Page(client, *shared, keep, self._scheduler.load, resumed)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
@@ -187,7 +189,9 @@ class App:
             self._scheduler.remove(page)
             self._worker.forget(client_id)
             self._experiments.forget(client_id)
+            whole = page.close()
             if key is not None:
-                self._keeper.keep(key, page.memory())
+                if whole:  # else what was handed over some seconds ago stays
+                    self._keeper.keep(key, page.memory())
                 self._keeper.forget(key)
                 self._seats.leave(key)

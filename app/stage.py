@@ -1,5 +1,6 @@
 """The furniture of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,13 +9,15 @@ from viser import ClientHandle, SceneApi
 
 from viewimit.camera import Camera
 from viewimit.geometry.rigid import rotation_about_axis
+from viewimit.views import VIEWS
 from viewimit.world import World
 
-from . import meshes
+from . import meshes, wire
 from .theme import rgb
 from .wire import quaternion
 
 PLATE = 0.17  # m from the camera to its image plate
+BEHIND = 0.002  # m, a picture's distance from its plate
 LABEL_OFFSET = np.array([-0.3, -0.3, 0.02])  # m from a base's foot to its name
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
 
@@ -67,12 +70,15 @@ class Stage:
         self._client, self._world = client, world
         self._look = LOOKS[dark]
         self._nodes: list = []
+        self._plates: dict[str, object] = {}
+        self._pictures: dict[str, object] = {}  # nodes on the plates
+        self._shown: dict[str, bytes] = {}  # what they show
         self._tinted: list[tuple[object, str]] = []  # nodes whose colour is one of the look's
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._add_pedestal("learner", world.T_world_own)
         self._add_pedestal("demonstrator", world.T_world_demo)
         self._add_head()
-        for name, camera, role in zip("lrLR", self._cameras, VIEW_ROLES):
+        for name, camera, role in zip(VIEWS, self._cameras, VIEW_ROLES):
             self._add_frustum(name, camera, role)
 
     def set_dark(self, dark: bool) -> None:
@@ -82,7 +88,25 @@ class Stage:
         for node, part in self._tinted:
             node.color = getattr(self._look, part)
 
+    def show_pictures(self, pictures: Mapping[str, bytes]) -> None:
+        """JPEGs by view on the image plates; only those that are new are sent."""
+        for view, camera in zip(VIEWS, self._cameras):
+            picture, node = pictures.get(view), self._pictures.get(view)
+            if picture is None:
+                if node is not None:
+                    node.remove()
+                    del self._pictures[view], self._shown[view]
+                    self._plates[view].visible = True
+            elif picture is not self._shown.get(view):
+                if node is None:
+                    self._pictures[view] = node = self._add_picture(view, camera)
+                    self._plates[view].visible = False
+                wire.push_jpeg(node, picture)
+                self._shown[view] = picture
+
     def remove(self) -> None:
+        for node in self._pictures.values():
+            node.remove()
         for node in self._nodes:
             node.remove()
 
@@ -165,23 +189,36 @@ class Stage:
                 thickness_units="screen",
             )
         )
-        self._keep(
-            scene.add_mesh_simple(
-                f"/stage/plate_{name}",
-                plate,
-                np.array([[0, 1, 2], [0, 2, 3]]),
-                color=self._look.plate,
-                opacity=0.55,
-                side="double",
-                cast_shadow=False,
-                receive_shadow=False,
-            ),
-            "plate",
+        self._plates[name] = scene.add_mesh_simple(
+            f"/stage/plate_{name}",
+            plate,
+            np.array([[0, 1, 2], [0, 2, 3]]),
+            color=self._look.plate,
+            opacity=0.55,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
         )
+        self._keep(self._plates[name], "plate")
         self._keep(
             scene.add_label(
                 f"/stage/name_{name}", name, position=plate[1] + 0.12 * (plate[1] - eye), font_screen_scale=0.8
             )
+        )
+
+    def _add_picture(self, view: str, camera: Camera):
+        """As large as the plate and just behind it, so that what is drawn on the plate stays in sight."""
+        T, scale = camera.T_world_camera, PLATE / camera.focal
+        return self._client.scene.add_image(
+            f"/stage/picture_{view}",
+            np.zeros((1, 1, 3), np.uint8),
+            camera.width * scale,
+            camera.height * scale,
+            format="jpeg",
+            cast_shadow=False,
+            receive_shadow=False,
+            wxyz=quaternion(T[:3, :3]),
+            position=on_plate(camera, corners(camera)).mean(0) + BEHIND * T[:3, 2],
         )
 
 

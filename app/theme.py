@@ -99,6 +99,12 @@ _DRAWINGS = """
 .vi-demo .vi-hull{fill:var(--demonstrator);stroke:var(--demonstrator)}
 .vi-demo .vi-bone{stroke:var(--demonstrator-edge)}
 .vi-bone{stroke-width:1.7}
+.vi-photograph{opacity:.72}
+.vi-pictured .vi-hull{fill-opacity:0;stroke-opacity:.55}
+.vi-pictured .vi-bone{opacity:.75}
+.vi-pictured .vi-idle{opacity:.6}
+.vi-pictured .vi-own,.vi-pictured .vi-seen,.vi-pictured path.vi-found,.vi-pictured .vi-e,.vi-pictured .vi-tip,
+.vi-pictured .vi-ring{filter:drop-shadow(0 0 .7px var(--paper)) drop-shadow(0 0 .7px var(--paper))}
 .vi-bone.vi-found{stroke:var(--recovered);stroke-width:1.4;stroke-dasharray:3 2.2;stroke-linecap:butt}
 .vi-own{stroke:var(--learner);stroke-width:6}
 .vi-seen{fill:var(--demonstrator);stroke:var(--demonstrator-edge);stroke-width:1}

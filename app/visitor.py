@@ -3,13 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.posing import pose_for_hand
 from viewimit.session import Session
+from viewimit.snapshot import Settings
 
-from .checks import choice, number
+from .checks import choice, number, switch
 from .controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
 from .disturbances import DISTURBANCES
 from .duel import Duel
@@ -18,6 +20,10 @@ from .pace import Pace
 from .presets import Preset
 
 METHOD = {"transfer", "servo"}
+CAMERA = {False: "points", True: "rendered"}
+
+
+MOVING = {"play", "step", "undo", "reset", "history", "hand", "preset"}
 
 
 @dataclass
@@ -50,6 +56,17 @@ class Visitor:
         self._session, self._pace, self._controls, self._view = session, pace, controls, view
         self._presets, self._duel, self._on_world, self._elsewhere = presets, duel, on_world, elsewhere
         self._freedom = Freedom()
+
+    @staticmethod
+    def moves(name: str) -> bool:
+        """Whether what has this name in the inbox moves, poses or looks, which takes long with pictures."""
+        return name in MOVING or name in SETTERS or name.startswith("joint")
+
+    def takes_pictures(self, name: str, value) -> bool:
+        """Whether this asks for pictures."""
+        if name == "preset":
+            return isinstance(value, str) and value in self._presets and _pictured(self._presets[value].settings)
+        return name == "camera" and value is True
 
     def act(self, action: str, now: float) -> None:
         session, pace = self._session, self._pace
@@ -127,7 +144,7 @@ class Visitor:
         self._session.change(**fields)
         self._pace.wake()
         if self._session.world is not world:
-            self._draw_anew()
+            self.draw_anew()
         elif self._duel.opponent is not None and not METHOD.isdisjoint(fields):
             self._duel.begin_again()
         else:
@@ -138,13 +155,20 @@ class Visitor:
         self._session.begin(preset.settings)
         self._pace.speed = preset.motions_per_second
         self._controls.show_preset(preset)
-        self._draw_anew()
+        self.draw_anew()
 
-    def _draw_anew(self) -> None:
+    def leave_pictures(self) -> None:
+        """Begin anew with projected points."""
+        self._pace.pause()
+        self._session.begin(msgspec.structs.replace(self._session.settings, camera="points"))
+        self.draw_anew()
+
+    def draw_anew(self) -> None:
+        """The session has begun anew, in a world of its own."""
         self._duel.begin()
         if self._view.chosen is not None and self._view.chosen >= len(self._session.world.body):
             self._view.chosen = None
-        self._controls.build_sliders(self._session.scene, self._session.settings)
+        self._controls.build_sliders(self._session)
         self._controls.show_chosen(self._view.chosen)
         self._on_world()
 
@@ -153,6 +177,10 @@ class Visitor:
             raise ValueError(f"no point {point}; there are {len(self._session.world.body)}")
         self._view.chosen = point
         self._controls.show_chosen(point)
+
+
+def _pictured(settings: Settings) -> bool:
+    return settings.camera == "rendered"
 
 
 def _named(names: dict[str, str], what: str) -> Callable[[object], dict]:
@@ -164,6 +192,7 @@ SETTERS: dict[str, Callable[[object], dict]] = {
     "transfer": _named(TRANSFER_NAMES, "transfer"),
     "servo": _named(SERVO_NAMES, "servo"),
     **{name: amount.asked for name, amount in DISTURBANCES.items()},
+    "camera": lambda value: {"camera": CAMERA[switch(value)]},
     "seed": lambda value: {"seed": round(number(value))},
     "points": lambda value: {"points": round(number(str(value).split()[0]))},
 }

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import websockets.asyncio.server
 from numpy.typing import NDArray
-from viser import ClientHandle, ViserServer
+from viser import ClientHandle, ImageHandle, ViserServer
 from viser._messages import GuiUpdateMessage, SceneNodeUpdateMessage, SetOrientationMessage
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
@@ -115,6 +115,11 @@ def push_html(handle, content: str) -> None:
     """Set an HTML widget's content without its setter's checks."""
     handle._impl.props.content = content
     handle._queue_update("content", content)
+
+
+def push_jpeg(handle: ImageHandle, picture: bytes) -> None:
+    """Show a picture that is packed already; the handle itself would take pixels, and pack them."""
+    handle._data = picture
 
 
 def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:

@@ -56,6 +56,22 @@ def test_a_sphere_is_drawn_where_the_camera_projects_it(focal, centre):
     assert np.abs(np.mean(errors, 0)).max() < 0.03 and np.std(errors, 0).max() < 0.1
 
 
+def test_a_picture_is_the_mean_over_the_nearest_of_arms_and_room_along_each_ray(eyes):
+    eyes.own_images(np.radians([25.0, -25.0]))
+    studio, camera = eyes._studio, eyes.world.own_cameras[0]
+    view, projection = matrices(camera, SAMPLES)
+    layers = []
+    for client in (studio._arms, studio._room):
+        how = {"renderer": client.ER_TINY_RENDERER, **LIGHT}
+        _, _, colours, depth, _ = client.getCameraImage(SAMPLES * 640, SAMPLES * 240, view, projection, **how)
+        layers.append((np.reshape(colours, (240 * SAMPLES, -1, 4)), np.reshape(depth, (240 * SAMPLES, -1))))
+    (arms, near), (room, far) = layers
+    rays = np.where((near < far)[..., None], arms, room)[..., :3].reshape(240, SAMPLES, 640, SAMPLES, 3)
+    eyes.look("L")
+    np.testing.assert_array_equal(eyes.pictures["L"], np.floor(rays.mean((1, 3)) + 0.5))
+    assert 0.02 < (near < far).mean() < 0.5
+
+
 def test_detected_middles_are_those_of_the_balls(eyes):
     rng, scene = np.random.default_rng(1), eyes.world.scene
     for _ in range(3):

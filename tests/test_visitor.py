@@ -67,6 +67,8 @@ def test_values_that_are_no_numbers_are_refused_and_change_nothing(page, name, v
         ("joints", "all eight"),
         ("seed", -3),
         ("points", "7 points"),
+        ("camera", "rendered"),
+        ("camera", 1),
         ("chosen", 10),
         ("chosen", -1),
         ("transfer", "best"),
@@ -89,6 +91,8 @@ def test_every_transfer_and_servo_has_a_name_on_the_page():
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
 def test_every_preset_begins_and_moves_or_says_why_not(page, preset):
+    if preset.settings.camera == "rendered":
+        pytest.importorskip("pybullet"), pytest.importorskip("cv2")
     session, pace, _, visitor, drawn = page
     visitor.set("preset", preset.name)
     assert drawn and session.snapshot.motion == 0 and pace.speed == preset.motions_per_second

@@ -93,7 +93,8 @@ def _coloured_part(picture: NDArray, middle: float) -> tuple[tuple[int, int], tu
     width = picture.shape[1]
     first = round((1 - middle) / 2 * width)
     searched = picture[:, first : width - first]
-    spread = cv2.subtract(searched.max(-1), searched.min(-1))
+    red, green, blue = np.moveaxis(searched, -1, 0)
+    spread = np.maximum(np.maximum(red, green), blue) - np.minimum(np.minimum(red, green), blue)
     x, y, w, h = cv2.boundingRect((spread >= LEAST_CHROMA / 2).astype(np.uint8))
     red, green, blue = np.moveaxis(searched[y : y + h, x : x + w].astype(np.float32), -1, 0)
     return (first + x, y), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))

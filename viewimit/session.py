@@ -35,11 +35,12 @@ MAX_HISTORY, RECENT = 5_000, 64  # motions a session keeps; and with all that fo
 class Session:
     """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
 
+    open_eyes(camera, scene, points): what it looks with and moves by, as `viewimit.eyes` has it.
     Raises ValueError, with the session as it was, for settings that cannot be.
     """
 
-    def __init__(self, settings: Settings | None = None):
-        self._built: tuple | None = None
+    def __init__(self, settings: Settings | None = None, open_eyes: Callable = open_eyes):
+        self._open_eyes, self._built = open_eyes, None
         self.history: list[Snapshot]
         self.cursor: int
         self.begin(settings or Settings())
@@ -180,7 +181,7 @@ class Session:
         settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(demo), start_deg=_degrees(start))
         build = settings.camera, scene, settings.points
         if build != self._built:
-            self.eyes, self._built = open_eyes(*build), build
+            self.eyes, self._built = self._open_eyes(*build), build
         demo, standing, empty = self.eyes.settle(demo), self.eyes.settle(start), np.empty((0, 4))
         nothing = FourViews(empty, empty, np.empty((0, 4), bool))
         blank = Snapshot(

@@ -24,7 +24,8 @@ NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench pictur
 
 class RenderedEyes:
     """See the package. pictures: (height, width, 3) uint8 of the views l, r, L, R, as last taken, and what was
-    detected in them, `detections`."""
+    detected in them, `detections`; theta: by pair of views, the posture (m,) rad in which its arm was last looked at,
+    all that one look leaves to the next, at first `rest`."""
 
     noise_px = NOISE_PX
 
@@ -36,7 +37,8 @@ class RenderedEyes:
             self._arm, self._studio = Arm(urdf), Studio(scene, urdf)
         self._cameras = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         rest = np.radians(scene.posture_deg)[scene.moving]
-        self._theta = {"lr": rest, "LR": rest}
+        self.rest = {"lr": rest, "LR": rest}
+        self.theta = dict(self.rest)
         self.pictures: dict[str, NDArray] = {}
         self.detections: dict[str, Detections] = {}
 
@@ -57,7 +59,7 @@ class RenderedEyes:
 
     def look(self, view: str) -> NDArray:
         """Take a picture of VIEWS with the arms as they stand → (height, width, 3) uint8, and detect its markers."""
-        self._studio.pose(self._theta["lr"], self._theta["LR"])
+        self._studio.pose(self.theta["lr"], self.theta["LR"])
         self.pictures[view] = self._studio.picture(self._cameras[view])
         self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, MIDDLE)
         return self.pictures[view]
@@ -68,9 +70,9 @@ class RenderedEyes:
         pair = "lr" if view in "lr" else "LR"
         base = self.world.T_world_demo if pair == "lr" else self.world.T_world_own
         camera = self._cameras[view]
-        points = self.world.points_world(self._theta[pair], base)
+        points = self.world.points_world(self.theta[pair], base)
         image, inside = camera.project(points.T)
-        self._studio.pose(self._theta["lr"], self._theta["LR"])
+        self._studio.pose(self.theta["lr"], self.theta["LR"])
         surface = self._studio.depth_m(camera)
         last = np.array(surface.shape) - 1
         row, column = np.clip((SAMPLES * image[::-1]).astype(int), 0, last[:, None])
@@ -82,7 +84,7 @@ class RenderedEyes:
         theta = np.stack(np.broadcast_arrays(*theta), -1)
         points, visible = [], []
         for posture in theta.reshape(-1, theta.shape[-1]):
-            self._theta[pair] = posture
+            self.theta[pair] = posture
             for view in pair:
                 self.look(view)
             points.append(np.concatenate([self.detections[view].points for view in pair], -1))

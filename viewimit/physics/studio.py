@@ -37,7 +37,7 @@ class Studio:
         revolute = self._arms.JOINT_REVOLUTE
         self._joints = [k for k in joints if self._arms.getJointInfo(self._bodies[0], k)[2] == revolute]
         self._build_room(scene)
-        self._empty: dict[bytes, tuple[NDArray, NDArray]] = {}
+        self._empty: dict[bytes, tuple[NDArray, NDArray, NDArray]] = {}  # of the room: rays, their depth, picture
 
     def pose(self, theta_demo: ArrayLike, theta_own: ArrayLike) -> None:
         """(m,) rad each"""
@@ -49,14 +49,15 @@ class Studio:
         """(height, width, 3) uint8, red, green, blue: the mean over each pixel of SAMPLES² rays."""
         key = camera.T_world_camera.tobytes()
         if key not in self._empty:
-            self._empty[key] = _render(self._room, camera)
-        (arms, depth), (room, room_depth) = _render(self._arms, camera), self._empty[key]
-        seen = np.where((depth < room_depth)[..., None], arms, room)
-        total = np.full((camera.height, camera.width, 3), SAMPLES**2 // 2, np.uint16)
-        for row in range(SAMPLES):
-            for column in range(SAMPLES):
-                total += seen[row::SAMPLES, column::SAMPLES]
-        return (total // SAMPLES**2).astype(np.uint8)
+            room, depth = _render(self._room, camera)
+            self._empty[key] = room, depth, _mean(room)
+        (arms, depth), (room, room_depth, empty) = _render(self._arms, camera), self._empty[key]
+        nearer, picture = depth < room_depth, empty.copy()
+        if nearer.any():  # only there the picture is not that of the empty room
+            rows, columns = (_pixels(nearer.any(axis)) for axis in (1, 0))
+            rays = tuple(slice(SAMPLES * part.start, SAMPLES * part.stop) for part in (rows, columns))
+            picture[rows, columns] = _mean(np.where(nearer[rays], arms[rays], room[rays]))
+        return picture
 
     def depth_m(self, camera: Camera) -> NDArray:
         """(SAMPLES height, SAMPLES width) m along the optical axis, of the arms alone."""
@@ -91,13 +92,29 @@ class Studio:
 
 
 def _render(client, camera: Camera) -> tuple[NDArray, NDArray]:
-    """All samples: colours (…, …, 3) uint8, and depths (…, …) between 0 and 1."""
+    """All samples: colours (…, …), the four bytes of each in one number, and depths (…, …) between 0 and 1."""
     view, projection = matrices(camera, SAMPLES)
     width, height = SAMPLES * camera.width, SAMPLES * camera.height
     how = {"renderer": client.ER_TINY_RENDERER, "flags": client.ER_NO_SEGMENTATION_MASK, **LIGHT}
     _, _, colours, depth, _ = client.getCameraImage(width, height, view, projection, **how)
-    colours = np.asarray(colours, np.uint8).reshape(height, width, 4)  # a flat tuple if built without numpy
-    return colours[..., :3], np.asarray(depth, np.float32).reshape(height, width)
+    colours = np.ascontiguousarray(colours, np.uint8).view(np.uint32)  # a flat tuple if built without numpy
+    return colours.reshape(height, width), np.asarray(depth, np.float32).reshape(height, width)
+
+
+def _mean(rays: NDArray) -> NDArray:
+    """(SAMPLES h, SAMPLES w) packed colours → (h, w, 3) uint8, rounded"""
+    colours = np.ascontiguousarray(rays)[..., None].view(np.uint8)[..., :3]
+    total = np.full((rays.shape[0] // SAMPLES, rays.shape[1] // SAMPLES, 3), SAMPLES**2 // 2, np.uint16)
+    for row in range(SAMPLES):
+        for column in range(SAMPLES):
+            total += colours[row::SAMPLES, column::SAMPLES]
+    return (total // SAMPLES**2).astype(np.uint8)
+
+
+def _pixels(hit: NDArray) -> slice:
+    """hit: (SAMPLES n,) of an axis' rays → its pixels from the first that is hit to the last."""
+    where = np.flatnonzero(hit)
+    return slice(int(where[0]) // SAMPLES, int(where[-1]) // SAMPLES + 1)
 
 
 def matrices(camera: Camera, samples: int) -> tuple[list[float], list[float]]:

@@ -1,0 +1,142 @@
+"""The switch Camera images, from a browser's message to pictures in its page, with a real process that renders."""
+
+import importlib.util
+import re
+import time
+
+import numpy as np
+import pytest
+from protocol import Client, wait_until
+from test_browser_page import open_page, posture, press, status, switch
+from test_faults import Here, browser_of
+
+needed = pytest.mark.skipif(
+    not all(importlib.util.find_spec(package) for package in ("pybullet", "cv2")), reason="needs pybullet and OpenCV"
+)
+
+
+@pytest.fixture
+def here(tmp_path):
+    server = Here(tmp_path)
+    server.camera = server.app._camera
+    yield server
+    server.stop()
+    assert not server.camera.running
+
+
+def photographs(client: Client) -> set[str]:
+    """The pictures that the page shows, as data."""
+    panel = next((html for html in client.html.values() if 'aria-label="The four images"' in html), "")
+    return set(re.findall(r'href="(data:image/jpeg;base64,[^"]+)"', panel))
+
+
+def switch_on(client: Client) -> None:
+    client.put("Camera images", True)
+    wait_until(lambda: len(photographs(client)) == 4, 60)
+
+
+@needed
+def test_pictures_come_with_the_switch_change_with_motions_and_go_with_it(here):
+    here.camera._unused_s = 0.2
+    with Client(here.url).ready() as client:
+        assert not photographs(client) and not here.camera.running
+        switch_on(client)
+        assert client.value("Layout") == "36 markers" and "Ready" in client.status
+        before = photographs(client)
+        client.press("Step: one motion")
+        wait_until(lambda: len(photographs(client) - before) == 2)  # those of the arm that moved
+        client.put("Camera images", False)
+        wait_until(lambda: not photographs(client))
+        assert client.value("Layout") == "10 points"
+        wait_until(lambda: not here.camera.running)
+
+
+@needed
+def test_who_leaves_gives_the_process_up(here):
+    here.camera._unused_s = 0.2
+    with Client(here.url).ready() as client:
+        switch_on(client)
+        client.press("Play or pause")
+    wait_until(lambda: not here.camera.running)
+
+
+@needed
+def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
+    with Client(here.url).ready() as client:
+        switch_on(client)
+        here.camera._process.kill()
+        client.press("Step: one motion")
+        wait_until(lambda: "back to projected points" in client.status)
+        wait_until(lambda: not photographs(client) and client.value("Camera images") is False)
+        switch_on(client)
+
+
+@needed
+def test_a_reload_comes_back_to_the_same_pictures(here):
+    cookie = browser_of(here.url)
+    with Client(here.url, cookie=cookie).ready() as client:
+        switch_on(client)
+        before = photographs(client)
+        client.press("Step: one motion")
+        wait_until(lambda: len(photographs(client) - before) == 2)
+        seen = photographs(client)
+    time.sleep(0.5)
+    with Client(here.url, cookie=cookie).ready() as client:
+        wait_until(lambda: photographs(client) == seen)
+        assert client.value("Camera images") is True and client.value("History") == 1
+
+
+def test_what_is_not_installed_is_said_and_the_box_jumps_back(here, monkeypatch):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pybullet" else find(name))
+    with Client(here.url).ready() as client:
+        client.put("Camera images", True)
+        wait_until(lambda: "pip install 'viewimit[pybullet]'" in client.status.replace("&#x27;", "'"))
+        wait_until(lambda: client.value("Camera images") is False)
+        assert not here.camera.running and not photographs(client)
+
+
+@needed
+def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
+    with Client(here.url).ready() as client:
+        client.put("Preset", "Camera images")
+        wait_until(lambda: len(photographs(client)) == 4, 60)
+        client.press("Play or pause")
+        wait_until(lambda: "Converged" in client.status, 60)
+        bars = next(html for html in client.html.values() if "vi-bar" in html and "<style" not in html)
+        shown = [float(angle.replace("−", "-")) for angle in re.findall(r"<b>([^<]*)°</b>", bars)]
+        assert np.abs(np.array(shown) - [45, -90]).max() < 2
+
+
+LOADED = """async () => {
+  const pictures = [...document.querySelectorAll('image.vi-photograph')].map(image => {
+    const loaded = new Image(); loaded.src = image.getAttribute('href'); return loaded })
+  await Promise.all(pictures.map(picture => picture.decode()))
+  return pictures.map(picture => [picture.naturalWidth, picture.naturalHeight])
+}"""
+DOTS = (
+    "[...document.querySelectorAll('.vi-own:not(.vi-idle)')].map(path => path.getAttribute('d').split('M').length - 1)"
+)
+
+
+@needed
+@pytest.mark.browser
+def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, server):
+    page = open_page(browser, server, "small")
+    page.get_by_text("Display", exact=True).click()
+    page.wait_for_timeout(300)
+    switch(page, "Camera images")
+    page.wait_for_selector("image.vi-photograph", state="attached", timeout=60_000)
+    assert page.evaluate(LOADED) == [[640, 240]] * 4
+    press(page, "ArrowRight")
+    page.wait_for_function("document.querySelector('.vi-bar b').textContent.startsWith('40.')", timeout=20_000)
+    assert posture(page)[0] != 40  # its motors hold the arm a little below
+    seen = int(re.search(r"points seen\s*(\d+)\s*of 36", page.text_content("body"))[1])
+    in_L, in_R, *_ = page.evaluate(DOTS)
+    assert in_L == in_R == seen >= 5
+    page.wait_for_function("!document.querySelector('.vi-status').textContent.includes('starting')")
+    assert re.search(r"E [\d.]+ px²", status(page))
+    switch(page, "Camera images")
+    page.wait_for_function("document.querySelectorAll('image.vi-photograph').length == 0", timeout=20_000)
+    assert page.problems == []
+    page.close()

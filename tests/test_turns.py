@@ -1,0 +1,315 @@
+"""A page that looks with pictures takes its turns beside the scheduler's thread: nothing waits for it but itself."""
+
+import re
+import threading
+import time
+
+import numpy as np
+import pytest
+from viewimit.app import session_eyes
+from viewimit.app.camera_benchmark import quiet_client
+from viewimit.app.camera_process import CameraLost
+from viewimit.app.experiment_worker import ExperimentWorker
+from viewimit.app.keeper import Memory
+from viewimit.app.landscape_worker import LandscapeWorker
+from viewimit.app.load import Load
+from viewimit.app.page import Page
+from viewimit.app.scheduler import TICK
+from viewimit.app.turns import Turns
+
+from viewimit.markers import load_markers
+from viewimit.snapshot import BEST, Settings
+from viewimit.world import World
+
+VIEWS = ["L", "R", "l", "r"]
+
+
+class Camera:
+    """Stands for the process: looks at projected markers, as long as its gate is open. asked: by which threads."""
+
+    def __init__(self):
+        self.gate, self.asked, self.closed = threading.Event(), [], []
+        self.refusal = self.loss = None
+        self.gate.set()
+
+    def open(self, scene, key=None):
+        if self.refusal:
+            raise ValueError(self.refusal)
+        self.world = World(scene, body=load_markers(scene.robot).body)
+        return 0, 0.0
+
+    def ask(self, key, what, *arguments):
+        self.asked.append((what, threading.get_ident()))
+        assert self.gate.wait(10)
+        if self.loss:
+            raise CameraLost(self.loss)
+        if what in ("own_images", "demo_images"):
+            return getattr(self.world, what)(*arguments), (b"left", b"right")
+        return arguments[-1], ()  # an arm without weight
+
+    def close(self, key):
+        self.closed.append(key)
+
+
+class Visit:
+    """A page without a browser, ticked by hand in a clock of its own."""
+
+    def __init__(self, camera, resumed=None, settings=BEST):
+        client = quiet_client(id(self))
+        self.kept, self.now = [], 100.0
+        workers = LandscapeWorker(), ExperimentWorker(), camera
+        self.page = Page(client, *workers, lambda: None, settings, self.kept.append, Load(TICK), resumed)
+        self.session = self.page._session
+
+    def put(self, name, value):
+        self.page._inbox.put(name, value)
+
+    def act(self, action):
+        self.page._inbox.act(action)
+
+    def tick(self, count=1):
+        for _ in range(count):
+            self.now += 0.05
+            self.page.tick(self.now)
+
+    def rest(self, seconds=10.0):
+        """Tick until no turn goes on."""
+        until = time.monotonic() + seconds
+        self.tick()
+        while self.page._turns.busy:
+            assert time.monotonic() < until
+            time.sleep(0.002)
+            self.tick()
+
+    def arrive(self):
+        self.rest()
+        self.tick(40)
+
+    @property
+    def said(self):
+        return self.page._panels._status.content
+
+    @property
+    def photographs(self):
+        """Views with a picture, as drawn."""
+        planes = self.page._panels._images.content.split('<svg x="')[1:]
+        return sorted(re.search(r'vi-name[^>]*">(\w)<', plane)[1] for plane in planes if "data:image/jpeg" in plane)
+
+
+@pytest.fixture(autouse=True)
+def installed(monkeypatch):
+    monkeypatch.setattr(session_eyes, "require_eyes", lambda camera, scene: None)
+
+
+@pytest.fixture
+def camera():
+    return Camera()
+
+
+@pytest.fixture
+def visit(camera):
+    """A page with camera images on, at rest."""
+    visit = Visit(camera)
+    visit.put("camera", True)
+    visit.arrive()
+    assert visit.session.settings.camera == "rendered" and visit.photographs == VIEWS
+    yield visit
+    camera.gate.set()
+    assert visit.page.close()
+
+
+def test_nothing_is_looked_at_in_the_thread_that_ticks(camera, visit):
+    for act in ("step", "undo", "reset", "duel"):
+        visit.act(act)
+        visit.arrive()
+    for name, value in (("joint0", 60.0), ("noise_px", 0.5), ("joints", "all seven"), ("preset", "Camera images")):
+        visit.put(name, value)
+        visit.arrive()
+    assert len(camera.asked) > 20 and threading.get_ident() not in {thread for _, thread in camera.asked}
+
+
+def test_a_page_that_waits_for_its_pictures_holds_no_other_up(camera, visit):
+    other = Visit(Camera())
+    camera.gate.clear()
+    visit.act("step")
+    other.act("step")
+    visit.tick()
+    other.tick()
+    assert visit.page._turns.busy and visit.session.snapshot.motion == 0 and other.session.snapshot.motion == 1
+    camera.gate.set()
+    visit.rest()
+    assert visit.session.snapshot.motion == 1
+
+
+def test_pause_and_speed_do_not_wait_and_the_newest_value_of_a_slider_wins(camera, visit):
+    visit.act("play")
+    visit.rest()
+    camera.gate.clear()
+    visit.tick(20)  # until the next motion is due
+    assert visit.page._turns.busy
+    before = len(camera.asked)
+    visit.act("play")
+    visit.put("speed", "4 a second")
+    for angle in (50.0, 60.0, 70.0):
+        visit.put("joint0", angle)
+        visit.tick()
+    assert not visit.page._pace.playing and visit.page._pace.speed == 4
+    assert visit.session.settings.demonstrator_deg[0] == 45
+    camera.gate.set()
+    visit.rest()
+    assert visit.session.settings.demonstrator_deg[0] == 70
+    assert [what for what, _ in camera.asked[before:]].count("settle") == 1  # 50° and 60° were never stood at
+
+
+def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
+    before = visit.page._panels._images.content
+    visit.act("step")
+    visit.rest()
+    looks = len(camera.asked)
+    theta, moving = visit.page._pace.theta(visit.now)
+    visit.tick(3)
+    assert moving and not np.array_equal(theta, visit.page._pace.theta(visit.now)[0])
+    assert visit.page._panels._images.content == before
+    visit.tick(20)
+    assert visit.page._panels._images.content != before and visit.photographs == VIEWS
+    assert len(camera.asked) == looks
+
+
+def test_a_motion_is_seen_from_when_it_is_known(camera, visit):
+    start = visit.session.snapshot.theta
+    camera.gate.clear()
+    visit.act("step")
+    visit.tick(30)  # longer than the motion is seen
+    camera.gate.set()
+    visit.rest()
+    np.testing.assert_array_equal(visit.page._pace.theta(visit.now)[0], start)
+
+
+def test_a_lost_process_costs_the_pictures_and_nothing_else(camera, visit):
+    visit.put("joint0", 60.0)
+    visit.arrive()
+    camera.loss = "the process has ended"
+    visit.act("play")
+    visit.rest()
+    visit.arrive()
+    assert "the process has ended: back to projected points" in visit.said
+    assert visit.session.settings.camera == "points" and visit.session.settings.demonstrator_deg[0] == 60
+    assert visit.photographs == [] and not visit.page._pace.playing
+    visit.act("step")
+    visit.tick()
+    assert visit.session.snapshot.motion == 1
+
+
+def test_too_many_is_said_and_the_page_stays_on_points(camera):
+    visit = Visit(camera)
+    visit.act("step")
+    visit.tick()
+    camera.refusal = "camera images are in use by 8 others"
+    visit.put("camera", True)
+    visit.arrive()
+    assert camera.refusal in visit.said and visit.page._controls.camera.value is False
+    assert visit.session.snapshot.motion == 1 and visit.session.settings.camera == "points"
+
+
+def test_any_other_fault_reaches_the_scheduler(camera, visit, monkeypatch):
+    monkeypatch.setattr(visit.session, "step", lambda: 1 / 0)
+    visit.act("step")
+    with pytest.raises(ZeroDivisionError):
+        visit.rest()
+    visit.act("reset")
+    visit.arrive()
+    assert visit.photographs == VIEWS
+
+
+def test_switching_off_ends_pictures_and_gives_the_eyes_back(camera, visit):
+    visit.put("camera", False)
+    visit.arrive()
+    assert visit.photographs == [] and camera.closed == [0]
+    before = len(camera.asked)
+    visit.act("step")
+    visit.tick()
+    assert visit.session.snapshot.motion == 1 and len(camera.asked) == before
+
+
+def test_an_opponent_looks_too_and_gives_its_eyes_back(camera, visit):
+    visit.act("duel")
+    visit.arrive()
+    assert visit.page._duel.duel.opponent.settings.camera == "rendered" and camera.closed == []
+    visit.act("duel")
+    visit.arrive()
+    assert camera.closed == [0]
+
+
+def test_older_moments_have_their_pictures(camera, visit):
+    for _ in range(3):
+        visit.act("step")
+        visit.arrive()
+    visit.put("history", 1)
+    visit.arrive()
+    assert visit.photographs == VIEWS
+
+
+def test_a_kept_session_comes_back_with_its_history_and_takes_its_pictures_in_a_turn(camera, visit):
+    for _ in range(2):
+        visit.act("step")
+        visit.arrive()
+    kept = visit.page.memory()
+    again = Camera()
+    again.gate.clear()
+    back = Visit(again, kept)
+    assert again.asked == []
+    back.tick()
+    until = time.monotonic() + 5
+    while not again.asked:
+        assert time.monotonic() < until
+        time.sleep(0.002)
+    back.tick(200)
+    assert back.kept == []  # what is kept must not be written over before it has come back
+    again.gate.set()
+    back.arrive()
+    assert back.photographs == VIEWS and len(back.session.history) == 3
+    np.testing.assert_array_equal(back.session.snapshot.views.own, visit.session.snapshot.views.own)
+
+
+def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
+    visit.put("joint0", 60.0)
+    visit.arrive()
+    kept, full = visit.page.memory(), Camera()
+    full.refusal = "camera images are in use by 8 others"
+    back = Visit(full, Memory(kept.head, kept.history))
+    back.arrive()
+    assert full.refusal in back.said
+    assert back.session.settings.camera == "points" and back.session.settings.demonstrator_deg[0] == 60
+
+
+def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera, visit, monkeypatch):
+    monkeypatch.setattr("viewimit.app.page.LEAVES_WITHIN", 0.05)
+    camera.gate.clear()
+    visit.act("step")
+    visit.tick()
+    assert not visit.page.close() and camera.closed == []
+    camera.gate.set()
+    until = time.monotonic() + 5
+    while camera.closed != [0]:
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def test_a_page_on_points_takes_its_turns_at_once():
+    visit = Visit(Camera(), settings=Settings())
+    visit.act("step")
+    visit.tick()
+    assert visit.session.snapshot.motion == 1 and not visit.page._turns.busy
+
+
+def test_turns_end_once_and_raise_what_was_raised():
+    turns, gate = Turns(), threading.Event()
+    turns.begin(gate.wait, alone=True)
+    assert turns.busy and turns.alone and not turns.end() and not turns.wait(0.01)
+    gate.set()
+    assert turns.wait(5) and turns.end() and not turns.end() and not turns.busy and not turns.alone
+    turns.begin(lambda: 1 / 0, alone=False)
+    turns.wait(5)
+    with pytest.raises(ZeroDivisionError):
+        turns.end()
+    assert not turns.end()

@@ -308,12 +308,13 @@ def test_two_tabs_are_two_sessions(browser, server, page):
     other.close()
 
 
-def test_a_reloaded_tab_is_served_again(page):
+def test_a_reloaded_tab_goes_on_where_it_was(page):
     press(page, "ArrowRight")
+    wait_until(page, lambda: posture(page) == [40, -25])
     page.reload()
     page.wait_for_selector(".vi-status", timeout=30_000)
     page.wait_for_function("document.querySelectorAll('.vi-contour').length > 0", timeout=20_000)
-    assert posture(page) == [25, -25]
+    assert posture(page) == [40, -25]
 
 
 @pytest.fixture

@@ -176,7 +176,7 @@ class Controls:
         self.switches: dict = {}
         for label, name, value in (
             ("Rays", "rays", False),
-            ("Residuals in 3-D", "residuals", True),
+            ("Residuals, 3-D", "residuals", True),
             ("Hand gizmo", "gizmo", True),
             ("Whole frames", "whole_frames", False),
             ("Dark", "dark", False),

@@ -108,6 +108,7 @@ _DRAWINGS = """
 .vi-bone.vi-found{stroke:var(--recovered);stroke-width:1.4;stroke-dasharray:3 2.2;stroke-linecap:butt}
 .vi-own{stroke:var(--learner);stroke-width:6}
 .vi-seen{fill:var(--demonstrator);stroke:var(--demonstrator-edge);stroke-width:1}
+.vi-pictured .vi-seen{fill-opacity:0;stroke:var(--demonstrator);stroke-width:1.3}
 .vi-found{stroke:var(--recovered);stroke-width:1.5}
 .vi-idle{opacity:.4}
 .vi-e{stroke:var(--residual);stroke-width:1.8}

@@ -252,7 +252,7 @@ def test_two_methods_race_from_one_start(page):
 def test_display_switches(page):
     page.get_by_text("Display", exact=True).click()
     page.wait_for_timeout(500)
-    for label in ("Rays", "Residuals in 3-D", "Hand gizmo", "Whole frames", "Dark"):
+    for label in ("Rays", "Residuals, 3-D", "Hand gizmo", "Whole frames", "Dark"):
         switch(page, label)
     page.wait_for_selector(":root[data-mantine-color-scheme=dark]")
     choose(page, "Layout", "16 points")

@@ -15,11 +15,13 @@ from viser import ClientHandle
 from viewimit.session import Session
 from viewimit.snapshot import Settings, Snapshot
 
-from .camera_process import CameraLost, CameraProcess
+from .camera_process import CameraProcess
 from .comparison import Comparison
 from .controls import Controls
+from .drawn import Drawn
 from .duel_tab import DuelTab
 from .experiment_worker import ExperimentWorker
+from .hand_gizmo import HandGizmo
 from .inbox import Inbox
 from .keeper import Head, Memory
 from .laboratory import Laboratory
@@ -32,12 +34,12 @@ from .scene3d import Scene3D
 from .session_eyes import RemoteEyes, SessionEyes
 from .turns import Turns
 from .visitor import View, Visitor
+from .wishes import Wishes
 
 WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY, EQUATIONS_EVERY = 0.1, 0.2, 0.5  # s; nobody reads numbers that change faster
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 MESSAGE_STAYS = 6.0  # s
-BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
 
@@ -60,7 +62,7 @@ class Page:
         self._client, self._worker, self._begun, self._keep, self._load = client, worker, settings, keep, load
         self._inbox, self._view = Inbox(), View()
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
-        self._turns, self._asked_at = Turns(), 0.0
+        self._turns = Turns()
         self._looked: Snapshot | None = None  # what the panels have shown last of an arm at rest
         self._session = Session(settings, self._eyes)
         pictured = resumed is not None and resumed.history[resumed.head.cursor].settings.camera == "rendered"
@@ -71,9 +73,8 @@ class Page:
             self._session.resume(resumed.history, resumed.head.cursor)
         self._pace = Pace(self._session)
         self._message: tuple[str, float] | None = None
-        self._drawn: dict[str, tuple] = {}
-        self._last: dict[str, float] = {}
-        self._canvas, self._dragging, self._dark = (0, 0), False, False
+        self._drawn = Drawn()
+        self._canvas, self._dark = (0, 0), False
         presets = presets_from(settings)
         wide = client.camera.image_width >= WIDE
         with client.atomic():
@@ -91,13 +92,13 @@ class Page:
             self._laboratory = Laboratory(client, tab, self._inbox, self._session, experiments, worker, pose)
             choose = lambda point: self._inbox.put("chosen", point)
             self._scene = Scene3D(client, choose, COVERED[wide], share_opponent)
-            self._gizmo = self._add_gizmo()
+            self._gizmo = HandGizmo(client, self._inbox)
             self._show_world()
         elsewhere = {
             "view": self._scene.fit_view,
             "help": self._panels.show_help,
             "dark": self._set_dark,
-            "hand dropped": self._drop_hand,
+            "hand dropped": lambda _: self._drawn.forget("panels"),
             "landscape": self._panels.show_landscape,
             "resume": self._resume_pictures,
             **self._comparison.wishes,
@@ -114,7 +115,19 @@ class Page:
             self._show_world,
             elsewhere,
         )
-
+        self._wishes = Wishes(
+            self._inbox,
+            self._session,
+            self._pace,
+            self._turns,
+            load,
+            self._visitor,
+            self._duel.duel.wishes,
+            self._laboratory,
+            self._refuse,
+            self._forgive,
+            self._announce_pictures,
+        )
         if resumed is not None:
             self._resume(msgspec.structs.replace(resumed.head, chosen=None) if pictured else resumed.head, presets)
 
@@ -175,103 +188,35 @@ class Page:
         self._panels.draw_state("message", self._message[0])
 
     def tick(self, now: float) -> None:
-        self._end_turn(now)
-        if self._turns.busy:
-            self._act_meanwhile(now)
-        else:
-            self._take_turn(now)
+        self._wishes.tick(now)
         if not self._turns.alone:
             with self._client.atomic():  # viser's thread is woken once
                 self._draw(now)
-        if not self._turns.busy and self._due("kept", now, KEPT_EVERY):
+        if not self._turns.busy and self._drawn.due("kept", now, KEPT_EVERY):
             self._keep(self.memory())
 
-    def _take_turn(self, now: float) -> None:
-        """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes
-        pictures, at once if not."""
-        wishes = self._wishes(now)
-        opens = any(self._takes_pictures(*wish[1:3]) for wish in wishes)
-        if not opens and self._session.settings.camera == "points":
-            self._carry_out(wishes, now, self._load.step_budget)
-            return
-        for wish in wishes:
-            if not self._moves(wish[1]):
-                self._allow(now, *wish)
-        moving = [wish for wish in wishes if self._moves(wish[1])]
-        self._asked_at = now
-        if opens:  # which takes seconds
-            self._draw(now)
-            self._panels.draw_state("message", "starting the camera images …")
-        if moving or self._laboratory.poses:
-            self._turns.begin(lambda: self._carry_out(moving, now), alone=True)
-            return
-        self._laboratory.tick()
-        if self._pace.due(now):
-            self._turns.begin(lambda: self._pace.advance(now, lambda: BESIDE), alone=False)
+    def _refuse(self, why: str, now: float) -> None:
+        """Say it, and show again what is."""
+        self._say(why, now + MESSAGE_STAYS)
+        self._controls.show(self._session.settings)
+        self._drawn.forget("laboratory")
 
-    def _carry_out(self, wishes: list[tuple], now: float, budget: Callable[[], float] = lambda: 0.0) -> None:
-        for wish in wishes:
-            self._allow(now, *wish)
-        self._laboratory.tick()
-        self._pace.advance(now, budget)
-        if isinstance(self._session.eyes, RemoteEyes):
-            self._session.eyes.retake(self._session.snapshot)
+    def _forgive(self) -> None:
+        self._message = None
 
-    def _act_meanwhile(self, now: float) -> None:
-        """What need not wait for the turn that goes on."""
-        if self._turns.alone:
-            return
-        for carry_out, what, *value in self._wishes(now, lambda name: name == "play" or not self._moves(name)):
-            if what == "play":
-                self._pace.toggle()
-            else:
-                self._allow(now, carry_out, what, *value)
-
-    def _end_turn(self, now: float) -> None:
-        try:
-            if self._turns.end():
-                self._pace.seen_from(now, self._asked_at)
-        except CameraLost as lost:
-            self._visitor.leave_pictures()
-            self._say(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
-
-    def _wishes(self, now: float, wanted: Callable[[str], bool] = lambda name: True) -> list[tuple]:
-        """What carries it out, its name, and its arguments."""
-        values, actions = self._inbox.take(wanted)
-        return [(self._visitor.set, *item) for item in values.items()] + [
-            (self._visitor.act, action, now) for action in actions
-        ]
-
-    def _moves(self, name: str) -> bool:
-        return (
-            name == "resume"
-            or self._visitor.moves(name)
-            or name in self._duel.duel.wishes
-            or self._laboratory.moves(name)
-        )
-
-    def _takes_pictures(self, name: str, value) -> bool:
-        return name == "resume" or self._visitor.takes_pictures(name, value)
-
-    def _allow(self, now: float, carry_out: Callable, what: str, *value) -> None:
-        """Carry out one wish of the visitor; one that cannot be is said, and the others go on."""
-        try:
-            if what == "reset":
-                self._message = None
-            carry_out(what, *value)
-        except ValueError as refusal:
-            self._say(str(refusal), now + MESSAGE_STAYS)
-            self._controls.show(self._session.settings)
-            self._drawn.pop("laboratory", None)
+    def _announce_pictures(self, now: float) -> None:
+        """It takes seconds to begin with them."""
+        self._draw(now)
+        self._panels.draw_state("message", "starting the camera images …")
 
     def _draw(self, now: float) -> None:
         present = self._session.snapshot
         (theta, moving), *others = [runner.theta(now) for runner in self._pace.runners]
         poses = [theta, present.theta_demo, *(other for other, _ in others)]
-        if self._changed("poses", *(pose.tobytes() for pose in poses)):
+        if self._drawn.changed("poses", *(pose.tobytes() for pose in poses)):
             self._scene.draw_poses(*poses)
         panels_every = PANELS_EVERY * self._load.panels
-        if not self._due("panels", now, panels_every):
+        if not self._drawn.due("panels", now, panels_every):
             return
         self._controls.show_playing(self._pace.playing)
         self._fit_new_canvas()
@@ -280,19 +225,19 @@ class Page:
         if self._pace.runners[0].duration < 2 * panels_every:  # gone by when it would be drawn again
             theta, moving = present.theta, False
         shown_as = self._view.chosen, tuple(self._view.show.values()), self._panels.landscape
-        if self._changed("panels", present, theta.tobytes(), *shown_as):
+        if self._drawn.changed("panels", present, theta.tobytes(), *shown_as):
             self._draw_panels(*self._seen(theta, moving, present), present)
         self._draw_status(now)
-        if self._changed("duel", *self._duel.state):
+        if self._drawn.changed("duel", *self._duel.state):
             self._duel.draw()
-        if self._changed("laboratory", *self._laboratory.state):
+        if self._drawn.changed("laboratory", *self._laboratory.state):
             self._laboratory.draw()
-        if self._due("curves", now, CURVES_EVERY * self._load.plots) and self._changed(
+        if self._drawn.due("curves", now, CURVES_EVERY * self._load.plots) and self._drawn.changed(
             "curves", present, self._pace.cursor, self._pace.last, self._view.chosen, self._panels.landscape
         ):
             self._panels.draw_curves(self._session)
             self._controls.show_history(self._pace.cursor, self._pace.last)
-        if self._due("equations", now, EQUATIONS_EVERY * self._load.plots) and self._changed(
+        if self._drawn.due("equations", now, EQUATIONS_EVERY * self._load.plots) and self._drawn.changed(
             "equations", present, self._view.chosen
         ):
             self._panels.draw_equations(self._session, self._view.chosen)
@@ -329,12 +274,10 @@ class Page:
         self._panels.draw_images(looked, self._view.chosen, self._view.show["whole_frames"], pictures)
         self._panels.draw_path(self._session, shown)
         self._controls.show_learner(self._session.scene, shown.theta, present.theta_demo)
-        self._gizmo.visible = self._view.show["gizmo"]
-        if not self._dragging and self._changed("hand", present.theta_demo.tobytes()):
-            self._gizmo.position = self._scene.hand_position(present.theta_demo)
+        self._gizmo.show(self._view.show["gizmo"], present.theta_demo, self._scene.hand_position)
 
     def _ask_for_landscape(self, present: Snapshot) -> None:
-        if self._changed("landscape", *landscape_key(present)):
+        if self._drawn.changed("landscape", *landscape_key(present)):
             world, make = self._session.world, self._panels.make_landscape
             done = lambda made: self._inbox.put("landscape", made)
             self._worker.ask(self._client.client_id, lambda: make(world, present), done)
@@ -342,7 +285,7 @@ class Page:
     def _show_world(self) -> None:
         self._scene.build(self._session.world)
         self._panels.set_world(self._session.world, self._session.snapshot)
-        self._drawn.clear()
+        self._drawn.forget_all()
         self._looked = None
 
     def _fit_new_canvas(self) -> None:
@@ -359,40 +302,6 @@ class Page:
 
     def _say(self, text: str, until: float) -> None:
         self._message = text, until
-
-    def _due(self, what: str, now: float, period: float) -> bool:
-        if now - self._last.get(what, -np.inf) < 0.9 * period:  # ticks jitter
-            return False
-        self._last[what] = now
-        return True
-
-    def _changed(self, what: str, *state) -> bool:
-        """Whether this differs from what was drawn last; nothing is sent when nothing changes."""
-        before, self._drawn[what] = self._drawn.get(what), state
-        if before is None or len(before) != len(state):
-            return True
-        return any(a is not b and (isinstance(a, Snapshot) or a != b) for a, b in zip(before, state))
-
-    def _drop_hand(self, _) -> None:
-        self._dragging = False
-        self._drawn.pop("hand", None)
-        self._drawn.pop("panels", None)
-
-    def _add_gizmo(self):
-        gizmo = self._client.scene.add_transform_controls(
-            "/demonstrator_hand", scale=0.22, disable_rotations=True, disable_sliders=True, opacity=0.7
-        )
-
-        @gizmo.on_update
-        async def _(event) -> None:
-            self._dragging = True
-            self._inbox.put("hand", np.array(event.target.position, float))
-
-        @gizmo.on_drag_end
-        async def _(_event) -> None:
-            self._inbox.put("hand dropped", True)
-
-        return gizmo
 
 
 def _on_points(settings: Settings) -> Settings:

@@ -21,13 +21,11 @@ class HandGizmo:
 
         @self._gizmo.on_update
         async def _(event) -> None:
-            self._dragging = True
+            self._dragging = event.phase != "end"
             inbox.put("hand", np.array(event.target.position, float))
-
-        @self._gizmo.on_drag_end
-        async def _(_event) -> None:
-            self._dragging, self._shown = False, None
-            inbox.put("hand dropped", True)
+            if not self._dragging:
+                self._shown = None
+                inbox.put("hand dropped", True)
 
     def show(self, visible: bool, theta_demo: NDArray, hand_position: Callable[[NDArray], NDArray]) -> None:
         """At the hand in this posture, hand_position(theta_demo), unless the visitor holds it somewhere else."""

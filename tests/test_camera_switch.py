@@ -129,7 +129,7 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     page.wait_for_selector("image.vi-photograph", state="attached", timeout=60_000)
     assert page.evaluate(LOADED) == [[640, 240]] * 4
     press(page, "ArrowRight")
-    page.wait_for_function("document.querySelector('.vi-bar b').textContent.startsWith('40.')", timeout=20_000)
+    page.wait_for_function("document.querySelector('.vi-bar b').textContent.startsWith('40.')", timeout=60_000)
     assert posture(page)[0] != 40  # its motors hold the arm a little below
     seen = int(re.search(r"points seen\s*(\d+)\s*of 36", page.text_content("body"))[1])
     in_L, in_R, *_ = page.evaluate(DOTS)
@@ -137,6 +137,6 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     page.wait_for_function("!document.querySelector('.vi-status').textContent.includes('starting')")
     assert re.search(r"E [\d.]+ px²", status(page))
     switch(page, "Camera images")
-    page.wait_for_function("document.querySelectorAll('image.vi-photograph').length == 0", timeout=20_000)
+    page.wait_for_function("document.querySelectorAll('image.vi-photograph').length == 0", timeout=60_000)
     assert page.problems == []
     page.close()

@@ -8,6 +8,7 @@ import io
 import logging
 import signal
 import socket
+import sys
 import threading
 import webbrowser
 from collections.abc import Sequence
@@ -34,6 +35,7 @@ from .scheduler import Scheduler
 from .store import Store, open_store
 
 PORTS_TO_TRY = 100
+SWITCH_S = 5e-4  # after which a thread that waits gets its turn: viser's sends little, often, while pages are drawn
 
 
 class PortInUse(OSError):
@@ -59,6 +61,7 @@ def serve(
     Session(settings)  # bad settings must fail here, not in every visitor's tab
     require_free(host, port)
     logging.basicConfig(format="%(asctime)s %(message)s")
+    sys.setswitchinterval(SWITCH_S)
     keeper = Keeper(store or open_store())
     scheduler = Scheduler()
     door = Door(max_clients, origins, scheduler.health)

@@ -1,7 +1,7 @@
-"""What passes between a page's controls and the scheduler's thread.
+"""What passes between a page's controls and the scheduler.
 
 viser runs callbacks on its own threads. Each does nothing but put the newest value, or an action, into the
-inbox; the scheduler's thread takes them out.
+inbox; the scheduler takes them out.
 """
 
 import threading

@@ -1,5 +1,10 @@
-"""One thread that steps and draws every page: a thread a session would starve viser's event loop."""
+"""One task that steps and draws every page, in viser's own event loop.
 
+A thread beside it would wait for it at every message, and it for the thread; a thread a session would starve it.
+"""
+
+import asyncio
+import concurrent.futures
 import threading
 import time
 import traceback
@@ -19,15 +24,17 @@ class Scheduler:
         self.load = Load(TICK)
         self._running = False
         self._ticked = time.monotonic()
-        self._thread = threading.Thread(target=self._run, name="viewimit-scheduler", daemon=True)
+        self._task: concurrent.futures.Future | None = None
 
-    def start(self) -> None:
+    def start(self, loop: asyncio.AbstractEventLoop) -> None:
+        """From any thread."""
         self._running = True
-        self._thread.start()
+        self._task = asyncio.run_coroutine_threadsafe(self._run(), loop)
 
     def stop(self) -> None:
+        """Not from the loop's own thread."""
         self._running = False
-        self._thread.join(timeout=2.0)
+        concurrent.futures.wait([self._task], 2.0)
 
     def add(self, page) -> None:
         with self._lock:
@@ -61,7 +68,7 @@ class Scheduler:
             traceback.print_exc()
             self._tell(page, error)
 
-    def _run(self) -> None:
+    async def _run(self) -> None:
         next_tick = time.monotonic()
         while self._running:
             self._ticked = time.monotonic()
@@ -70,11 +77,7 @@ class Scheduler:
             for page in pages:
                 with self._turn:
                     self._tick(page)
+                await asyncio.sleep(0)  # what was drawn is sent
             self.load.ticked(time.monotonic() - self._ticked)
-            next_tick += TICK
-            delay = next_tick - time.monotonic()
-            if delay > 0:
-                time.sleep(delay)
-            else:
-                next_tick = time.monotonic()  # behind: skip ticks instead of chasing them
-                time.sleep(0.001)  # viser's event loop needs a turn
+            next_tick = max(next_tick + TICK, time.monotonic())  # behind: skip ticks instead of chasing them
+            await asyncio.sleep(next_tick - time.monotonic())

@@ -8,7 +8,6 @@ import io
 import logging
 import signal
 import socket
-import sys
 import threading
 import webbrowser
 from collections.abc import Sequence
@@ -35,7 +34,6 @@ from .scheduler import Scheduler
 from .store import Store, open_store
 
 PORTS_TO_TRY = 100
-SWITCH_S = 5e-4  # after which a thread that waits gets its turn: viser's sends little, often, while pages are drawn
 
 
 class PortInUse(OSError):
@@ -61,7 +59,6 @@ def serve(
     Session(settings)  # bad settings must fail here, not in every visitor's tab
     require_free(host, port)
     logging.basicConfig(format="%(asctime)s %(message)s")
-    sys.setswitchinterval(SWITCH_S)
     keeper = Keeper(store or open_store())
     scheduler = Scheduler()
     door = Door(max_clients, origins, scheduler.health)
@@ -129,7 +126,7 @@ def invite(host: str, port: int) -> None:
 
 
 class App:
-    """Pages by client id. viser's threads connect and disconnect, the scheduler draws."""
+    """Pages by client id. viser's threads connect and disconnect, its event loop draws."""
 
     def __init__(self, server: viser.ViserServer, settings: Settings, scheduler: Scheduler, keeper: Keeper):
         self._server, self._settings, self._scheduler, self._keeper = server, settings, scheduler, keeper
@@ -145,7 +142,7 @@ class App:
         self._share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
         server.on_client_connect(self._connect)
         server.on_client_disconnect(self._disconnect)
-        self._scheduler.start()
+        self._scheduler.start(wire.loop_of(server))
 
     def stop(self) -> None:
         """Nothing moves any more, and all that the visitors did is kept."""

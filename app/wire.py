@@ -34,6 +34,11 @@ def serving_with(serve: Callable) -> Iterator[None]:
         raise RuntimeError("this version of viser opens its port in a way that viewimit does not know")
 
 
+def loop_of(server: ViserServer) -> asyncio.AbstractEventLoop:
+    """In which the server receives and sends."""
+    return server._websock_server._background_event_loop
+
+
 def client_of(server: ViserServer, connection: ServerConnection) -> ClientHandle | None:
     """Whose connection it is; None before its first camera message."""
     for client_id, live in list(server._websock_server._live_connections.items()):
@@ -49,7 +54,7 @@ def connection_of(server: ViserServer, client_id: int) -> ServerConnection | Non
 
 def answers(server: ViserServer, client_id: int, within: float) -> bool:
     """Whether the client is still there: it answers a ping within so many seconds. Not from viser's own thread."""
-    connection, loop = connection_of(server, client_id), server._websock_server._background_event_loop
+    connection, loop = connection_of(server, client_id), loop_of(server)
 
     async def ask() -> bool:
         try:
@@ -63,7 +68,7 @@ def answers(server: ViserServer, client_id: int, within: float) -> bool:
 
 def cut_off(server: ViserServer, client_id: int) -> None:
     """Close a connection that nobody answers on."""
-    connection, loop = connection_of(server, client_id), server._websock_server._background_event_loop
+    connection, loop = connection_of(server, client_id), loop_of(server)
     if connection is not None:
         loop.call_soon_threadsafe(connection.transport.abort)
 

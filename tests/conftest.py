@@ -3,6 +3,7 @@
 With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without any that passed, is a failure.
 """
 
+import asyncio
 import json
 import os
 import re
@@ -47,6 +48,18 @@ def ask_json(ask):
         return status, json.loads(out)
 
     return run
+
+
+@pytest.fixture
+def event_loop():
+    """One that runs in a thread of its own."""
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever)
+    thread.start()
+    yield loop
+    loop.call_soon_threadsafe(loop.stop)
+    thread.join()
+    loop.close()
 
 
 @pytest.fixture(scope="session")

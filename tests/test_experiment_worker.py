@@ -187,7 +187,7 @@ def test_stopping_leaves_no_process(tmp_path, monkeypatch, early):
     assert told[-1].state == "running"  # nobody is left to be told
 
 
-def test_sessions_keep_their_pace_while_an_experiment_runs(worker):
+def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
     ticks = []
 
     class Page:
@@ -196,7 +196,7 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker):
 
     scheduler, told = Scheduler(), Told()
     scheduler.add(Page())
-    scheduler.start()
+    scheduler.start(event_loop)
     worker.ask(1, LONG, told)
     running_pid(told)
     ticks.clear()

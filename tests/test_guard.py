@@ -239,6 +239,7 @@ def test_only_pages_of_this_server_may_connect(origin, host, own):
 
 
 def test_a_page_of_another_site_is_refused_at_the_handshake(guarded, bystander):
+    wait_until(lambda: '"clients": 1,' in fetch(guarded.url + "/health")[1])  # others may still be leaving
     with guarded.says("refused a page of http://evil.example"), pytest.raises(InvalidStatus) as refused:
         Client(guarded.url, origin="http://evil.example")
     assert refused.value.response.status_code == 403

@@ -4,7 +4,7 @@ import time
 
 import pytest
 from protocol import wait_until
-from viewimit.app.load import SLOWEST, STEPS, Load
+from viewimit.app.load import AIM, SLOWEST, STEPS, Load
 from viewimit.app.pace import Pace
 from viewimit.app.scheduler import TICK, Scheduler
 
@@ -21,12 +21,12 @@ def after(load: Load, ticks: int, busy: float) -> tuple[float, float]:
 def test_plots_give_way_first_then_panels_and_panels_recover_first():
     load = Load(TICK)
     assert after(load, 1000, busy=0.5) == (1.0, 1.0)
-    plots, panels = after(load, 60, busy=1.1)
+    plots, panels = after(load, 60, busy=AIM + 0.35)
     assert 1 < plots < SLOWEST and panels == 1.0
-    plots, panels = after(load, 60, busy=1.1)
+    plots, panels = after(load, 60, busy=AIM + 0.35)
     assert plots == SLOWEST and 1 < panels < SLOWEST
     assert after(load, 1000, busy=9.0) == (SLOWEST, SLOWEST)
-    plots, panels = after(load, 80, busy=0.2)
+    plots, panels = after(load, 80, busy=AIM - 0.55)
     assert plots > 1 and panels == 1.0
     assert after(load, 1000, busy=0.2) == (1.0, 1.0)
 
@@ -70,12 +70,12 @@ class Slow:
         raise error
 
 
-def test_poses_recover_their_pace_by_slower_panels():
+def test_poses_recover_their_pace_by_slower_panels(event_loop):
     scheduler = Scheduler()
     pages = [Slow(scheduler.load) for _ in range(4)]  # 1.6 of the time there is
     for page in pages:
         scheduler.add(page)
-    scheduler.start()
+    scheduler.start(event_loop)
     wait_until(lambda: scheduler.load.panels > 2.0, 30)
     poses, panels = pages[0].poses, pages[0].panels
     time.sleep(2)

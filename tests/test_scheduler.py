@@ -1,4 +1,4 @@
-"""One thread for all pages: each ticks, one that fails does not stop the others."""
+"""One task for all pages: each ticks, one that fails does not stop the others."""
 
 import threading
 import time
@@ -28,12 +28,12 @@ def wait_until(condition, seconds=5.0):
     assert condition()
 
 
-def test_a_failing_page_is_told_and_the_others_go_on(capsys):
+def test_a_failing_page_is_told_and_the_others_go_on(capsys, event_loop):
     scheduler = Scheduler()
     good, bad, fault = Counting(), Counting(RuntimeError("broken")), None
     scheduler.add(bad)
     scheduler.add(good)
-    scheduler.start()
+    scheduler.start(event_loop)
     wait_until(lambda: good.ticks >= 5)
     fault = bad.failed[0]
     scheduler.remove(bad)
@@ -65,12 +65,12 @@ def test_a_failing_landscape_does_not_end_the_worker(capsys):
     assert "ZeroDivisionError" in capsys.readouterr().err
 
 
-def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(capsys):
+def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(capsys, event_loop):
     scheduler, good, bad = Scheduler(), Counting(), Counting(RuntimeError("broken"))
     bad.fail = lambda error: 1 / 0
     scheduler.add(bad)
     scheduler.add(good)
-    scheduler.start()
+    scheduler.start(event_loop)
     wait_until(lambda: good.ticks >= 5)
     scheduler.stop()
     assert bad.ticks == 1 and "ZeroDivisionError" in capsys.readouterr().err

@@ -7,14 +7,13 @@ It receives (key, what, *arguments) and answers all but "close", in the order re
 """
 
 import io
-import os
-import signal
 import traceback
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 
+from .child import stand_back
+
 NICENESS = 1  # drawing the pages goes first, experiments last
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 QUALITY = 80  # of a JPEG: about 7 kB each
 MOST_SCENES = 4  # of 140 MB each
 LOOKS = {"demo_images": "lr", "own_images": "LR"}
@@ -22,11 +21,7 @@ LOOKS = {"demo_images": "lr", "own_images": "LR"}
 
 def work(connection: Connection) -> None:
     """Serve until the other end is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the server, which ends this process
-    if hasattr(os, "nice"):
-        os.nice(NICENESS)
-    for name in THREADS:
-        os.environ[name] = "1"  # before numpy is loaded, by what is received
+    stand_back(NICENESS)  # numpy is loaded by what is received
     try:
         _serve(connection)
     except (EOFError, ConnectionError):

@@ -4,8 +4,6 @@ It sends tuples: ("share", share done), ("figure", html), ("found", html, claims
 """
 
 import io
-import os
-import signal
 import time
 import traceback
 import zipfile
@@ -13,19 +11,16 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from .child import stand_back
+
 NICENESS = 10  # sessions go first
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 SHARE_EVERY, FIGURE_EVERY = 0.1, 0.25  # s at least between two of a kind
 MOST_BYTES = 64 << 20  # of the zip
 
 
 def work(connection: Connection, folder: str) -> None:
     """Carry out the one wish (name, settings, options) that comes through the connection. folder: for the files."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the server, which ends this process
-    if hasattr(os, "nice"):
-        os.nice(NICENESS)
-    for name in THREADS:
-        os.environ[name] = "1"  # before numpy is loaded, by what is received
+    stand_back(NICENESS)  # numpy is loaded by what is received
     try:
         _carry_out(connection, *connection.recv(), Path(folder))
     except (BrokenPipeError, ConnectionError):

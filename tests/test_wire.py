@@ -1,6 +1,7 @@
 """Quaternions pushed past viser's setters, against viser's own rotations; and the private message still exists."""
 
 import dataclasses
+from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import viser.transforms as vtf
 from hypothesis import given
 from hypothesis import strategies as st
 from viewimit.app.wire import joint_quaternion, quaternion, serving_with
-from viser._messages import SetOrientationMessage
+from viser import GuiHtmlHandle
+from viser._messages import GuiHtmlProps, SceneNodeUpdateMessage, SetOrientationMessage
 
 from viewimit.geometry.rigid import rotation_about_axis, rotation_from_rpy
 
@@ -34,8 +36,11 @@ def test_joint_quaternion_turns_after_the_rest_pose(roll, yaw, angle):
     assert np.allclose(pushed, rest @ rotation_about_axis(axis, angle), atol=1e-12)
 
 
-def test_the_private_message_is_as_relied_upon():
-    assert [field.name for field in dataclasses.fields(SetOrientationMessage)] == ["name", "wxyz", "owner"]
+def test_the_private_messages_are_as_relied_upon():
+    names = lambda message: [field.name for field in dataclasses.fields(message)]
+    assert names(SetOrientationMessage) == ["name", "wxyz", "owner"]
+    assert names(SceneNodeUpdateMessage) == ["name", "updates", "owner"]
+    assert callable(GuiHtmlHandle._queue_update) and "content" in get_type_hints(GuiHtmlProps)
 
 
 def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():

@@ -64,6 +64,7 @@ class Page:
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
         self._turns = Turns()
         self._looked: Snapshot | None = None  # what the panels have shown last of an arm at rest
+        self._heading: Snapshot | None = None  # the moment that the arm was seen at, or on its way to, last
         self._session = Session(settings, self._eyes)
         pictured = resumed is not None and resumed.history[resumed.head.cursor].settings.camera == "rendered"
         if pictured:  # its eyes are opened in its first turn; until then it stands as it began
@@ -256,11 +257,14 @@ class Page:
     def _seen(self, theta: NDArray, moving: bool, present: Snapshot) -> tuple[Snapshot, Snapshot]:
         """What the images show, and what all else does. On its way an arm is seen by points only: no picture of it is
         taken before it has arrived."""
+        left, self._heading = self._heading, present
         if not moving:
             self._looked = present
         elif present.settings.camera == "points":
             self._looked = self._session.observe(theta, present)
-        elif self._looked is not None:
+        elif left is not None:
+            if left is not present:  # a motion has begun; the arm may have rested too shortly to be drawn there
+                self._looked = left
             return self._looked, replace(self._looked, theta=theta, theta_demo=present.theta_demo)
         else:
             self._looked = present
@@ -286,7 +290,7 @@ class Page:
         self._scene.build(self._session.world)
         self._panels.set_world(self._session.world, self._session.snapshot)
         self._drawn.forget_all()
-        self._looked = None
+        self._looked = self._heading = None
 
     def _fit_new_canvas(self) -> None:
         """Fit the view when the canvas has changed, as when the panels dock or the window is resized."""

@@ -25,6 +25,7 @@ from .gate import PART, Gate
 from .messages import Hostile, Refused
 from .origins import is_own_page
 from .rates import QuietLog, TokenBucket
+from .tally import Row, Tally
 
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
@@ -40,18 +41,27 @@ log = logging.getLogger(__name__)
 FULL = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
 <title>viewimit: all seats are taken</title>
 <body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
-<h1>All seats are taken</h1><p>{count} tabs are open on this server, which is as many as it takes. This page tries again
+<h1>All seats are taken</h1><p>{count} tabs are open here, which is as many as there is room for. This page tries again
 every few seconds; close a tab elsewhere to make room.</p></body></html>"""
 
 
 class Door:
     """`serve` stands for websockets' own. max_clients: tabs at a time; origins: pages elsewhere that may connect, as
-    scheme://host:port; health(): what /health answers, None if the server is not well.
+    scheme://host:port; row: this process's of the tally; listening: a socket in place of a port of its own.
     """
 
-    def __init__(self, max_clients: int, origins: Iterable[str], health: Callable[[], dict | None]):
-        self._max_clients, self._origins, self._health = max_clients, frozenset(origins), health
+    def __init__(
+        self,
+        max_clients: int,
+        origins: Iterable[str],
+        tally: Tally,
+        row: Row,
+        listening: socket.socket | None = None,
+    ):
+        self._max_clients, self._origins = max_clients, frozenset(origins)
+        self._tally, self._row, self._listening = tally, row, listening
         self._server: ViserServer | None = None
+        self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
         self.opened = 0  # connections that have no seat yet
         self._log = QuietLog(log, TokenBucket(2, 30))
@@ -59,15 +69,16 @@ class Door:
     def guard(self, server: ViserServer) -> None:
         """Whose clients pass it; nobody gets a seat before."""
         self._server = server
+        wire.loop_of(server).call_soon_threadsafe(self._guarded.set)
 
     def serve(self, plain: Callable, handler, host, port, *, process_request, **options):
         def connect(protocol, websockets_server, **limits) -> GuardedConnection:
             return GuardedConnection(self, protocol, websockets_server, **limits)
 
+        place = {"host": host, "port": port} if self._listening is None else {"sock": self._listening}
         return plain(
             handler,
-            host,
-            port,
+            **place,
             **options
             | {
                 "process_request": lambda connection, request: self._answer(connection, request, process_request),
@@ -93,8 +104,11 @@ class Door:
     def full(self) -> bool:
         return len(self.seats) >= self._max_clients
 
-    def _answer(self, connection: "GuardedConnection", request: Request, viser_answers: Callable) -> Response | None:
-        """None: take the websocket."""
+    async def _answer(self, connection: "GuardedConnection", request: Request, viser_answers: Callable):
+        """A response, or None: take the websocket. Who comes before all is ready waits."""
+        await self._guarded.wait()
+        if connection.transport.is_closing():  # it did not
+            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
         path = request.path.partition("?")[0]
         if path == "/health":
             return self._tell_health()
@@ -103,7 +117,7 @@ class Door:
             return self._refuse_seat(connection, request)
         is_page = response.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
-            response = _response(http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=len(self.seats)), "text/html")
+            response = _response(http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=self._max_clients), "text/html")
         elif is_page and token_of(request.headers) is None:
             response.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(response.headers, request.headers.get("Host", ""))
@@ -111,8 +125,6 @@ class Door:
 
     def _refuse_seat(self, connection: "GuardedConnection", request: Request) -> Response | None:
         origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
-        if self._server is None:
-            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "starting")
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
             self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
             return _response(http.HTTPStatus.FORBIDDEN, "not from there")
@@ -120,13 +132,20 @@ class Door:
             self.note(connection, f"a seat: all {self._max_clients} are taken")
             return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
         self.seats.add(connection)
+        self._row.seats = len(self.seats)
         connection.take_seat(token_of(request.headers))
         return None
 
+    def leave(self, connection: "GuardedConnection") -> None:
+        """It has ended."""
+        self.seats.discard(connection)
+        self._row.seats = len(self.seats)
+        self._row.ended += 1
+
     def _tell_health(self) -> Response:
-        health = self._health() if self._server is not None else None
-        status = http.HTTPStatus.OK if health is not None else http.HTTPStatus.SERVICE_UNAVAILABLE
-        told = {"status": "ok" if health is not None else "failing", "clients": len(self.seats), **(health or {})}
+        well = self._tally.well
+        status = http.HTTPStatus.OK if well else http.HTTPStatus.SERVICE_UNAVAILABLE
+        told = {"status": "ok" if well else "failing", "clients": self._tally.seats, "workers": len(self._tally.rows)}
         return _response(status, json.dumps(told) + "\n", "application/json")
 
 
@@ -157,7 +176,7 @@ class GuardedConnection(ServerConnection):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._door.opened -= 1
-        self._door.seats.discard(self)
+        self._door.leave(self)
         if self._starts is not None:
             self._starts.cancel()
         super().connection_lost(exc)

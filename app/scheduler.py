@@ -10,20 +10,20 @@ import time
 import traceback
 
 from .load import Load
+from .tally import Row
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
-STUCK_AFTER = 10.0  # s without a tick
 
 
 class Scheduler:
-    """Pages are added when they are built and removed when their tab is gone."""
+    """Pages are added when they are built and removed when their tab is gone. row: gets a sign of life every tick."""
 
-    def __init__(self):
+    def __init__(self, row: Row):
+        self._row = row
         self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list = []
         self.load = Load(TICK)
         self._running = False
-        self._ticked = time.monotonic()
         self._task: concurrent.futures.Future | None = None
 
     def start(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -35,6 +35,7 @@ class Scheduler:
         """Not from the loop's own thread."""
         self._running = False
         concurrent.futures.wait([self._task], 2.0)
+        self._row.clear()
 
     def add(self, page) -> None:
         with self._lock:
@@ -45,11 +46,6 @@ class Scheduler:
         with self._turn, self._lock:
             if page in self._pages:
                 self._pages.remove(page)
-
-    def health(self) -> dict | None:
-        """How many pages are ticked; None once nothing ticks any more."""
-        stuck = time.monotonic() - self._ticked > STUCK_AFTER
-        return None if stuck or not self._running else {"pages": len(self._pages)}
 
     def _tell(self, page, error: Exception) -> None:
         """Let a page say its own fault; one that cannot even do that is ticked no more."""
@@ -71,13 +67,14 @@ class Scheduler:
     async def _run(self) -> None:
         next_tick = time.monotonic()
         while self._running:
-            self._ticked = time.monotonic()
+            began = time.monotonic()
+            self._row.live()
             with self._lock:
                 pages = list(self._pages)
             for page in pages:
                 with self._turn:
                     self._tick(page)
                 await asyncio.sleep(0)  # what was drawn is sent
-            self.load.ticked(time.monotonic() - self._ticked)
+            self.load.ticked(time.monotonic() - began)
             next_tick = max(next_tick + TICK, time.monotonic())  # behind: skip ticks instead of chasing them
             await asyncio.sleep(next_tick - time.monotonic())

@@ -1,140 +1,83 @@
-"""The server: one viser server, one page a browser tab, one scheduler for all."""
+"""A process that serves pages: one viser server, one page a browser tab, one scheduler for all."""
 
 import contextlib
-import errno
 import gc
 import html
 import io
-import logging
-import signal
 import socket
 import threading
-import webbrowser
-from collections.abc import Sequence
+from collections.abc import Iterator
 from functools import cache
 
-import segno
 import viser
 
-from viewimit.session import Session
 from viewimit.snapshot import Settings
 
 from . import experiments_tab, help, learner_bars, plots, theme, verdict, wire
 from .arms import share_meshes
-from .camera_process import CameraProcess
+from .camera_process import MOST_SESSIONS, CameraProcess
 from .door import Door
 from .experiment_worker import ExperimentWorker
 from .keeper import Keeper
 from .landscape_worker import LandscapeWorker
-from .origins import is_loopback, lan_address
 from .page import Page
 from .resume import Seats
 from .scene3d import share_scene
 from .scheduler import Scheduler
-from .store import Store, open_store
-
-PORTS_TO_TRY = 100
-
-
-class PortInUse(OSError):
-    """The port is taken; the message names the next free one."""
+from .server_options import ServerOptions
+from .store import open_store
+from .tally import Tally
 
 
-def serve(
+@contextlib.contextmanager
+def serving(
+    options: ServerOptions,
+    tally: Tally,
+    worker: int = 0,
+    listening: socket.socket | None = None,
     host: str = "127.0.0.1",
-    port: int = 8080,
-    settings: Settings | None = None,
-    store: Store | None = None,
-    max_clients: int = 40,
-    open_browser: bool = False,
-    origins: Sequence[str] = (),
-) -> None:
-    """Serve the page until SIGINT or SIGTERM. port 0 takes a free one.
+    port: int = 0,
+) -> Iterator[int]:
+    """Pages are served inside, on the port that it yields; in the end all that the visitors did is kept.
 
-    store: where sessions are kept, by default the user's own folder; it is closed in the end. origins: of pages
-    elsewhere that may connect, such as https://class.example.org of a proxy.
-    Raises ValueError for settings that cannot be, PortInUse for a port that is taken.
+    worker: which of the processes this one is; listening: a socket in place of host and port.
+    Raises OSError for a store that cannot be used.
     """
-    settings = settings or Settings()
-    Session(settings)  # bad settings must fail here, not in every visitor's tab
-    require_free(host, port)
-    logging.basicConfig(format="%(asctime)s %(message)s")
-    keeper = Keeper(store or open_store())
-    scheduler = Scheduler()
-    door = Door(max_clients, origins, scheduler.health)
+    keeper = Keeper(open_store(options.store))
+    scheduler = Scheduler(tally.rows[worker])
+    door = Door(options.clients_of(worker), options.origins, tally, tally.rows[worker], listening)
     with contextlib.redirect_stdout(io.StringIO()), wire.serving_with(door.serve):  # viser prints a banner of its own
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
-    app = App(server, settings, scheduler, keeper)
+    app = App(server, options.settings, scheduler, keeper, max(MOST_SESSIONS // options.workers, 1))
     door.guard(server)
-    stopped = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stopped.set())
-    url = address(host, server.get_port())
-    print(f"viewimit is listening on {url}", flush=True)
-    if not is_loopback(host):
-        invite(host, server.get_port())
-    if open_browser:
-        webbrowser.open(url)
-    while not stopped.wait(0.5):  # a signal that the system hands to another thread is seen at the next turn
-        pass
-    app.stop()
-    with contextlib.redirect_stdout(io.StringIO()):
-        server.stop()
-
-
-def require_free(host: str, port: int) -> None:
-    """Raise PortInUse if another program listens there, OSError if this machine has no such address."""
-    if _is_free(host, port):
-        return
-    following = range(port + 1, min(port + 1 + PORTS_TO_TRY, 65536))
-    free = next((other for other in following if _is_free(host, other)), None)
-    offer = f"; try --port {free}, which is free" if free else ""
-    raise PortInUse(f"port {port} on {host} is in use{offer}")
-
-
-def _is_free(host: str, port: int) -> bool:
     try:
-        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-        with socket.socket(family, socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind(address)
-    except OSError as error:
-        if error.errno == errno.EADDRINUSE:
-            return False
-        raise OSError(f"cannot listen on {host}, port {port}: {error.strerror}") from None
-    return True
-
-
-def address(host: str, port: int) -> str:
-    """What to type into a browser on this machine."""
-    shown = {"0.0.0.0": "localhost", "::": "localhost"}.get(host, f"[{host}]" if ":" in host else host)
-    return f"http://{shown}:{port}"
-
-
-def invite(host: str, port: int) -> None:
-    """Print what others on the network may open, for typing and for a phone's camera."""
-    reached = lan_address() if host in ("0.0.0.0", "::") else host
-    if reached is None:
-        print("no network that others could reach it by", flush=True)
-        return
-    url = address(reached, port)
-    drawn = io.StringIO()
-    segno.make(url, micro=False).terminal(drawn, compact=True)
-    print(f"others open {url}, which nothing encrypts: anybody on this network can")
-    with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
-        print(drawn.getvalue(), flush=True)
+        yield server.get_port()
+    finally:
+        app.stop()
+        with contextlib.redirect_stdout(io.StringIO()):
+            server.stop()
 
 
 class App:
-    """Pages by client id. viser's threads connect and disconnect, its event loop draws."""
+    """Pages by client id. viser's threads connect and disconnect, its event loop draws.
 
-    def __init__(self, server: viser.ViserServer, settings: Settings, scheduler: Scheduler, keeper: Keeper):
+    pictured: how many sessions at a time may look with pictures.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        settings: Settings,
+        scheduler: Scheduler,
+        keeper: Keeper,
+        pictured: int = MOST_SESSIONS,
+    ):
         self._server, self._settings, self._scheduler, self._keeper = server, settings, scheduler, keeper
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._seats = Seats(server, keeper, settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._collecting = threading.Lock()
-        self._worker, self._experiments, self._camera = LandscapeWorker(), ExperimentWorker(), CameraProcess()
+        self._worker, self._experiments, self._camera = LandscapeWorker(), ExperimentWorker(), CameraProcess(pictured)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments_tab))
         server.gui.add_html(f"<style>{css}</style>")

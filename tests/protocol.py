@@ -153,7 +153,7 @@ class Server:
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.lines: list[str] = []
         threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
-        wait_until(lambda: "http://" in self.log or self.process.poll() is not None, 40)
+        wait_until(lambda: "http://" in self.log or self.process.poll() is not None, 90)
         self.url = next(word for word in self.log.split() if word.startswith("http://"))
 
     @property
@@ -162,9 +162,22 @@ class Server:
 
     @property
     def memory(self) -> float:
-        """MB that it has in memory."""
-        with open(f"/proc/{self.process.pid}/statm") as pages:
-            return int(pages.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+        """MB that it and the processes that it began have in memory; what they share counts in each."""
+        pages = 0
+        for pid in processes_of(self.process.pid):
+            with suppress(OSError), open(f"/proc/{pid}/statm") as numbers:
+                pages += int(numbers.read().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+    @property
+    def cpu_s(self) -> float:
+        """Processor time of it and of the processes that it began, s."""
+        ticks = 0
+        for pid in processes_of(self.process.pid):
+            with suppress(OSError):
+                fields = stat_of(pid)
+                ticks += int(fields[11]) + int(fields[12])
+        return ticks / os.sysconf("SC_CLK_TCK")
 
     def stop(self) -> int:
         """As a user would."""
@@ -176,6 +189,24 @@ class Server:
         before = self.log.count(text)
         yield
         wait_until(lambda: self.log.count(text) == before + 1, 5)
+
+
+def processes_of(pid: int) -> list[int]:
+    """A process, and all that it and those have begun."""
+    parents = {}
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        with suppress(OSError):
+            parents[int(name)] = int(stat_of(int(name))[1])
+    found = [pid]
+    for one in found:
+        found += [child for child, parent in parents.items() if parent == one]
+    return found
+
+
+def stat_of(pid: int) -> list[str]:
+    """What the system counts of a process, from its state on (proc(5))."""
+    with open(f"/proc/{pid}/stat") as stat:
+        return stat.read().rsplit(")", 1)[1].split()
 
 
 def wait_until(condition, seconds: float = 20.0) -> None:

@@ -18,6 +18,7 @@ import pytest
 from viewimit.app.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
 from viewimit.app.experiment_worker import ExperimentWorker, Wish
 from viewimit.app.scheduler import Scheduler
+from viewimit.app.tally import Tally
 
 from viewimit.experiments import fig9
 from viewimit.snapshot import Settings
@@ -194,7 +195,7 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
         def tick(self, now):
             ticks.append(time.monotonic())
 
-    scheduler, told = Scheduler(), Told()
+    scheduler, told = Scheduler(Tally().rows[0]), Told()
     scheduler.add(Page())
     scheduler.start(event_loop)
     worker.ask(1, LONG, told)

@@ -21,6 +21,7 @@ from viewimit.app.page import KEPT_EVERY
 from viewimit.app.scheduler import Scheduler
 from viewimit.app.server import App
 from viewimit.app.store import SqliteStore
+from viewimit.app.tally import Tally
 
 from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings
@@ -36,8 +37,9 @@ class Here:
     """The server in this process, so that a test can break it."""
 
     def __init__(self, folder):
-        scheduler = Scheduler()
-        self.door = Door(40, (), scheduler.health)
+        tally = Tally()
+        scheduler = Scheduler(tally.rows[0])
+        self.door = Door(40, (), tally, tally.rows[0])
         with contextlib.redirect_stdout(io.StringIO()), wire.serving_with(self.door.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.app = App(self.viser, Settings(), scheduler, Keeper(SqliteStore(folder)))

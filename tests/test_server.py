@@ -3,8 +3,9 @@
 import socket
 
 import pytest
+from viewimit.app.address import PortInUse, address, invite, require_free
 from viewimit.app.origins import is_loopback
-from viewimit.app.server import PortInUse, address, invite, require_free, serve
+from viewimit.app.serve import ServerOptions, serve
 
 from viewimit.snapshot import Settings
 
@@ -20,7 +21,7 @@ def test_a_taken_port_is_named_with_the_next_free_one():
 
 def test_bad_settings_fail_before_a_port_is_taken():
     with pytest.raises(ValueError, match="no scene 'moon'"):
-        serve(port=0, settings=Settings(scene="moon"))
+        serve(port=0, options=ServerOptions(Settings(scene="moon")))
 
 
 def test_an_address_of_another_machine_is_not_a_port_in_use():

@@ -1,9 +1,10 @@
 """viewimit serve: the page."""
 
 import argparse
+import sys
 
 from ..snapshot import BEST
-from .options import DONE, add_run_options, add_setting_options, between, naming, settings_from
+from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -26,6 +27,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="DIR|URL",
         help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT",
     )
+    parser.add_argument(
+        "--workers",
+        type=between(int, 1, 64),
+        help="processes that share the visitors (1 on this machine alone, else one a core, 4 at most)",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_setting_options(parser, BEST)
     add_run_options(parser, BEST)
@@ -33,11 +39,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args, BEST)
-    from ..app.server import serve  # the one place below the page that knows it
+    from ..app.serve import ServerOptions, serve, usual_workers  # the one place below the page that knows it
     from ..app.store import open_store
 
     with naming("--store"):
-        store = open_store(args.store)
-    with naming("--host, --port"):
-        serve(args.host, args.port, settings, store, args.max_clients, open_browser=args.open, origins=args.origin)
+        open_store(args.store).close()
+    workers = args.workers or usual_workers(args.host)
+    options = ServerOptions(settings, args.store, args.max_clients, tuple(args.origin), workers)
+    try:
+        with naming("--host, --port, --workers"):
+            serve(args.host, args.port, options, open_browser=args.open)
+    except RuntimeError as error:
+        print(f"viewimit: {error}", file=sys.stderr)
+        return MISSED
     return DONE

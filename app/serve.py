@@ -1,0 +1,71 @@
+"""The page's command: what is wrong is said before anything runs, then pages are served until a signal."""
+
+import contextlib
+import logging
+import os
+import signal
+import socket
+import threading
+import webbrowser
+
+from viewimit.session import Session
+
+from .address import PortInUse, address, invite, listen, require_free
+from .origins import is_loopback
+from .server_options import ServerOptions
+from .tally import Tally
+from .worker_child import LOG_FORMAT
+from .workers import working
+
+__all__ = ["PortInUse", "ServerOptions", "serve", "usual_workers"]
+
+MOST_WORKERS = 4  # by default
+
+
+def serve(
+    host: str = "127.0.0.1", port: int = 8080, options: ServerOptions | None = None, open_browser: bool = False
+) -> None:
+    """Serve the page until SIGINT or SIGTERM. port 0 takes a free one.
+
+    Raises ValueError for settings that cannot be, PortInUse for a port that is taken, OSError for a store that cannot
+    be used, RuntimeError if the processes of the server do not begin.
+    """
+    options = options or ServerOptions()
+    Session(options.settings)  # bad settings must fail here, not in every visitor's tab
+    if options.workers > 1 and not can_hand_over():
+        raise ValueError(f"{options.workers} workers need a system where processes hand each other sockets: take 1")
+    require_free(host, port)
+    logging.basicConfig(format=LOG_FORMAT)
+    stopped = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stopped.set())
+    with contextlib.ExitStack() as stack:
+        if options.workers > 1:
+            listeners = listen(host, port)
+            port = listeners[0].getsockname()[1]
+            stack.enter_context(working(options, listeners, stopped.set))
+        else:
+            from .server import serving  # what only hands over connections need not load viser
+
+            port = stack.enter_context(serving(options, Tally(), host=host, port=port))
+        url = address(host, port)
+        print(f"viewimit is listening on {url}", flush=True)
+        if not is_loopback(host):
+            invite(host, port)
+        if open_browser:
+            webbrowser.open(url)
+        while not stopped.wait(0.5):  # a signal that the system hands to another thread is seen at the next turn
+            pass
+
+
+def usual_workers(host: str) -> int:
+    """One process where only this machine comes, else one a core, up to MOST_WORKERS."""
+    if is_loopback(host) or not can_hand_over():
+        return 1
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(cores, MOST_WORKERS)
+
+
+def can_hand_over() -> bool:
+    """Whether processes of this system can hand each other sockets."""
+    return hasattr(socket, "send_fds")

@@ -1,0 +1,237 @@
+"""Several processes behind one port: a browser stays with its own, and what becomes of it when one ends."""
+
+import asyncio
+import os
+import signal
+import socket
+import threading
+import time
+
+import pytest
+from protocol import Client, Server, processes_of, wait_until
+from test_deploy import seated
+from test_faults import browser_of, comes_back, what_a_visitor_sees, work
+from viewimit.app import dispatcher as dispatcher_module
+from viewimit.app.address import listen
+from viewimit.app.dispatcher import KNOWN, Dispatcher, Placing
+from viewimit.app.page import KEPT_EVERY
+from viewimit.app.server_options import ServerOptions
+from viewimit.app.tally import Tally
+from viewimit.app.workers import MOST_ENDS, working
+from websockets.exceptions import InvalidStatus
+
+pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="processes cannot hand over sockets here")
+HEAD = "GET / HTTP/1.1\r\nHost: here:80\r\nCookie: viewimit-80={}\r\n\r\n"
+
+
+def token(name: str) -> str:
+    return name.ljust(32, "-")
+
+
+def test_a_browser_stays_with_its_worker_and_new_ones_go_where_fewest_are():
+    tally = Tally(3)
+    placing = Placing(ServerOptions(workers=3), tally)
+    for k in range(12):
+        placing.handed[placing.place(token(str(k)))] += 1
+    assert placing.handed == [4, 4, 4]
+    before = [placing.place(token(str(k))) for k in range(12)]
+    tally.rows[1].ended = 3  # three of the second worker's have gone
+    assert placing.place(None) == 1
+    assert [placing.place(token(str(k))) for k in range(12)] == before
+
+
+def test_a_worker_without_a_free_seat_gets_nobody_new_and_no_more_seats_are_given_than_there_are():
+    options, tally = ServerOptions(max_clients=7, workers=3), Tally(3)
+    assert [options.clients_of(k) for k in range(3)] == [3, 2, 2]
+    placing = Placing(options, tally)
+    assert placing.place(token("one")) == 0
+    placing.handed = [0, 9, 9]
+    tally.rows[0].seats = 3
+    assert placing.place(token("one")) in (1, 2)
+    assert placing.place(token("one")) == placing.place(token("one"))
+
+
+def test_only_so_many_browsers_are_remembered():
+    placing = Placing(ServerOptions(workers=2), Tally(2))
+    for k in range(KNOWN + 5):
+        placing.place(token(str(k)))
+    assert len(placing._of) == KNOWN and token("0") not in placing._of and token(str(KNOWN)) in placing._of
+
+
+class Dispatching:
+    """A dispatcher in this process, with the ends that its workers would have."""
+
+    def __init__(self, workers: int = 2):
+        pairs = [socket.socketpair() for _ in range(workers)]
+        self.ends = [theirs for _, theirs in pairs]
+        for end in self.ends:
+            end.settimeout(5)
+        (listener,) = listen("127.0.0.1", 0)
+        self.place = listener.getsockname()
+        self._dispatcher = Dispatcher(
+            Placing(ServerOptions(workers=workers), Tally(workers)), [ours for ours, _ in pairs]
+        )
+        self._listener, self._stopped = listener, asyncio.Event()
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), daemon=True)
+        self._thread.start()
+
+    async def _run(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        accepting = self._loop.create_task(self._dispatcher.accept(self._listener))
+        await self._stopped.wait()
+        accepting.cancel()
+
+    def stop(self) -> None:
+        self._loop.call_soon_threadsafe(self._stopped.set)
+        self._thread.join(5)
+        self._listener.close()
+
+    def handed(self, worker: int) -> socket.socket:
+        _, (descriptor,), _, _ = socket.recv_fds(self.ends[worker], 1, 1)
+        connection = socket.socket(fileno=descriptor)
+        connection.settimeout(5)
+        return connection
+
+
+@pytest.fixture
+def dispatching():
+    made = Dispatching()
+    yield made
+    made.stop()
+
+
+def test_a_connection_is_handed_over_whole_and_its_browser_goes_to_the_same_worker(dispatching):
+    for name, worker in (("anna", 0), ("bert", 1), ("anna", 0), ("anna", 0), ("bert", 1)):
+        head = HEAD.format(token(name)).encode()
+        with socket.create_connection(dispatching.place) as client:
+            client.sendall(head[:20])
+            time.sleep(0.05)
+            client.sendall(head[20:] + b"and more")
+            with dispatching.handed(worker) as connection:
+                time.sleep(0.05)
+                assert connection.recv(1000) == head + b"and more"
+                assert connection.getpeername() == client.getsockname()
+                connection.sendall(b"an answer")
+            assert client.recv(100) == b"an answer"
+
+
+def test_who_sends_no_head_is_closed_and_holds_nobody_up(dispatching, monkeypatch):
+    monkeypatch.setattr(dispatcher_module, "HEAD_WITHIN", 0.5)
+    with socket.create_connection(dispatching.place) as silent, socket.create_connection(dispatching.place) as gone:
+        gone.close()
+        silent.sendall(b"GET / HT")
+        with socket.create_connection(dispatching.place) as other:
+            other.sendall(HEAD.format(token("carl")).encode())
+            dispatching.handed(0).close()
+        silent.settimeout(5)
+        with pytest.raises(ConnectionResetError):
+            silent.recv(10)
+
+
+def test_of_connections_that_send_nothing_only_so_many_are_open(dispatching, monkeypatch):
+    monkeypatch.setattr(dispatcher_module, "UNPLACED", 3)
+    waiting = [socket.create_connection(dispatching.place) for _ in range(5)]
+    for client in waiting:
+        client.settimeout(5)
+    time.sleep(0.2)
+    assert [client.recv(10) for client in waiting[3:]] == [b"", b""]
+    waiting[0].sendall(HEAD.format(token("dora")).encode())
+    dispatching.handed(0).close()
+    for client in waiting:
+        client.close()
+
+
+def workers_of(server: Server) -> list[int]:
+    """Process ids."""
+    found = []
+    for pid in processes_of(server.process.pid)[1:]:
+        with open(f"/proc/{pid}/cmdline") as line:
+            if "spawn_main" in line.read():
+                found.append(pid)
+    return found
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
+def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_notice_nothing(tmp_path):
+    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
+    cookies = [browser_of(server.url) for _ in range(4)]
+    clients = [Client(server.url, cookie=cookie).ready() for cookie in cookies]
+    assert seated(server) == 4 and len(workers_of(server)) == 2
+    angles = 20.0, 30.0, 40.0, 50.0
+    for client, angle in zip(clients, angles):
+        client.put("θ₂", angle)
+        client.press("Step: one motion")
+    wait_until(lambda: all(client.value("History") == 1 for client in clients))
+    time.sleep(KEPT_EVERY + 1)
+    seen = [what_a_visitor_sees(client) | {"θ₂": angle} for client, angle in zip(clients, angles)]
+    with server.says("a process of the server has ended"):
+        os.kill(workers_of(server)[0], signal.SIGKILL)
+        gone = [client.closed(2) is not None for client in clients]
+    assert sum(gone) == 2, "half of them were there"
+    for cookie, was_there, before in zip(cookies, gone, seen):
+        if was_there:
+            with Client(server.url, cookie=cookie).ready() as again:
+                wait_until(lambda again=again, before=before: what_a_visitor_sees(again) == before)
+    left = [client for client, was_there in zip(clients, gone) if not was_there]
+    for client in left:
+        client.press("Step: one motion")
+    wait_until(lambda: all(client.value("History") == 2 for client in left))
+    assert server.stop() == 0
+
+
+def test_a_class_of_two_workers_loses_nothing_when_it_is_stopped(tmp_path):
+    options = "--workers", "2", "--store", str(tmp_path / "state")
+    server = Server(*options)
+    cookies = [browser_of(server.url) for _ in range(2)]
+    clients = [Client(server.url, cookie=cookie).ready() for cookie in cookies]
+    tab = Client(server.url, cookie=cookies[0]).ready()
+    tab.put("θ₂", 61.0)
+    for client in clients:
+        work(client)
+    seen = [what_a_visitor_sees(client) for client in clients]
+    assert server.stop() == 0
+    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
+    for cookie, before in zip(cookies, seen):
+        comes_back(server.url, cookie, before)
+    with Client(server.url, cookie=cookies[0]).ready() as one, Client(server.url, cookie=cookies[0]).ready() as two:
+        assert one.value("θ₂") != 61.0 and two.value("θ₂") == 61.0
+    server.process.send_signal(signal.SIGINT)
+    assert server.process.wait(20) == 0
+
+
+def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
+    server = Server("--workers", "2", "--max-clients", "3")
+    clients = [Client(server.url).ready() for _ in range(3)]
+    with pytest.raises(InvalidStatus), server.says("all 1 are taken"):
+        Client(server.url)
+    clients.pop().close()
+    wait_until(lambda: seated(server) == 2)
+    clients.append(Client(server.url).ready())
+    for client in clients:
+        client.close()
+    assert server.stop() == 0
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
+def test_workers_keep_their_sessions_and_end_when_the_process_that_hands_over_is_killed(tmp_path):
+    options = "--workers", "2", "--store", str(tmp_path / "state")
+    server = Server(*options)
+    workers, cookie = workers_of(server), browser_of(server.url)
+    with Client(server.url, cookie=cookie).ready() as client:
+        work(client)
+        seen = what_a_visitor_sees(client)
+        server.process.kill()
+        server.process.wait()
+        wait_until(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in workers))
+    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
+    comes_back(server.url, cookie, seen)
+    server.stop()
+
+
+def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd):
+    (tmp_path / "a file").touch()
+    options = ServerOptions(store=str(tmp_path / "a file" / "state"), workers=2)
+    with pytest.raises(RuntimeError, match="end again and again"):
+        with working(options, listen("127.0.0.1", 0), lambda: None):
+            pass
+    assert capfd.readouterr().err.count("NotADirectoryError") >= MOST_ENDS

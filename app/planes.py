@@ -138,18 +138,16 @@ def draw_arm(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, who
     """
     world = silhouettes.world
     views, theta, T_world_base, cameras = (
-        ("LR", snapshot.theta, world.T_world_own, world.own_cameras)
+        ("LR", snapshot.theta, world.T_world_own, world.own_pair)
         if arm == "learner"
-        else ("lr", snapshot.theta_demo, world.T_world_demo, world.demo_cameras)
+        else ("lr", snapshot.theta_demo, world.T_world_demo, world.demo_pair)
     )
     key = theta.tobytes(), whole
     kept = silhouettes.memory.get(arm)
     if kept and kept[0] == key and kept[1] is windows:
         return kept[2]
-    frames = silhouettes.link_frames(theta, T_world_base)
-    origins = silhouettes.skeleton(frames, cameras)
-    hulls = placed(silhouettes.outlines(frames, cameras), windows[whole], views)
-    bones = placed(origins, windows[whole], views)
+    hulls, origins = silhouettes.seen(world.link_frames(theta, T_world_base), cameras)
+    hulls, bones = placed(hulls, windows[whole], views), placed(origins, windows[whole], views)
     paths = dict(zip(views, zip(svg.polygons(hulls), map(svg.path, bones))))
     silhouettes.memory[arm] = key, windows, (paths, origins)
     return paths, origins

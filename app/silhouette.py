@@ -7,13 +7,11 @@ that is extreme in each, give a polygon inside the hull that lacks at most 2 px 
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.camera import Camera
-from viewimit.geometry.rigid import rotation_about_axis
-from viewimit.robot import Joint
+from viewimit.camera import Cameras
 from viewimit.world import World
 
 DIRECTIONS = 12  # corners of a polygon at most
-NEAR = 0.05  # m
+NEAR = 0.05  # m, to which what is nearer to a camera is set back
 KEPT = 48  # directions in 3-D in which a link's vertices are kept
 
 
@@ -27,59 +25,23 @@ class Silhouettes:
         self.world = world
         self._links = np.array(sorted(meshes), int)
         chosen = [_extreme_vertices(np.asarray(meshes[link], float)) for link in self._links]
-        most = max(map(len, chosen), default=0)
+        most = max(map(len, chosen), default=1)
         # short lists are filled up with their first vertex, which changes no hull
         filled = [np.concatenate([v, np.repeat(v[:1], most - len(v), axis=0)]) for v in chosen]
         self._vertices = np.array(filled).reshape(len(chosen), most, 3)
-        self._turns = np.array([_turning(joint) for joint in world.robot.joints])  # (n, 3, 4, 4)
+        self._shape = 2, len(chosen), most, 2
+        self._pair, self._link = np.ogrid[:2, : len(chosen), :1][:2]
         self.memory: dict = {}  # what was drawn last of each arm, kept by those who draw
 
-    def link_frames(self, theta: NDArray, T_world_base: NDArray) -> NDArray:
-        """T_world_link of every link, (n + 1, 4, 4): as Robot.link_frames, with all joints turned at once."""
-        angles = np.array([float(angle) for angle in self.world.joint_angles(theta)])[:, None, None]
-        steps = self._turns[:, 0] + np.sin(angles) * self._turns[:, 1] + (1 - np.cos(angles)) * self._turns[:, 2]
-        frames = np.empty((len(steps) + 1, 4, 4))
-        frames[0] = T_world_base
-        for i, step in enumerate(steps):
-            np.matmul(frames[i], step, out=frames[i + 1])
-        return frames
-
-    def outlines(self, T_world_links: NDArray, cameras: tuple[Camera, ...]) -> NDArray:
-        """(cameras, links, DIRECTIONS, 2) px: closed polygons, whose corners may repeat."""
-        if len(self._links) == 0:
-            return np.empty((len(cameras), 0, DIRECTIONS, 2))
+    def seen(self, T_world_links: NDArray, cameras: Cameras) -> tuple[NDArray, NDArray]:
+        """By a stereo pair: closed polygons of the links, (2, links, DIRECTIONS, 2) px, whose corners may repeat, and
+        the origins of all links, (2, n + 1, 2) px."""
         T = T_world_links[self._links]
         vertices = self._vertices @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3]
-        image = project(vertices, cameras)
-        largest = (image @ _COMPASS.T).argmax(2)  # (cameras, links, DIRECTIONS)
-        views, links = np.ogrid[: len(cameras), : len(largest[0])]
-        return image[views[..., None], links[..., None], largest]
-
-    def skeleton(self, T_world_links: NDArray, cameras: tuple[Camera, ...]) -> NDArray:
-        """(cameras, n + 1, 2) px: the links' origins."""
-        return project(T_world_links[:, :3, 3], cameras)
-
-
-def project(points_world: NDArray, cameras: tuple[Camera, ...]) -> NDArray:
-    """points_world: (..., 3) m → (cameras, ..., 2) px. All cameras at once; nothing is nearer to one than NEAR."""
-    shape = (len(cameras),) + (1,) * (points_world.ndim - 1)
-    T = np.array([camera.T_world_camera for camera in cameras])
-    focal = np.array([camera.focal for camera in cameras]).reshape(shape)
-    centre = np.array([camera.centre for camera in cameras]).reshape(shape + (2,))
-    flat = points_world.reshape(-1, 3)
-    in_camera = (flat - T[:, None, :3, 3]) @ T[:, :3, :3]
-    in_camera = in_camera.reshape((len(cameras),) + points_world.shape)
-    depth = np.maximum(in_camera[..., 2], NEAR)
-    return in_camera[..., :2] * (focal / depth)[..., None] + centre
-
-
-def _turning(joint: Joint) -> NDArray:
-    """(3, 4, 4): what a joint's transform is made of by 1, sin and 1 - cos of its angle (Rodrigues)."""
-    parts = np.zeros((3, 4, 4))
-    quarter, half = (rotation_about_axis(joint.axis, angle) for angle in (np.pi / 2, np.pi))
-    square = (half - np.eye(3)) / 2  # half a turn: I + 2 K²
-    parts[0], parts[1, :3, :3], parts[2, :3, :3] = np.eye(4), quarter - np.eye(3) - square, square
-    return joint.T_parent_joint @ parts
+        images, _ = cameras.images(np.concatenate([vertices.reshape(-1, 3), T_world_links[:, :3, 3]]), NEAR)
+        corners = images[:, : -len(T_world_links)].reshape(self._shape)
+        largest = (corners @ _COMPASS.T).argmax(2)  # (2, links, DIRECTIONS)
+        return corners[self._pair, self._link, largest], images[:, -len(T_world_links) :]
 
 
 def _extreme_vertices(vertices: NDArray) -> NDArray:

@@ -6,11 +6,13 @@ waits until the scene shows it. Of the server with all its processes: processor 
 """
 
 import argparse
+import itertools
 import json
 import multiprocessing
 import statistics
 import sys
 import time
+from collections.abc import Iterator
 
 import browser as chromium
 import numpy as np
@@ -68,14 +70,13 @@ def run_clients(url: str, count: int, speed: str, begin, end, results) -> None:
     )
 
 
-def slider_delays(client: Counting, until: float) -> list[float]:
+def slider_delays(client: Counting, until: float, angles: Iterator[float]) -> list[float]:
     """s from sending a slider's value to the arrival of the poses that follow it, PERIOD_S if none did in time."""
-    delays, angle = [], 45.0
+    delays = []
     while time.monotonic() < until:
-        angle = 50.0 if angle == 45.0 else 45.0
         client.posed_at.clear()
         sent = time.monotonic()
-        client.put("θ₂", angle)
+        client.put("θ₂", next(angles))
         time.sleep(PERIOD_S)
         delays += [client.posed_at[0] - sent] if client.posed_at else [PERIOD_S]
     return delays
@@ -109,9 +110,9 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, workers: in
     time.sleep(WARM_UP_S)
     begin.set()
     cpu, since, memory = server.cpu_s, time.monotonic(), [(0.0, server.memory)]
-    delays = []
+    delays, angles = [], itertools.cycle((50.0, 45.0))
     while (passed := time.monotonic() - since) < seconds:
-        delays += slider_delays(probe, time.monotonic() + min(5.0, seconds - passed))
+        delays += slider_delays(probe, time.monotonic() + min(5.0, seconds - passed), angles)
         memory.append((time.monotonic() - since, server.memory))
     used = (server.cpu_s - cpu) / (time.monotonic() - since)
     end.set()

@@ -11,7 +11,7 @@ import trimesh
 from viewimit.app import curves, equations, images, landscape_view, metrics, relief, status, svg, theme
 from viewimit.app.labels import CHARACTER, LINE
 from viewimit.app.posture_plane import PosturePlane
-from viewimit.app.silhouette import Silhouettes, project
+from viewimit.app.silhouette import Silhouettes
 from viewimit.assets import ROOT
 
 from viewimit.evaluation import conflict
@@ -194,27 +194,19 @@ class TestImages:
 
 
 class TestSilhouettes:
-    def test_frames_are_the_robots(self, session, silhouettes):
-        world, theta = session.world, np.array([0.3, -1.1])
-        expected = world.T_world_own @ world.robot.link_frames(world.joint_angles(theta))
-        assert silhouettes.link_frames(theta, world.T_world_own) == pytest.approx(expected, abs=1e-12)
-
-    def test_projection_is_the_cameras(self, session):
-        points = np.random.default_rng(0).uniform(-0.2, 0.2, (5, 3)) + [1, -0.7, 1]
-        cameras = session.world.own_cameras
-        for image, camera in zip(project(points, cameras), cameras):
-            assert image == pytest.approx(camera.project(points.T)[0].T)
-
     def test_a_hull_reaches_as_far_as_its_mesh(self, session, silhouettes):
         """In every direction the polygon's support is that of all vertices, to 2.5 px."""
         world = session.world
-        frames = silhouettes.link_frames(session.snapshot.theta, world.T_world_own)
-        hulls = silhouettes.outlines(frames, world.own_cameras)
+        frames = world.link_frames(session.snapshot.theta, world.T_world_own)
+        hulls, origins = silhouettes.seen(frames, world.own_pair)
+        for camera, pixels in zip(world.own_cameras, origins):
+            assert pixels == pytest.approx(camera.project(frames[:, :3, 3].T)[0].T)
         angles = np.linspace(0, 2 * np.pi, 50)
         directions = np.stack([np.cos(angles), np.sin(angles)])
         for link, vertices in meshes("panda").items():
             placed = vertices @ frames[link, :3, :3].T + frames[link, :3, 3]
-            for side, image in enumerate(project(placed, world.own_cameras)):
+            for side, camera in enumerate(world.own_cameras):
+                image = camera.project(placed.T)[0].T
                 short = (image @ directions).max(0) - (hulls[side, link] @ directions).max(0)
                 assert -1e-9 < short.min() and short.max() < 2.5
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.camera import Camera, StereoHead, triangulate
+from viewimit.camera import Camera, Cameras, StereoHead, triangulate
 from viewimit.geometry.rigid import look_rotation, rigid_transform, rotation_from_rpy
 
 HEAD = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, 256, (320, 120))
@@ -51,6 +51,26 @@ def test_visible_means_in_front_and_inside_the_image():
     }
     _, visible = camera.project(np.array(list(at), float).T)
     assert visible.tolist() == list(at.values())
+
+
+def test_several_cameras_at_once_see_what_each_sees():
+    cameras = HEAD.gaze([2, -0.7, 1])
+    points = scattered(np.random.default_rng(3), 400)
+    points[:, ::7] *= 3  # some beyond the images, some behind the cameras
+    images, visible = Cameras(cameras).project(points.T)
+    assert 0.2 < visible.mean() < 0.9
+    for camera, image, seen in zip(cameras, images, visible):
+        expected, expected_seen = camera.project(points)
+        np.testing.assert_allclose(image, expected.T, rtol=1e-9, atol=1e-9)
+        np.testing.assert_array_equal(seen, expected_seen)
+
+
+def test_what_is_too_near_or_behind_is_set_back_on_its_way_to_the_image():
+    camera = Camera(640, 240, 256, (320, 120), np.eye(4))
+    points = np.array([[0.1, 0, 0.2], [0.1, 0, 0.01], [0.1, 0, -1.0]])
+    images, depth = Cameras([camera]).images(points, nearest=0.05)
+    np.testing.assert_allclose(depth, [[0.2, 0.05, 0.05]])
+    np.testing.assert_allclose(images[0, :, 0], 320 + 256 * 0.1 / depth[0])
 
 
 @pytest.mark.parametrize("verged", [False, True])

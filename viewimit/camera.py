@@ -1,5 +1,6 @@
 """Pinhole cameras and the learner's stereo head."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +47,35 @@ class Camera:
         x, y = np.moveaxis((np.asarray(image, float) - self.centre) / self.focal, -1, 0)[..., None]
         in_world = x * right + y * down + forward
         return in_world / np.sqrt(np.einsum("...i,...i->...", in_world, in_world))[..., None]
+
+
+class Cameras:
+    """Several cameras that take a few points at once: as Camera.project does for many, in fewer steps."""
+
+    def __init__(self, cameras: Sequence[Camera]):
+        frames = np.array([camera.T_world_camera for camera in cameras])
+        self._rotations = frames[:, :3, :3]
+        self._offsets = -frames[:, None, :3, 3] @ self._rotations
+        self._focal = np.array([[camera.focal] for camera in cameras])
+        self._centres = np.array([[camera.centre] for camera in cameras])
+        self._sizes = np.array([[(camera.width, camera.height)] for camera in cameras])
+
+    def images(self, points: NDArray, nearest: float | None = None) -> tuple[NDArray, NDArray]:
+        """points: (N, 3) m in the world → images (cameras, N, 2) px, depths (cameras, N) m.
+
+        nearest: depth to which nearer points are set back, so that what stands behind a camera is drawn somewhere.
+        """
+        in_camera = points @ self._rotations + self._offsets
+        depth = in_camera[..., 2]
+        if nearest is not None:
+            depth = np.maximum(depth, nearest)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return in_camera[..., :2] * (self._focal / depth)[..., None] + self._centres, depth
+
+    def project(self, points: NDArray) -> tuple[NDArray, NDArray]:
+        """points: (N, 3) m in the world → images (cameras, N, 2) px, visible (cameras, N): in front and inside."""
+        images, depth = self.images(points)
+        return images, (depth > 0) & ((images >= 0) & (images <= self._sizes)).all(-1)
 
 
 @dataclass(frozen=True)

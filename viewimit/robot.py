@@ -3,6 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
 
+IDENTITY = np.eye(4)
 Angles = Sequence[ArrayLike] | NDArray  # one array a joint, rad, broadcast against each other
 
 
@@ -52,13 +54,27 @@ class Robot:
         """(n,) rad"""
         return np.array([joint.upper for joint in self.joints])
 
-    def link_frames(self, angles: ArrayLike) -> NDArray:
-        """T_base_link of every link for one posture. angles: (n,) rad → (n + 1, 4, 4)."""
-        frames = [np.eye(4)]
-        for joint, angle in zip(self.joints, angles, strict=True):
-            turned = rigid_transform(rotation_about_axis(joint.axis, angle))
-            frames.append(frames[-1] @ joint.T_parent_joint @ turned)
-        return np.array(frames)
+    def link_frames(self, angles: ArrayLike, T_world_base: NDArray = IDENTITY) -> NDArray:
+        """T_world_link of every link for one posture. angles: (n,) rad → (n + 1, 4, 4)."""
+        angle = np.array(angles, float).reshape(-1, 1, 1)
+        rest, sine, rise = self._turns  # all joints are turned at once, for every call of numpy takes its time
+        steps = rest + np.sin(angle) * sine + (1 - np.cos(angle)) * rise
+        frames = np.empty((len(self.joints) + 1, 4, 4))
+        frames[0] = T_world_base
+        for i, step in enumerate(steps):
+            np.matmul(frames[i], step, out=frames[i + 1])
+        return frames
+
+    @cached_property
+    def _turns(self) -> NDArray:
+        """(3, n, 4, 4): what T_parent_link is made of by 1, sin and 1 - cos of a joint's angle (Rodrigues)."""
+        parts = np.zeros((3, len(self.joints), 4, 4))
+        for k, joint in enumerate(self.joints):
+            quarter, half = (rotation_about_axis(joint.axis, angle) for angle in (np.pi / 2, np.pi))
+            square = (half - np.eye(3)) / 2  # half a turn: I + 2 K²
+            parts[0, k], parts[1, k, :3, :3], parts[2, k, :3, :3] = np.eye(4), quarter - np.eye(3) - square, square
+            parts[:, k] = joint.T_parent_joint @ parts[:, k]
+        return parts
 
     def held(self, angles: ArrayLike, moving: ArrayLike, body: BodyPoints) -> tuple["Robot", BodyPoints]:
         """The arm with all joints but `moving` (from 0) held at `angles` (n,) rad: a shorter chain, the same points."""

@@ -196,10 +196,10 @@ class Session:
 
         One jump is no drift: both displacements must point the same way.
         """
-        recent = self.history[max(self.cursor - 2, 0) : self.cursor + 1]
-        if len(recent) < 3:
+        recent = [moment.views.demo for moment in self.history[max(self.cursor - 2, 0) : self.cursor + 1]]
+        if len(recent) < 3 or recent[1] is recent[2]:  # it was not even looked at again
             return np.zeros(())
-        before, last = np.nan_to_num(np.diff([moment.views.demo for moment in recent], axis=0))  # NaN: not seen
+        before, last = np.nan_to_num(np.diff(recent, axis=0))  # NaN: not seen
         return last if np.vdot(before, last) > 0 else np.zeros(())
 
     def _wait(self, theta: NDArray, now: Snapshot) -> tuple[int, int | None]:

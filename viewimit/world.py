@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .camera import Camera
+from .camera import Camera, Cameras
 from .geometry.rigid import rigid_transform, rotation_about_axis
 from .robot import BodyPoints, Robot
 from .scene import Base, Scene, load_robot
@@ -74,25 +74,32 @@ class World:
         self.robot = robot or load_robot(scene.robot)
         self.body: BodyPoints = scene.body_points(points) if body is None else body
         self._chain, self._chain_body = self.robot.held(np.radians(scene.posture_deg), scene.moving, self.body)
+        self._rest = np.radians(scene.posture_deg).tolist()
         head = scene.stereo_head()
         self.demo_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_demonstrator)
         self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
+        self.demo_pair, self.own_pair = Cameras(self.demo_cameras), Cameras(self.own_cameras)
+        self._local = np.concatenate([self._chain_body.local, np.ones((len(self.body), 1))], 1)[:, :, None]
         self.T_world_demo = _placed(scene.demonstrator)
         self.T_world_own = _placed(scene.learner)
 
     def joint_angles(self, theta: Sequence[ArrayLike] | NDArray) -> list:
         """Angles of all n joints, rad: the moving ones from theta, the others at rest."""
-        angles = list(np.radians(self.scene.posture_deg))
+        angles = list(self._rest)
         for joint, angle in zip(self.scene.moving, theta, strict=True):
             angles[joint] = angle
         return angles
 
     def demo_images(self, theta) -> tuple[NDArray, NDArray]:
         """The demonstrator in [l], [r] → points (..., N, 4) px, visible (..., N, 2)."""
+        if _is_one(theta):
+            return self._images_of_one(theta, self.T_world_demo, self.demo_pair)
         return self._images(theta, self.T_world_demo, self.demo_cameras)
 
     def own_images(self, theta) -> tuple[NDArray, NDArray]:
         """The learner in [L], [R] → points (..., N, 4) px, visible (..., N, 2)."""
+        if _is_one(theta):
+            return self._images_of_one(theta, self.T_world_own, self.own_pair)
         return self._images(theta, self.T_world_own, self.own_cameras)
 
     def look(self, theta_demo, theta_own) -> FourViews:
@@ -103,14 +110,16 @@ class World:
 
     def link_frames(self, theta, T_world_base: NDArray) -> NDArray:
         """T_world_link of every link of an arm in one posture: (n + 1, 4, 4)."""
-        return T_world_base @ self.robot.link_frames([float(angle) for angle in self.joint_angles(theta)])
+        return self.robot.link_frames(self.joint_angles(theta), T_world_base)
 
     def points_world(self, theta, T_world_base: NDArray) -> NDArray:
-        """Body points of an arm in one posture: (N, 3) m. For the viewer of the scene."""
-        points = np.empty((len(self.body), 3))
-        for index, xyz in self._chain.place_points(theta, self._chain_body):
-            points[index] = (T_world_base[:3, :3] @ xyz).T + T_world_base[:3, 3]
-        return points
+        """Body points of an arm in one posture: (N, 3) m."""
+        frames = self._chain.link_frames(theta, T_world_base)
+        return (frames[self._chain_body.link] @ self._local)[:, :3, 0]
+
+    def _images_of_one(self, theta, T_world_base: NDArray, cameras: Cameras) -> tuple[NDArray, NDArray]:
+        images, visible = cameras.project(self.points_world(theta, T_world_base))
+        return images.swapaxes(0, 1).reshape(-1, 4), visible.T
 
     def _images(self, theta, T_world_base: NDArray, cameras: tuple[Camera, Camera]) -> tuple[NDArray, NDArray]:
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
@@ -123,6 +132,11 @@ class World:
                     points[2 * side, point], points[2 * side + 1, point] = image[:, row]
                     visible[side, point] = seen[row]
         return np.moveaxis(points, (1, 0), (-2, -1)), np.moveaxis(visible, (1, 0), (-2, -1))
+
+
+def _is_one(theta) -> bool:
+    """Whether it is one posture, not a batch."""
+    return all(np.ndim(angle) == 0 for angle in theta)
 
 
 def _placed(base: Base) -> NDArray:

@@ -117,10 +117,12 @@ class Client:
                 for message in self._unpack(frame):
                     self._take(message)
 
-    def _unpack(self, frame: bytes) -> list[dict]:
+    def _inner(self, frame: bytes) -> bytes:
         size, packed = (int.from_bytes(frame[at : at + 8], "little") for at in (0, 8))
-        inner = self._unpacker.decompress(frame[16 : 16 + packed], max_output_size=size)
-        return msgspec.msgpack.decode(inner)["messages"]
+        return self._unpacker.decompress(frame[16 : 16 + packed], max_output_size=size)
+
+    def _unpack(self, frame: bytes) -> list[dict]:
+        return msgspec.msgpack.decode(self._inner(frame))["messages"]
 
     def _take(self, message: dict) -> None:
         kind, uuid = message["type"], message.get("uuid")

@@ -14,7 +14,7 @@ from .camera_process import CameraProcess
 from .checks import choice
 from .errors import ErrorTrace
 from .methods import SERVO_NOTES, TRANSFER_NOTES
-from .pace import Pace, Runner
+from .pace import DENSE, Pace, Runner
 from .session_eyes import SessionEyes
 
 ARRIVED_DEG = 1.0  # of the largest joint error
@@ -54,7 +54,7 @@ class Duel:
         if self.opponent is None:
             if self._settings == self._session.settings:  # a race against itself
                 self.transfer, self.servo = BEST.transfer, BEST.servo
-            self.opponent = Session(self._settings, self._eyes)
+            self.opponent = Session(self._settings, self._eyes, DENSE)
             self._pace.runners.append(Runner(self.opponent))
             self.begin_again()
             self._pace.playing = True

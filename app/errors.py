@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from viewimit.snapshot import Snapshot
 
@@ -15,23 +16,35 @@ class ErrorTrace:
     """The largest joint error at every moment of a history, in degrees; only what is new in it is computed."""
 
     def __init__(self):
-        self._moments: list[Snapshot] = []
+        self._postures: list[tuple[NDArray, NDArray]] = []  # moments are known by them, and not kept alive
         self._degrees: list[float] = []
 
     def of(self, history: Sequence[Snapshot]) -> list[float]:
         """history: it changes from its end only, or is another one."""
-        kept = min(len(history), len(self._moments))
-        while kept and self._moments[kept - 1] is not history[kept - 1]:
+        kept = min(len(history), len(self._postures))
+        while kept and any(a is not b for a, b in zip(self._postures[kept - 1], _postures(history[kept - 1]))):
             kept -= 1
-        new = list(history[kept:])
-        self._moments[kept:] = new
-        self._degrees[kept:] = [largest_error_deg(moment) for moment in new]
+        new = history[kept:]
+        self._postures[kept:] = map(_postures, new)
+        self._degrees[kept:] = largest_errors_deg(new)
         return self._degrees
 
 
-def largest_error_deg(snapshot: Snapshot) -> float:
-    """Of the joint that is farthest from the demonstrator's."""
-    return float(np.degrees(np.abs(snapshot.theta - snapshot.theta_demo).max()))
+def recent_errors_deg(history: Sequence[Snapshot], cursor: int) -> list[float]:
+    """Of the last moments up to the cursor, as many as `following` asks for."""
+    return largest_errors_deg(history[max(cursor - RECENT, 0) : cursor + 1])
+
+
+def largest_errors_deg(moments: Sequence[Snapshot]) -> list[float]:
+    """Of the joint that is farthest from the demonstrator's, at each moment."""
+    if not moments:
+        return []
+    theta, theta_demo = zip(*map(_postures, moments))
+    return np.degrees(np.abs(np.array(theta) - np.array(theta_demo)).max(1)).tolist()
+
+
+def _postures(moment: Snapshot) -> tuple[NDArray, NDArray]:
+    return moment.theta, moment.theta_demo
 
 
 def following(errors_deg: Sequence[float]) -> str:

@@ -10,6 +10,7 @@ from viewimit.session import Session
 MOTION_SHARE, LONGEST_MOTION = 0.85, 1.2  # of the period; s: how long the arm is seen to move
 SINGLE_STEP = 0.45  # s a motion takes that was asked for singly
 EARLY, LATE = 0.02, 0.05  # s that a motion may begin before its time, as ticks jitter; and late without giving way
+DENSE = 512  # motions of a page's session that are all kept; of older ones some are
 BUDGET = 0.02  # s a tick for stepping as fast as it computes, with nobody else to share it
 
 

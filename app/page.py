@@ -27,7 +27,7 @@ from .keeper import Head, Memory
 from .laboratory import Laboratory
 from .landscape_worker import LandscapeWorker, landscape_key
 from .load import Load
-from .pace import Pace
+from .pace import DENSE, Pace
 from .panels import Panels
 from .presets import Preset, presets_from
 from .scene3d import Scene3D
@@ -65,7 +65,7 @@ class Page:
         self._turns = Turns()
         self._looked: Snapshot | None = None  # what the panels have shown last of an arm at rest
         self._heading: Snapshot | None = None  # the moment that the arm was seen at, or on its way to, last
-        self._session = Session(settings, self._eyes)
+        self._session = Session(settings, self._eyes, DENSE)
         pictured = resumed is not None and resumed.history[resumed.head.cursor].settings.camera == "rendered"
         if pictured:  # its eyes are opened in its first turn; until then it stands as it began
             self._session.begin(_on_points(resumed.history[resumed.head.cursor].settings))

@@ -16,7 +16,7 @@ from viewimit.world import World
 from . import landscape_worker, meshes
 from .curves import draw_curves
 from .equations import draw_conflict, draw_equations, draw_law
-from .errors import ErrorTrace, following
+from .errors import following, recent_errors_deg
 from .help import help_html
 from .images import NO_PICTURES, draw_images, image_windows
 from .inbox import Inbox, on_click, put_html, put_label
@@ -50,7 +50,6 @@ class Panels:
     def __init__(self, client: ClientHandle, inbox: Inbox, wide: bool):
         self._client, self._inbox, self._wide = client, inbox, wide
         self._help = None  # the open modal
-        self._errors = ErrorTrace()
         gui = client.gui
         self._status = gui.add_html("")
         upper, lower = gui.add_panel(), gui.add_panel()
@@ -104,7 +103,8 @@ class Panels:
 
     def draw_curves(self, session: Session) -> None:
         shown = session.history, session.cursor, self.landscape.E_true, session.scene.moving_joints
-        drawn = draw_curves(*shown, CARD_WIDTH if self._wide else TAB_WIDTH, self._errors_of(session))
+        errors_deg = recent_errors_deg(session.history, session.cursor)
+        drawn = draw_curves(*shown, CARD_WIDTH if self._wide else TAB_WIDTH, errors_deg)
         put_html(self._curves, f'<div class="vi-card">{drawn}</div>' if self._wide else drawn)
 
     def draw_equations(self, session: Session, chosen: int | None) -> None:
@@ -119,7 +119,7 @@ class Panels:
 
     def draw_following(self, session: Session, state: str, sentence: str) -> None:
         """What is recorded or replayed, and how far the learner is off it."""
-        off = following(self._errors_of(session))
+        off = following(recent_errors_deg(session.history, session.cursor))
         self.draw_state(state, sentence.rstrip(".") + f"; learner {off}." if off else sentence)
 
     def draw_state(self, state: str, sentence: str) -> None:
@@ -152,9 +152,6 @@ class Panels:
             if handle.visible != visible:
                 handle.visible = visible
         put_label(self._compare, *(COMPARE if alone else ALONE))
-
-    def _errors_of(self, session: Session) -> list[float]:
-        return self._errors.of(session.history)[: session.cursor + 1]
 
     def show_help(self) -> None:
         """Open the help, or close it."""

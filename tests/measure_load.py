@@ -20,6 +20,8 @@ from protocol import Client, Server
 
 WARM_UP_S = 15.0
 PERIOD_S = 1.0  # of the slider
+PASSES = 100_000
+SETTLED_S = 60.0  # from which on memory should not grow
 TARGETS = {"poses": 20.0, "panels": 10.0, "plots": 5.0}
 MARKS = {"poses": b"SetOrientationMessage", "panels": b"vi-plane", "plots": b"vi-cursor"}
 OPTIONS = ("--servo", "gradient-retuned", "--transfer", "epipolar", "--frames", "1", "--start", "25,-45")
@@ -78,6 +80,14 @@ def slider_delays(client: Counting, until: float, angles: Iterator[float]) -> li
     return delays
 
 
+def plain_loop_ns() -> float:
+    """Processor time of a pass through a plain loop: what a core is worth while others share it."""
+    began, total = time.process_time(), 0
+    for k in range(PASSES):
+        total += k
+    return 1e9 * (time.process_time() - began) / PASSES
+
+
 def open_browsers(stack: list, url: str, count: int) -> None:
     if not count:
         return
@@ -106,9 +116,10 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, workers: in
     time.sleep(WARM_UP_S)
     begin.set()
     cpu, since, memory = server.cpu_s, time.monotonic(), [(0.0, server.memory)]
-    delays, angles = [], itertools.cycle((50.0, 45.0))
+    delays, worth, angles = [], [], itertools.cycle((50.0, 45.0))
     while (passed := time.monotonic() - since) < seconds:
         delays += slider_delays(probe, time.monotonic() + min(5.0, seconds - passed), angles)
+        worth.append(plain_loop_ns())
         memory.append((time.monotonic() - since, server.memory))
     used = (server.cpu_s - cpu) / (time.monotonic() - since)
     end.set()
@@ -119,7 +130,8 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, workers: in
     if stack:
         stack[0].stop()
     server.stop()
-    slope = np.polyfit(*np.transpose(memory), 1)[0] * 60
+    settled = [sample for sample in memory if sample[0] >= SETTLED_S] if seconds >= 2 * SETTLED_S else memory
+    slope = np.polyfit(*np.transpose(settled), 1)[0] * 60
     return {
         "clients": clients,
         "browsers": browsers,
@@ -129,12 +141,13 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, workers: in
         **{kind: spread([rate[kind] for rate in rates]) for kind in TARGETS},
         "cores": round(used, 3),
         "cpu_ms_a_client_and_s": round(1e3 * used / (clients + browsers + 1), 1),
+        "plain_loop_ns": round(statistics.median(worth), 1),
         "slider_to_wire_ms": {
             "median": round(1e3 * statistics.median(delays)),
             "p95": round(1e3 * float(np.quantile(delays, 0.95))),
             "missed": sum(delay >= PERIOD_S for delay in delays),
         },
-        "memory_mb": round(memory[-1][1]),
+        "memory_mb": [round(memory[int(share * (len(memory) - 1))][1]) for share in (0, 0.25, 0.5, 0.75, 1)],
         "memory_mb_a_minute": round(float(slope), 2),
     }
 

@@ -176,7 +176,7 @@ def files(tmp_path, monkeypatch):
         ("imitate --missing 1.2", "--missing: missing must be between 0 and 1, got 1.2"),
         ("imitate --seed -1", "--seed: seed must be between 0 and 4294967295, got -1"),
         ("imitate --seed 1.5", "--seed: invalid int value: '1.5'"),
-        ("imitate --max-motions -1", "--max-motions: must be between 0 and 5000, got -1"),
+        ("imitate --max-motions -1", "--max-motions: must be between 0 and 100000, got -1"),
         ("imitate --colour red", "unrecognized arguments: --colour red"),
         ("landscape --step-deg nan", "--step-deg: must be between 0.1 and 45, got nan"),
         ("landscape --out a.pdf", "--out: a.pdf: unknown extension '.pdf'; there are .npz, .csv, .png, .svg"),

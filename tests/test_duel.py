@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 from viewimit.app.duel import ARRIVED_DEG, Duel
-from viewimit.app.errors import RECENT, ErrorTrace, following
+from viewimit.app.errors import RECENT, ErrorTrace, following, recent_errors_deg
 from viewimit.app.pace import Pace
 from viewimit.app.presets import presets_from
 from viewimit.app.visitor import View, Visitor
@@ -155,6 +155,8 @@ def test_errors_are_those_of_the_history_however_that_changes():
             session.pose(rng.uniform(session.scene.lower, session.scene.upper))
         direct = [np.degrees(np.abs(moment.theta - moment.theta_demo)).max() for moment in session.history]
         assert list(trace.of(session.history)) == pytest.approx(direct)
+        last = direct[: session.cursor + 1]
+        assert following(recent_errors_deg(session.history, session.cursor)) == following(last)
     session.reset()
     assert len(trace.of(session.history)) == 1
 

@@ -6,11 +6,12 @@ from viewimit.assets import ROOT
 
 from viewimit.experiments import baselines
 from viewimit.servo import SERVOS
-from viewimit.session import RECENT, Session
+from viewimit.session import RECENT, STRIDE, Session
 from viewimit.snapshot import DERIVED, Settings
 from viewimit.transfer import TRANSFERS
 
 DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
+RESTLESS = Settings(servo="gradient-retuned", noise_px=0.2, start_deg=(25, -45))  # it never rests
 CALM = Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))
 
 
@@ -80,6 +81,27 @@ def test_scrubbing_keeps_the_future_and_stepping_drops_it():
     assert session.step()
     assert len(session.history) == 4 and session.cursor == 3
     assert all(now is then for now, then in zip(session.history, past))
+
+
+def test_of_a_long_history_some_old_motions_stand_for_those_after_them():
+    """Every STRIDE-th, from the start on; the last ones are all there, and what follows is what would have followed."""
+    dense, motions = 40, 40 + 3 * STRIDE + 5
+    kept, whole = (walked(Session(RESTLESS, dense=d), motions) for d in (dense, None))
+    thinned = 3 * STRIDE
+    for k, (moment, expected) in enumerate(zip(kept.history, whole.history, strict=True)):
+        stands = k // STRIDE * STRIDE if k < thinned else k
+        assert moment.motion == stands
+        assert k != stands or same(moment, expected)
+    assert len(set(map(id, kept.history))) == 3 + len(kept.history) - thinned
+    assert kept.scrub(STRIDE + 3) and kept.cursor == STRIDE == kept.snapshot.motion
+    assert kept.undo() and kept.cursor == 0 and kept.scrub(2 * STRIDE - 1) and kept.cursor == STRIDE
+    whole.scrub(STRIDE)
+    for _ in range(dense + 2 * STRIDE):
+        assert kept.step() and whole.step()
+        assert same(kept.snapshot, whole.snapshot) and kept.history[kept.cursor] is kept.snapshot
+    back = Session(RESTLESS, dense=dense)
+    back.resume(whole.history, whole.cursor)
+    assert [moment.motion for moment in back.history] == [moment.motion for moment in kept.history]
 
 
 def test_another_future_begins_where_the_cursor_is():

@@ -29,18 +29,20 @@ DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, o
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
 BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "camera", "delay")  # what changes body or camera
 UNDISTURBED = Disturbance()
-MAX_HISTORY, RECENT = 5_000, 64  # motions a session keeps; and with all that follows from them
+MAX_HISTORY, RECENT = 100_000, 64  # motions a session makes; and keeps with all that follows from them
+STRIDE = 32  # of motions long past one in so many is kept, if not all are
 
 
 class Session:
     """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
 
-    open_eyes(camera, scene, points): what it looks with and moves by, as `viewimit.eyes` has it.
+    open_eyes(camera, scene, points): what it looks with and moves by, as `viewimit.eyes` has it; dense: how many of
+    the last motions are kept, None for all. Of older ones every STRIDE-th is, and stands in place of those after it.
     Raises ValueError, with the session as it was, for settings that cannot be.
     """
 
-    def __init__(self, settings: Settings | None = None, open_eyes: Callable = open_eyes):
-        self._open_eyes, self._built = open_eyes, None
+    def __init__(self, settings: Settings | None = None, open_eyes: Callable = open_eyes, dense: int | None = None):
+        self._open_eyes, self._built, self._dense = open_eyes, None, dense
         self.history: list[Snapshot]
         self.cursor: int
         self.begin(settings or Settings())
@@ -96,6 +98,8 @@ class Session:
         self.cursor += 1
         if self.cursor >= RECENT:
             self.history[self.cursor - RECENT].fade()
+        if self._dense is not None and (self.cursor - self._dense) % STRIDE == 0:
+            self._thin(self.cursor - self._dense - STRIDE)
         return True
 
     def observe(self, theta: NDArray, like: Snapshot, settings: Settings | None = None, **changes) -> Snapshot:
@@ -155,10 +159,10 @@ class Session:
         return self.scrub(self.cursor - 1)
 
     def scrub(self, motion: int) -> bool:
-        """Show the moment after that many motions. False if there is none."""
+        """Show the moment after that many motions, or the one that stands in its place. False if there is none."""
         if not 0 <= motion < len(self.history):
             return False
-        self.cursor = motion
+        self.cursor = self.history[motion].motion
         return True
 
     def reset(self) -> None:
@@ -171,6 +175,14 @@ class Session:
         self.history, self.cursor = list(history), cursor
         for moment in self.history[: max(cursor - RECENT, 0)]:
             moment.fade()
+        if self._dense is not None:
+            for first in range(0, cursor - self._dense - STRIDE + 1, STRIDE):
+                self._thin(first)
+
+    def _thin(self, first: int) -> None:
+        """Let the moment after so many motions stand for those until the next one that is kept."""
+        if first >= 0:
+            self.history[first + 1 : first + STRIDE] = [self.history[first]] * (STRIDE - 1)
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""

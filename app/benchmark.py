@@ -76,7 +76,7 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
             scene.draw_poses(session.snapshot.theta, session.snapshot.theta_demo)
             scene.draw(session.snapshot, chosen, show)
             panels.draw_images(session.snapshot, chosen, False)
-            panels.draw_path(session, session.snapshot)
+            panels.draw_path(session, None)
             panels.draw_status(session, True)
             done = time.process_time()
             if not moved:

@@ -13,7 +13,7 @@ from .errors import following
 SIDE_BY_SIDE = 600  # px of width from which the plots stand beside each other
 CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot
 LEFT, RIGHT, TOP, BOTTOM = 40, 104, 24, 20
-LIMIT, DOT_LIMIT = 120, 48  # vertices of a curve; motions up to which each has a dot
+LIMIT, DOT_LIMIT = 90, 48  # vertices of a curve; motions up to which each has a dot
 STEPS = (1, 2, 4, 5, 10)  # x 10^k: the x axis ends at four of them
 APART = 13  # px between labels
 FLOOR_E = 1e-3  # px² below which E is drawn as this: nobody could see that conflict

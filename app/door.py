@@ -117,7 +117,7 @@ class Door:
             return self._refuse_seat(connection, request)
         is_page = response.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
-            response = _response(http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=self._max_clients), "text/html")
+            response = _response(http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=self._tally.seats), "text/html")
         elif is_page and token_of(request.headers) is None:
             response.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(response.headers, request.headers.get("Host", ""))

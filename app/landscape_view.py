@@ -19,7 +19,7 @@ from .posture_plane import PosturePlane
 from .theme import OBSERVED
 
 CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than that: an inset of ±CLOSE_DEG, px wide
-PATH_LIMIT, DOT_LIMIT = 120, 60  # vertices of the path; motions up to which each has a dot
+PATH_LIMIT, DOT_LIMIT = 90, 60  # vertices of the path; motions up to which each has a dot
 INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 NOW = 5.8  # px, radius of the big dot

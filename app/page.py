@@ -233,7 +233,16 @@ class Page:
             self._duel.draw()
         if self._drawn.changed("laboratory", *self._laboratory.state):
             self._laboratory.draw()
-        if self._drawn.due("curves", now, CURVES_EVERY * self._load.plots) and self._drawn.changed(
+        self._draw_plots(now, present, theta if moving else None)
+
+    def _draw_plots(self, now: float, present: Snapshot, on_its_way: NDArray | None) -> None:
+        """on_its_way: (m,) rad, where the arm is seen; None at rest."""
+        every, seen = CURVES_EVERY * self._load.plots, present.theta if on_its_way is None else on_its_way
+        if (on_its_way is not None or self._drawn.due("path", now, every)) and self._drawn.changed(
+            "path", present, seen.tobytes(), self._pace.last, self._panels.landscape
+        ):
+            self._panels.draw_path(self._session, on_its_way)
+        if self._drawn.due("curves", now, every) and self._drawn.changed(
             "curves", present, self._pace.cursor, self._pace.last, self._view.chosen, self._panels.landscape
         ):
             self._panels.draw_curves(self._session)
@@ -276,7 +285,6 @@ class Page:
         self._scene.draw(shown, self._view.chosen, self._view.show)
         self._scene.show_pictures(pictures)
         self._panels.draw_images(looked, self._view.chosen, self._view.show["whole_frames"], pictures)
-        self._panels.draw_path(self._session, shown)
         self._controls.show_learner(self._session.scene, shown.theta, present.theta_demo)
         self._gizmo.show(self._view.show["gizmo"], present.theta_demo, self._scene.hand_position)
 

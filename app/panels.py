@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.landscape import conflict_at
@@ -96,9 +97,8 @@ class Panels:
         )
         put_html(self._images, drawn)
 
-    def draw_path(self, session: Session, shown: Snapshot) -> None:
-        moving = shown is not session.snapshot
-        theta = shown.theta if moving else None
+    def draw_path(self, session: Session, theta: NDArray | None) -> None:
+        """theta: (m,) rad, where the arm is seen while it moves; None at rest."""
         put_html(self._path, self.landscape.picture.draw_path(session.history, session.cursor, theta))
 
     def draw_curves(self, session: Session) -> None:

@@ -76,5 +76,6 @@ class Scheduler:
                     self._tick(page)
                 await asyncio.sleep(0)  # what was drawn is sent
             self.load.ticked(time.monotonic() - began)
-            next_tick = max(next_tick + TICK, time.monotonic())  # behind: skip ticks instead of chasing them
-            await asyncio.sleep(next_tick - time.monotonic())
+            # one long tick is made up for by the next short one; further behind, ticks are skipped, not chased
+            next_tick = max(next_tick + TICK, time.monotonic() - TICK)
+            await asyncio.sleep(max(next_tick - time.monotonic(), 0))

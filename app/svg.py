@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from html import escape
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,7 +46,11 @@ def path(points: NDArray) -> str:
 
 
 def _line(points: NDArray) -> str:
-    return ("M%.1f %.1f" + " %.1f %.1f" * (len(points) - 1)) % tuple(points.ravel().tolist())
+    """Long ones are frequent: msgspec writes numbers twice as fast as formatting does."""
+    return f"M{_as_json(points.round(1).ravel().tolist())[1:-1].decode()}"
+
+
+_as_json = msgspec.json.Encoder().encode
 
 
 def segments(start: NDArray, end: NDArray) -> str:

@@ -99,7 +99,8 @@ def test_pictures_in_3d_are_as_their_cameras_see_them_and_are_sent_once(session,
             plate = on_plate(camera, np.array([[u, v]]))[0]
             assert there == pytest.approx(plate + BEHIND * camera.T_world_camera[:3, 2])
             eye = camera.T_world_camera[:3, 3]
-            assert (plate - eye) @ camera.ray((u, v)) == pytest.approx(np.linalg.norm(plate - eye))
+            along = camera.ray((u, v)) / np.linalg.norm(camera.ray((u, v)))
+            assert (plate - eye) @ along == pytest.approx(np.linalg.norm(plate - eye))
         assert not nodes[f"/stage/plate_{view}"].visible
     stage.show_pictures({"l": PICTURES["l"]})
     assert [view for view in VIEWS if f"/stage/picture_{view}" in nodes] == ["l"]

@@ -3,9 +3,10 @@
 import socket
 
 import pytest
+from viewimit.app import serve as serve_module
 from viewimit.app.address import PortInUse, address, invite, require_free
 from viewimit.app.origins import is_loopback
-from viewimit.app.serve import ServerOptions, serve
+from viewimit.app.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
 
 from viewimit.snapshot import Settings
 
@@ -22,6 +23,15 @@ def test_a_taken_port_is_named_with_the_next_free_one():
 def test_bad_settings_fail_before_a_port_is_taken():
     with pytest.raises(ValueError, match="no scene 'moon'"):
         serve(port=0, options=ServerOptions(Settings(scene="moon")))
+
+
+def test_a_class_is_served_by_more_than_one_process_where_that_can_be(monkeypatch):
+    assert usual_workers("127.0.0.1") == usual_workers("localhost") == 1
+    assert 1 <= usual_workers("0.0.0.0") <= MOST_WORKERS
+    monkeypatch.setattr(serve_module, "can_hand_over", lambda: False)
+    assert usual_workers("0.0.0.0") == 1
+    with pytest.raises(ValueError, match="2 workers need a system"):
+        serve(port=0, options=ServerOptions(workers=2))
 
 
 def test_an_address_of_another_machine_is_not_a_port_in_use():

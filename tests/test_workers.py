@@ -16,7 +16,7 @@ from viewimit.app.address import listen
 from viewimit.app.dispatcher import KNOWN, Dispatcher, Placing
 from viewimit.app.page import KEPT_EVERY
 from viewimit.app.server_options import ServerOptions
-from viewimit.app.tally import Tally
+from viewimit.app.tally import WELL_FOR, Tally
 from viewimit.app.workers import MOST_ENDS, working
 from websockets.exceptions import InvalidStatus
 
@@ -56,6 +56,23 @@ def test_only_so_many_browsers_are_remembered():
     for k in range(KNOWN + 5):
         placing.place(token(str(k)))
     assert len(placing._of) == KNOWN and token("0") not in placing._of and token(str(KNOWN)) in placing._of
+
+
+def test_a_server_is_well_while_all_its_processes_give_signs_of_life(monkeypatch):
+    now = 1000.0
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    tally = Tally(2)
+    tally.rows[0].live()
+    assert not tally.well and not tally.rows[1].began
+    tally.rows[1].live()
+    assert tally.well
+    now += WELL_FOR + 1
+    tally.rows[0].live()
+    assert not tally.well
+    tally.rows[0].seats, tally.rows[1].seats = 3, 4
+    assert tally.seats == 7
+    tally.rows[1].clear()
+    assert tally.seats == 3 and not tally.rows[1].began
 
 
 class Dispatching:

@@ -42,11 +42,10 @@ class Camera:
         return image.reshape((2,) + points.shape[1:]), visible.reshape(points.shape[1:])
 
     def ray(self, image: ArrayLike) -> NDArray:
-        """image: (..., 2) px → unit directions (..., 3) in the world."""
-        right, down, forward = self.T_world_camera[:3, :3].T
-        x, y = np.moveaxis((np.asarray(image, float) - self.centre) / self.focal, -1, 0)[..., None]
-        in_world = x * right + y * down + forward
-        return in_world / np.sqrt(np.einsum("...i,...i->...", in_world, in_world))[..., None]
+        """image: (..., 2) px → directions (..., 3) in the world, 1 long along the optical axis."""
+        R_world_camera = self.T_world_camera[:3, :3]
+        on_plane = (np.asarray(image, float) - self.centre) / self.focal
+        return on_plane @ R_world_camera[:, :2].T + R_world_camera[:, 2]
 
 
 class Cameras:
@@ -114,9 +113,9 @@ def triangulate(left: Camera, right: Camera, points: NDArray) -> NDArray:
     """
     a, b = left.ray(points[..., :2]), right.ray(points[..., 2:])
     o_a, o_b = left.T_world_camera[:3, 3], right.T_world_camera[:3, 3]
-    cos = (a * b).sum(-1)
     base = o_b - o_a
+    aa, ab, bb = (a * a).sum(-1), (a * b).sum(-1), (b * b).sum(-1)
+    along_a, along_b = a @ base, b @ base
     with np.errstate(divide="ignore", invalid="ignore"):
-        s = (a @ base - cos * (b @ base)) / (1 - cos**2)
-        t = (cos * (a @ base) - b @ base) / (1 - cos**2)
+        s, t = np.stack([bb * along_a - ab * along_b, ab * along_a - aa * along_b]) / (aa * bb - ab * ab)
     return 0.5 * (o_a + s[..., None] * a + o_b + t[..., None] * b)

@@ -110,7 +110,7 @@ class Session:
         if found["transfer"] is None:
             changes["status"] = "stopped"
         else:
-            E = float(found["transfer"].conflict(views.select(found["usable"])))
+            E = float(found["transfer"].conflict(views.used))
         return replace(like, settings=settings, theta=theta, views=views, E=E, **found, **changes)
 
     def observation(self, now: Snapshot) -> Observation:

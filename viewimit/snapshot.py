@@ -122,7 +122,7 @@ def derived(views: FourViews, transfer: str) -> dict[str, Any]:
     recovered = np.full_like(views.own, np.nan)
     fitted, shape = None, np.inf
     if usable.sum() >= MIN_POINTS:
-        seen = views.select(usable)
+        seen = views.used
         fitted = TRANSFERS[transfer](seen)
         recovered[usable] = fitted.recover(seen.demo_left, seen.demo_right)
         shape = flatness(seen.demo)

@@ -68,6 +68,11 @@ class FourViews:
         """(..., N) bool: seen in all four views, as every transfer needs it."""
         return self.visible.all(-1)
 
+    @property
+    def used(self) -> "FourViews":
+        """The views of the usable points only, of one posture."""
+        return self if self.usable.all() else self.select(self.usable)
+
     def select(self, points: NDArray) -> "FourViews":
         """The views of some points only. points: (N,) bool or indices."""
         return FourViews(self.demo[..., points, :], self.own[..., points, :], self.visible[..., points, :])

@@ -58,7 +58,7 @@ class Arm:
 
     def __init__(self, client: ClientHandle, world: World, arm: str, T_world_base: NDArray):
         self._client = client
-        self._joints = world.robot.joints
+        self._joints, self._moving = world.robot.joints, world.scene.moving
         self._root = robot_root(world.scene, arm)
         self._frame = client.scene.add_frame(
             self._root, show_axes=False, wxyz=quaternion(T_world_base[:3, :3]), position=T_world_base[:3, 3]
@@ -86,11 +86,11 @@ class Arm:
                     name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm], side="double"
                 )
 
-    def draw(self, angles) -> None:
-        """angles: of all joints, rad. Only joints that turned are sent."""
-        for i, angle in enumerate(angles):
-            if float(angle) != self._angles[i]:
-                self._angles[i] = float(angle)
+    def draw(self, theta: NDArray) -> None:
+        """theta: (m,) rad, of the moving joints. Only those that turned are sent."""
+        for i, angle in zip(self._moving, theta.tolist()):
+            if angle != self._angles[i]:
+                self._angles[i] = angle
                 push_orientation(self._client, self._names[i], self._turned(i))
 
     def remove(self) -> None:

@@ -60,6 +60,7 @@ class Scene3D:
         if self._stage is not None:
             self._stage.remove()
         self._world, self._nodes, self._demo_points = world, [], None
+        self._shown: dict[str, bool] = {}
         self._stage = Stage(self._client, world, self._dark)
         self._arms = {
             "learner": Arm(self._client, world, "learner", world.T_world_own),
@@ -96,13 +97,13 @@ class Scene3D:
 
     def draw_poses(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
         """Turn the arms only, (m,) rad each. theta_opponent: None without a duel, which hides that arm."""
-        self._arms["learner"].draw(self._world.joint_angles(theta))
-        self._arms["demonstrator"].draw(self._world.joint_angles(theta_demo))
+        self._arms["learner"].draw(theta)
+        self._arms["demonstrator"].draw(theta_demo)
         if theta_opponent is not None:
             if "opponent" not in self._arms:
                 self._share_opponent()
                 self._arms["opponent"] = Arm(self._client, self._world, "opponent", self._bases["learner"])
-            self._arms["opponent"].draw(self._world.joint_angles(theta_opponent))
+            self._arms["opponent"].draw(theta_opponent)
         elif "opponent" in self._arms:
             self._arms.pop("opponent").remove()
 
@@ -133,6 +134,11 @@ class Scene3D:
                 if len(theta) == len(self._world.scene.moving):
                     points.append(self._world.points_world(theta, T_world_base))
         return np.concatenate(points)
+
+    def _show(self, node, visible: bool) -> None:
+        """Or hide it. viser's setter looks up types, which takes longer than most drawings."""
+        if self._shown.get(node.name) != visible:
+            self._shown[node.name] = node.visible = visible
 
     def _keep(self, node):
         self._nodes.append(node)
@@ -210,12 +216,12 @@ class Scene3D:
         far_away = np.array([0, 0, -50.0])
         push_array(self._dots, "points", np.where(seen[..., None], plates, far_away).reshape(-1, 3))
         targets = np.stack([demo, demo, own, own])
-        self._rays.visible = show["rays"]
+        self._show(self._rays, show["rays"])
         if show["rays"]:
             rays = np.stack([plates, targets], axis=-2)  # (4, N, 2, 3)
             push_array(self._rays, "points", rays[seen])
         picked = chosen is not None and bool(seen[:, chosen].any())
-        self._chosen_rays.visible = picked
+        self._show(self._chosen_rays, picked)
         if picked:
             eyes = np.array([camera.T_world_camera[:3, 3] for camera in self._cameras])
             lines = np.stack([eyes, targets[:, chosen]], axis=-2)
@@ -223,7 +229,8 @@ class Scene3D:
 
     def _draw_residuals(self, snapshot: Snapshot, own: NDArray, show: bool) -> None:
         usable = snapshot.usable & (show and snapshot.transfer is not None)
-        self._residuals.visible = self._recovered.visible = bool(usable.any())
+        for node in (self._residuals, self._recovered):
+            self._show(node, bool(usable.any()))
         if usable.any():
             positions = np.full((len(usable), 3), -50.0)
             positions[usable] = triangulate(*self._world.own_cameras, snapshot.recovered[usable])
@@ -232,7 +239,7 @@ class Scene3D:
 
     def _draw_chosen(self, own: NDArray, demo: NDArray, chosen: int | None) -> None:
         for ring, points in zip(self._rings, (own, demo)):
-            ring.visible = chosen is not None
+            self._show(ring, chosen is not None)
             if chosen is not None:
                 ring.position = points[chosen]
 

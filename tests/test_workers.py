@@ -252,3 +252,27 @@ def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd):
         with working(options, listen("127.0.0.1", 0), lambda: None):
             pass
     assert capfd.readouterr().err.count("NotADirectoryError") >= MOST_ENDS
+
+
+@pytest.mark.browser
+def test_pages_of_two_workers_run_and_come_back_after_a_reload(browser):
+    server = Server("--workers", "2")
+    contexts = [browser.new_context(viewport={"width": 1280, "height": 720}) for _ in range(2)]
+    pages, errors = [context.new_page() for context in contexts], []
+    for page in pages:
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(server.url)
+        page.wait_for_selector(".vi-bar", timeout=90_000)
+        page.wait_for_timeout(500)
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function("!document.querySelector('.vi-status').innerText.startsWith('Ready')", timeout=90_000)
+    assert seated(server) == 2
+    page.wait_for_timeout(1500)  # the motion has been seen
+    read = "[...document.querySelectorAll('.vi-bar b')].map(b => b.textContent).join()"
+    stands = page.evaluate(read)
+    page.reload()
+    page.wait_for_function(f"{read} === {stands!r}", timeout=90_000)
+    assert errors == []
+    for context in contexts:
+        context.close()
+    assert server.stop() == 0

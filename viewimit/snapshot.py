@@ -1,6 +1,7 @@
 """What a run depends on, and what one pass of its loop leaves behind: plain data, read by everything else."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import msgspec
@@ -125,8 +126,13 @@ def derived(views: FourViews, transfer: str) -> dict[str, Any]:
         seen = views.used
         fitted = TRANSFERS[transfer](seen)
         recovered[usable] = fitted.recover(seen.demo_left, seen.demo_right)
-        shape = flatness(seen.demo)
+        shape = _flatness(seen.demo.tobytes())
     return dict(zip(DERIVED, (usable, fitted, shape, recovered, views.own - recovered)))
+
+
+@lru_cache(64)  # the demonstrator mostly stands still while the learner moves
+def _flatness(demo: bytes) -> float:
+    return flatness(np.frombuffer(demo).reshape(-1, 4))
 
 
 def _require_choice(name: str, value: str, choices) -> None:

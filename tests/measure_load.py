@@ -20,6 +20,7 @@ from protocol import Client, Server
 
 WARM_UP_S = 15.0
 PERIOD_S = 1.0  # of the slider
+SMALL = {"width": 640, "height": 400}  # of browsers, which render on the same cores
 PASSES = 100_000
 SETTLED_S = 60.0  # from which on memory should not grow
 TARGETS = {"poses": 20.0, "panels": 10.0, "plots": 5.0}
@@ -93,12 +94,13 @@ def open_browsers(stack: list, url: str, count: int) -> None:
         return
     from playwright.sync_api import sync_playwright
 
+    path = chromium.find()
     stack.append(sync_playwright().start())
-    launched = stack[0].chromium.launch(executable_path=chromium.find(), args=chromium.FLAGS)
+    launched = stack[0].chromium.launch(executable_path=path, args=chromium.FLAGS)
     for _ in range(count):
-        page = launched.new_context(viewport={"width": 1280, "height": 720}).new_page()
+        page = launched.new_context(viewport=SMALL).new_page()
         page.goto(url)
-        page.wait_for_selector(".vi-status", timeout=120_000)
+        page.wait_for_selector(".vi-status", state="attached", timeout=120_000)
         page.keyboard.press("Space")
 
 
@@ -108,10 +110,11 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, workers: in
     context = multiprocessing.get_context("spawn")
     begin, end, results = context.Event(), context.Event(), context.Queue()
     shares = [len(part) for part in np.array_split(np.arange(clients), 2) if len(part)]
-    processes = [context.Process(target=run_clients, args=(server.url, n, speed, begin, end, results)) for n in shares]
+    arguments = [(server.url, share, speed, begin, end, results) for share in shares]
+    processes = [context.Process(target=run_clients, args=each, daemon=True) for each in arguments]
+    open_browsers(stack, server.url, browsers)
     for process in processes:
         process.start()
-    open_browsers(stack, server.url, browsers)
     probe = Counting(server.url)
     time.sleep(WARM_UP_S)
     begin.set()

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 
@@ -21,10 +22,12 @@ def each(work: Callable, tasks: Sequence[tuple], workers: int | None = None) -> 
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, context, signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
-        yield from pool.map(work, *zip(*tasks))
-    except BaseException:
+        ahead = deque(pool.submit(work, *task) for task in tasks)
+        while ahead:
+            yield ahead.popleft().result()
+    except BaseException:  # nothing is cancelled: the pool would stumble over that when its workers end
         for worker in set(multiprocessing.active_children()) - others:
             worker.terminate()
         raise
     finally:
-        pool.shutdown(cancel_futures=True)
+        pool.shutdown()

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -190,7 +191,9 @@ def test_ctrl_c_ends_the_processes_too():
         "            tell=lambda share: print(share, flush=True))\n"
     )
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    process = subprocess.Popen([sys.executable, "-I", "-c", code], start_new_session=True, **pipes)
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # a shell ignores it for what runs in the background
+    command = [sys.executable, "-I", "-c", code]
+    process = subprocess.Popen(command, start_new_session=True, preexec_fn=heed, **pipes)
     assert process.stdout.readline() == f"{1 / 5000}\n"
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     _, err = process.communicate(timeout=10)

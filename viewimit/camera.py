@@ -52,6 +52,7 @@ class Cameras:
     """Several cameras that take a few points at once: as Camera.project does for many, in fewer steps."""
 
     def __init__(self, cameras: Sequence[Camera]):
+        self.cameras = tuple(cameras)
         frames = np.array([camera.T_world_camera for camera in cameras])
         self._rotations = frames[:, :3, :3]
         self._offsets = -frames[:, None, :3, 3] @ self._rotations

@@ -92,15 +92,11 @@ class World:
 
     def demo_images(self, theta) -> tuple[NDArray, NDArray]:
         """The demonstrator in [l], [r] → points (..., N, 4) px, visible (..., N, 2)."""
-        if _is_one(theta):
-            return self._images_of_one(theta, self.T_world_demo, self.demo_pair)
-        return self._images(theta, self.T_world_demo, self.demo_cameras)
+        return self._images(theta, self.T_world_demo, self.demo_pair)
 
     def own_images(self, theta) -> tuple[NDArray, NDArray]:
         """The learner in [L], [R] → points (..., N, 4) px, visible (..., N, 2)."""
-        if _is_one(theta):
-            return self._images_of_one(theta, self.T_world_own, self.own_pair)
-        return self._images(theta, self.T_world_own, self.own_cameras)
+        return self._images(theta, self.T_world_own, self.own_pair)
 
     def look(self, theta_demo, theta_own) -> FourViews:
         """All four views, undisturbed, for one posture of each arm, (m,) rad."""
@@ -117,26 +113,20 @@ class World:
         frames = self._chain.link_frames(theta, T_world_base)
         return (frames[self._chain_body.link] @ self._local)[:, :3, 0]
 
-    def _images_of_one(self, theta, T_world_base: NDArray, cameras: Cameras) -> tuple[NDArray, NDArray]:
-        images, visible = cameras.project(self.points_world(theta, T_world_base))
-        return images.swapaxes(0, 1).reshape(-1, 4), visible.T
-
-    def _images(self, theta, T_world_base: NDArray, cameras: tuple[Camera, Camera]) -> tuple[NDArray, NDArray]:
+    def _images(self, theta, T_world_base: NDArray, pair: Cameras) -> tuple[NDArray, NDArray]:
+        if all(np.ndim(angle) == 0 for angle in theta):  # one posture: few points, whose price is the number of steps
+            images, visible = pair.project(self.points_world(theta, T_world_base))
+            return images.swapaxes(0, 1).reshape(-1, 4), visible.T
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
         points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
         visible = np.empty((2, len(self.body)) + shape, bool)
         for index, xyz in self._chain.place_points(theta, self._chain_body):
-            for side, camera in enumerate(cameras):
+            for side, camera in enumerate(pair.cameras):
                 image, seen = camera.project(xyz, T_world_base)
                 for row, point in enumerate(index):
                     points[2 * side, point], points[2 * side + 1, point] = image[:, row]
                     visible[side, point] = seen[row]
         return np.moveaxis(points, (1, 0), (-2, -1)), np.moveaxis(visible, (1, 0), (-2, -1))
-
-
-def _is_one(theta) -> bool:
-    """Whether it is one posture, not a batch."""
-    return all(np.ndim(angle) == 0 for angle in theta)
 
 
 def _placed(base: Base) -> NDArray:

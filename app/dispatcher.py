@@ -5,12 +5,14 @@ Only the head of a request is looked at, and left for the worker to read: nothin
 
 import asyncio
 import io
+import logging
 import socket
 from collections import OrderedDict
 from collections.abc import Sequence
 from http.client import HTTPException, parse_headers
 
 from .browser_token import token_of
+from .rates import QuietLog, TokenBucket
 from .server_options import ServerOptions
 from .tally import Tally
 
@@ -18,6 +20,7 @@ MOST_HEAD = 1 << 14  # bytes
 HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
 UNPLACED = 200  # connections at a time whose head has not come
 KNOWN = 10_000  # browsers
+log = logging.getLogger(__name__)
 
 
 class Placing:
@@ -51,6 +54,7 @@ class Dispatcher:
     def __init__(self, placing: Placing, to: Sequence[socket.socket]):
         self._placing, self._to = placing, to
         self._unplaced: set[asyncio.Task] = set()
+        self._log = QuietLog(log, TokenBucket(2, 30))
         for other in to:
             other.setblocking(False)
 
@@ -83,7 +87,8 @@ class Dispatcher:
     def _hand(self, connection: socket.socket, worker: int) -> None:
         try:
             socket.send_fds(self._to[worker], [b"c"], [connection.fileno()])
-        except OSError:  # a worker that takes none: who comes is closed, and tries again
+        except OSError as error:  # the worker takes none: who comes is closed, and tries again
+            self._log.warn(f"a connection could not be handed over: {error}")
             return
         self._placing.handed[worker] += 1
 

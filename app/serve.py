@@ -10,14 +10,14 @@ import webbrowser
 
 from viewimit.session import Session
 
-from .address import PortInUse, address, invite, listen, require_free
+from .address import address, invite, listen, require_free
 from .origins import is_loopback
 from .server_options import ServerOptions
 from .tally import Tally
 from .worker_child import LOG_FORMAT
 from .workers import working
 
-__all__ = ["PortInUse", "ServerOptions", "serve", "usual_workers"]
+__all__ = ["ServerOptions", "serve", "usual_workers"]
 
 MOST_WORKERS = 4  # by default
 

@@ -65,7 +65,7 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
             seen = "no point is"
         return "stopped", f"{seen} seen in all images; at least {MIN_POINTS} non-coplanar points are needed."
     if snapshot.status == "stopped":
-        return "stopped", f"{E} after {MAX_HISTORY} motions, the most that are kept; reset to go on."
+        return "stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on."
     condition = float(snapshot.transfer.condition)
     gauge = f"{CONDITION.get(snapshot.settings.transfer, FLATNESS)} {_short(condition, 0)}"
     if snapshot.flatness >= RED > condition:

@@ -14,10 +14,10 @@ import numpy as np
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 
-from .inbox import Inbox
-from .panels import Panels
-from .scene3d import Scene3D
-from .visitor import View
+from .control.inbox import Inbox
+from .control.visitor import View
+from .panels.panels import Panels
+from .scene.scene3d import Scene3D
 
 RUNS = 25
 

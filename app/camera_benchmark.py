@@ -13,11 +13,11 @@ import numpy as np
 from viewimit.snapshot import BEST, Settings
 
 from .benchmark import QuietClient, QuietHandle
-from .camera_process import CameraProcess
-from .experiment_worker import ExperimentWorker
-from .landscape_worker import LandscapeWorker
+from .control.scheduler import Scheduler
+from .jobs.camera_images import CameraProcess
+from .jobs.experiments import ExperimentWorker
+from .jobs.landscapes import LandscapeWorker
 from .page import Page
-from .scheduler import Scheduler
 
 SECONDS = 20.0
 WAITS_S = 60.0  # for the first pictures

@@ -15,26 +15,26 @@ from viser import ClientHandle
 from viewimit.session import Session
 from viewimit.snapshot import Settings, Snapshot
 
-from .camera_process import CameraProcess
-from .comparison import Comparison
-from .controls import Controls
-from .drawn import Drawn
-from .duel_tab import DuelTab
-from .experiment_worker import ExperimentWorker
-from .hand_gizmo import HandGizmo
-from .inbox import Inbox
-from .keeper import Head, Memory
-from .laboratory import Laboratory
-from .landscape_worker import LandscapeWorker, landscape_key
-from .load import Load
-from .pace import DENSE, Pace
-from .panels import Panels
-from .presets import Preset, presets_from
-from .scene3d import Scene3D
-from .session_eyes import RemoteEyes, SessionEyes
-from .turns import Turns
-from .visitor import View, Visitor
-from .wishes import Wishes
+from .control.inbox import Inbox
+from .control.player import DENSE, Pace
+from .control.presets import Preset, presets_from
+from .control.redraw import Drawn
+from .control.shedding import Load
+from .control.turns import Turns
+from .control.visitor import View, Visitor
+from .control.wishes import Wishes
+from .jobs.camera_images import CameraProcess
+from .jobs.experiments import ExperimentWorker
+from .jobs.landscapes import LandscapeWorker, landscape_key
+from .jobs.session_eyes import RemoteEyes, SessionEyes
+from .panels.comparison import Comparison
+from .panels.controls import Controls
+from .panels.duel import DuelTab
+from .panels.laboratory import Laboratory
+from .panels.panels import Panels
+from .scene.hand_gizmo import HandGizmo
+from .scene.scene3d import Scene3D
+from .sessions.autosave import Head, Memory
 
 WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY, CURVES_EVERY, EQUATIONS_EVERY = 0.1, 0.2, 0.5  # s; nobody reads numbers that change faster

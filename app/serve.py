@@ -10,12 +10,12 @@ import webbrowser
 
 from viewimit.session import Session
 
-from .address import address, invite, listen, require_free
-from .origins import is_loopback
-from .server_options import ServerOptions
-from .tally import Tally
-from .worker_child import LOG_FORMAT
-from .workers import working
+from .server.address import address, invite, listen, require_free
+from .server.options import ServerOptions
+from .server.origins import is_loopback
+from .server.seat_counts import Tally
+from .server.worker import LOG_FORMAT
+from .server.workers import working
 
 __all__ = ["ServerOptions", "serve", "usual_workers"]
 
@@ -45,7 +45,7 @@ def serve(
             port = listeners[0].getsockname()[1]
             stack.enter_context(working(options, listeners, stopped.set))
         else:
-            from .server import serving  # what only hands over connections need not load viser
+            from .server.pages import serving  # what only hands over connections need not load viser
 
             port = stack.enter_context(serving(options, Tally(), host=host, port=port))
         url = address(host, port)

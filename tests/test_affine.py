@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.affine import (
-    centred,
-    extreme_eigenvalues,
-    fit_affine_fundamental,
-    scatter,
-    smallest_eigenpair,
-)
+from viewimit.geometry.affine import centred, extreme_eigenvalues, fit_affine_fundamental, scatter, smallest_eigenpair
 
 
 def affine_pair(rng, count=8, batch=()):

@@ -8,15 +8,16 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
-from viewimit.app import curves, equations, images, landscape_view, metrics, relief, status, svg, theme
-from viewimit.app.labels import CHARACTER, LINE
-from viewimit.app.posture_plane import PosturePlane
-from viewimit.app.silhouette import Silhouettes
 from viewimit.assets import ROOT
 
+from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.drawing import curves, equations, images, metrics, relief, status, svg, theme
+from viewimit.drawing import landscape as landscape_drawing
+from viewimit.drawing.labels import CHARACTER, LINE
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
-from viewimit.landscape import grid_axes, landscape
 from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings
 from viewimit.transfer import TRANSFERS
@@ -58,7 +59,7 @@ def session():
 
 @pytest.fixture(scope="module")
 def picture(session):
-    return landscape_view.LandscapePicture(surface(session), session.scene, session.snapshot)
+    return landscape_drawing.LandscapePicture(surface(session), session.scene, session.snapshot)
 
 
 def surface(session):
@@ -233,7 +234,7 @@ class TestLandscape:
     @pytest.mark.parametrize("demonstrator", [(45, -90), (70, -60), (30, -140), (80, -20)])
     def test_labels_do_not_cover_each_other(self, demonstrator):
         session = stepped(0, demonstrator_deg=demonstrator, transfer="linear")
-        made = landscape_view.LandscapePicture(surface(session), session.scene, session.snapshot)
+        made = landscape_drawing.LandscapePicture(surface(session), session.scene, session.snapshot)
         over = made.draw_path(session.history, 0)
         texts = [t for t in parsed(made.html + over).iter("text") if "vi-halo" in t.get("class", "")]
         boxes = []
@@ -257,14 +258,14 @@ class TestLandscape:
         over = parsed(picture.draw_path(history, 2999))
         line = numbers(next(p.get("d") for p in over.iter("path") if p.get("class") == "vi-line-own")).reshape(-1, 2)
         ends = PosturePlane(session.scene).place(np.degrees([history[0].theta, history[-1].theta]))
-        assert len(line) <= landscape_view.PATH_LIMIT
+        assert len(line) <= landscape_drawing.PATH_LIMIT
         assert line[[0, -1]] == pytest.approx(ends, abs=0.06)
 
     def test_what_cannot_be_drawn_says_why(self, session):
-        waiting = landscape_view.LandscapePicture(None, session.scene, session.snapshot)
+        waiting = landscape_drawing.LandscapePicture(None, session.scene, session.snapshot)
         assert "computing" in waiting.html and "−90°" in waiting.html
         blind = replace(surface(session), E=np.full((91, 181), np.nan))
-        assert "nowhere" in landscape_view.LandscapePicture(blind, session.scene, session.snapshot).html
+        assert "nowhere" in landscape_drawing.LandscapePicture(blind, session.scene, session.snapshot).html
 
     def test_postures_without_enough_points_are_hatched_not_valleys(self, session):
         made = surface(session)
@@ -419,7 +420,7 @@ class TestEverything:
     def test_is_small(self, scene):
         session = stepped(3, scene=scene)
         shapes = Silhouettes(meshes(session.scene.robot), session.world)
-        made = landscape_view.LandscapePicture(surface(session), session.scene, session.snapshot)
+        made = landscape_drawing.LandscapePicture(surface(session), session.scene, session.snapshot)
         assert len(drawn(session, 3, shapes).encode()) < 12_000
         assert len(made.html.encode()) < 24_000
         assert len(made.draw_path(session.history, session.cursor).encode()) < 4_000

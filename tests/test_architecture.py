@@ -14,28 +14,16 @@ ROOT = Path(__file__).parent.parent
 ORDER = (  # each imports only what stands above it, or itself
     "assets",
     "geometry",
-    "frames",
-    "latency",
-    "camera",
-    "robot",
     "views",
-    "tracked",
-    "scene",
-    "world",
-    "posing",
-    "motion",
-    "markers",
-    "detection",
-    "physics",
     "evaluation",
     "transfer",
-    "landscape",
-    "observability",
     "servo",
+    "perception",
     "snapshot",
-    "eyes",
+    "simulation",
     "session",
-    "trajectory",
+    "analysis",
+    "drawing",
     "experiments",
     "app",
     "commands",
@@ -43,7 +31,10 @@ ORDER = (  # each imports only what stands above it, or itself
 )
 # image points, nothing of the world
 ESTIMATORS_SEE = {"transfer": {"geometry", "views", "evaluation"}, "servo": {"evaluation"}}
-SOURCES = sorted([*ROOT.glob("viewimit/**/*.py"), *ROOT.glob("app/*.py"), *ROOT.glob("assets/*.py")])
+MOST_FILES, MOST_AT_THE_TOP = 24, 20  # of a folder; entries of app/
+EVERYTHING = sorted(path for folder in ("viewimit", "app", "assets") for path in ROOT.joinpath(folder).rglob("*.py"))
+MAKE_ASSETS = {path for path in EVERYTHING if path.parent.name == "assets" and path.name != "__init__.py"}
+SOURCES = [path for path in EVERYTHING if path not in MAKE_ASSETS]
 
 
 def module_of(path):
@@ -81,8 +72,7 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "evaluation", "eyes", "frames", "geometry", "latency", "scene", "servo", "snapshot", "transfer", "views",
-        "world",
+        "evaluation", "geometry", "perception", "servo", "simulation", "snapshot", "transfer", "views",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 
@@ -105,6 +95,27 @@ def test_estimators_and_servos_know_image_points_only(part):
         assert parts_imported(path) <= ESTIMATORS_SEE[part] | {part}, path
 
 
+def test_no_modules_import_each_other_in_a_circle():
+    modules = {module_of(path): path for path in SOURCES}
+    imports = {}
+    for module, path in modules.items():
+        named = [(*found, alias.name) for found, node in imports_of(path) for alias in node.names]
+        found = {one for one, _ in imports_of(path)} | set(named)
+        imports[module] = {one for one in found if one in modules and modules[one].name != "__init__.py"} - {module}
+    while imports:
+        leaves = {module for module, found in imports.items() if not found & set(imports)}
+        assert leaves, f"a circle among {sorted('.'.join(module) for module in imports)}"
+        imports = {module: found for module, found in imports.items() if module not in leaves}
+
+
+def test_a_folder_is_read_at_a_glance_and_says_what_lives_in_it():
+    folders = {path.parent for path in EVERYTHING}
+    for folder in folders:
+        assert len(list(folder.glob("*.py"))) <= MOST_FILES, folder
+        assert ast.get_docstring(ast.parse((folder / "__init__.py").read_text())), folder
+    assert len([entry for entry in (ROOT / "app").iterdir() if entry.name != "__pycache__"]) <= MOST_AT_THE_TOP
+
+
 def test_the_page_is_imported_by_serve_alone_and_only_when_called():
     for path in SOURCES:
         if module_of(path)[1:2] == ("app",):
@@ -119,15 +130,15 @@ def test_the_page_is_imported_by_serve_alone_and_only_when_called():
     "package, parts",
     [
         ("viser", {"app"}),
-        ("pybullet", {"physics"}),
-        ("pybullet_utils", {"physics"}),
-        ("cv2", {"detection", "experiments"}),
+        ("pybullet", {"simulation"}),
+        ("pybullet_utils", {"simulation"}),
+        ("cv2", {"perception", "experiments"}),
         ("pybullet_data", set()),
     ],
 )
 def test_a_heavy_package_is_imported_where_it_belongs(package, parts):
     users = {module_of(path)[1] for path in SOURCES for module, _ in imports_of(path) if module[0] == package}
-    assert users - {"assets"} <= parts  # assets/build_robots.py makes the shipped files and is not part of the package
+    assert users <= parts
 
 
 def loaded_by(code):

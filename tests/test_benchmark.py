@@ -8,29 +8,29 @@ from functools import partial
 import numpy as np
 import pytest
 
-from viewimit import landscape
+from viewimit.analysis import landscape
 from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
-from viewimit.experiments import baselines, benchmark, opencv_baseline
-from viewimit.scene import load_scene
+from viewimit.experiments.bench import baselines, opencv_baseline, speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
-from viewimit.world import World
 
 
 @pytest.fixture
 def quick(monkeypatch):
-    monkeypatch.setattr(benchmark, "LOOP_SHARE", 50)
-    monkeypatch.setattr(benchmark, "ROUNDS", 3)
-    monkeypatch.setattr(benchmark, "SLOW_ROUNDS", 1)
-    monkeypatch.setattr(benchmark, "MOTIONS", 40)
+    monkeypatch.setattr(speed, "LOOP_SHARE", 50)
+    monkeypatch.setattr(speed, "ROUNDS", 3)
+    monkeypatch.setattr(speed, "SLOW_ROUNDS", 1)
+    monkeypatch.setattr(speed, "MOTIONS", 40)
 
 
 @pytest.fixture
 def coarse(monkeypatch):
     """10 x 19 postures"""
-    for module in (benchmark, landscape):
+    for module in (speed, landscape):
         monkeypatch.setattr(module, "grid_axes", partial(landscape.grid_axes, step_deg=10.0))
 
 
@@ -51,21 +51,21 @@ def test_the_baselines_agree_with_each_other():
 def test_the_benchmark_compares_like_with_like_and_is_much_faster(quick):
     """Figures are for the command; here only that a fast path is far from the plain one, on however busy a machine."""
     shares = []
-    result = benchmark.run(tell=shares.append)
+    result = speed.run(tell=shares.append)
     assert (result.postures, result.loop_postures) == (91 * 181, 91 * 181 // 50)
     assert result.batch_agreement < 1e-8 and result.loop_agreement < 1e-8 and result.condition_agreement < 1e-8
     assert result.batch_s > 2 * result.landscape_s["epipolar"]
     assert result.loop_s > 20 * result.landscape_s["epipolar"]
-    assert all(set(times) == {1, benchmark.BATCH} for times in result.fit_s.values())
+    assert all(set(times) == {1, speed.BATCH} for times in result.fit_s.values())
     assert {name: set(times) for name, times in result.motion_s.items()} == {name: set(SERVOS) for name in TRANSFERS}
     assert shares == sorted(shares) and shares[-1] == 1
 
 
 def test_what_is_timed_at_one_posture_is_E_of_the_same_images(quick, coarse, monkeypatch):
-    monkeypatch.setattr(benchmark, "_call_s", lambda call: call())
-    result = benchmark.run("iiwa")
+    monkeypatch.setattr(speed, "_call_s", lambda call: call())
+    result = speed.run("iiwa")
     one, together = result.fit_s["epipolar"].values()
-    assert one == pytest.approx(together[0]) and together.shape == (benchmark.BATCH,)
+    assert one == pytest.approx(together[0]) and together.shape == (speed.BATCH,)
     assert one == pytest.approx(result.loop_posture_s) and [one] == pytest.approx(result.batch_posture_s[0])
     world = World(load_scene("iiwa"))
     demo, _ = world.demo_images(np.radians([45, -90]))
@@ -81,9 +81,9 @@ def test_a_motion_is_timed_from_the_scenes_start_again_whenever_the_servo_rests(
     monkeypatch.setattr(Session, "step", lambda session: calls.append(step(session)) or calls[-1])
     monkeypatch.setattr(Session, "reset", lambda session: calls.append("reset") or reset(session))
     clock = iter(range(10_000))
-    monkeypatch.setattr(benchmark.time, "process_time", lambda: float(next(clock)))
-    assert benchmark._motion_s("panda", 10, "linear", "broyden") == 1.0
-    assert calls.count(True) == benchmark.MOTIONS
+    monkeypatch.setattr(speed.time, "process_time", lambda: float(next(clock)))
+    assert speed._motion_s("panda", 10, "linear", "broyden") == 1.0
+    assert calls.count(True) == speed.MOTIONS
     rests = [k for k, call in enumerate(calls) if call is False]
     assert len(rests) >= 3 and all(calls[k + 1] == "reset" for k in rests)
 
@@ -107,7 +107,7 @@ def test_opencvs_E_is_0_in_the_demonstrators_posture_alone_and_grows_away_from_i
 
 
 def test_opencvs_E_is_timed_beside_ours_and_its_own_figures_are_told(cv2, quick):
-    result = benchmark.run("iiwa")
+    result = speed.run("iiwa")
     assert result.opencv_why_not is None
     assert result.opencv.E_at_demonstrator < 1e-6 and result.opencv.E_median > 1
     assert result.opencv.loop_s > 20 * result.landscape_s["epipolar"]
@@ -137,7 +137,7 @@ def test_without_opencv_or_with_few_points_its_row_says_why(
 
 def test_the_table_says_every_figure_in_120_columns():
     times = {1: 100e-6, 8: 200e-6}
-    found = benchmark.Benchmark(
+    found = speed.Benchmark(
         scene="panda",
         points=10,
         postures=16471,
@@ -151,7 +151,7 @@ def test_the_table_says_every_figure_in_120_columns():
         loop_posture_s=120e-6,
         batch_posture_s=140e-6,
         motion_s={"epipolar": {"broyden": 1.1e-3}, "linear": {"broyden": 0.9e-3}},
-        opencv=benchmark.OpenCV(6.0, 230e-6, 1e-26, 20.0),
+        opencv=speed.OpenCV(6.0, 230e-6, 1e-26, 20.0),
         opencv_why_not=None,
         batch_agreement=1e-13,
         loop_agreement=2e-13,

@@ -11,8 +11,8 @@ from urllib.parse import urlparse
 import numpy as np
 import pytest
 from PIL import Image
-from viewimit.app.controls import SERVO_NAMES, TRANSFER_NAMES
-from viewimit.app.presets import PRESETS
+from viewimit.app.control.presets import PRESETS
+from viewimit.app.panels.controls import SERVO_NAMES, TRANSFER_NAMES
 
 pytestmark = pytest.mark.browser
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.camera import Camera, Cameras, StereoHead, triangulate
 from viewimit.geometry.rigid import look_rotation, rigid_transform, rotation_from_rpy
+from viewimit.simulation.camera import Camera, Cameras, StereoHead, triangulate
 
 HEAD = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, 256, (320, 120))
 

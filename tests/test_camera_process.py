@@ -10,11 +10,11 @@ import time
 import numpy as np
 import pytest
 from PIL import Image
-from viewimit.app.camera_child import MOST_SCENES, Scenes, answering
-from viewimit.app.camera_process import CameraLost, CameraProcess
-from viewimit.app.session_eyes import MOST_LOOKS, RemoteEyes
+from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
+from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
+from viewimit.app.jobs.session_eyes import MOST_LOOKS, RemoteEyes
 
-from viewimit.scene import load_scene
+from viewimit.simulation.scene import load_scene
 
 
 class OddEyes:
@@ -171,8 +171,8 @@ def test_pictures_are_kept_for_a_while_by_what_they_show():
 
 LOOKING = """
 import sys
-from viewimit.app.camera_process import CameraProcess
-from viewimit.app.session_eyes import SessionEyes
+from viewimit.app.jobs.camera_images import CameraProcess
+from viewimit.app.jobs.session_eyes import SessionEyes
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 
@@ -195,7 +195,7 @@ def test_the_server_itself_loads_neither_pybullet_nor_opencv(tmp_path):
 
 def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
     pytest.importorskip("pybullet"), pytest.importorskip("cv2")
-    from viewimit.app.session_eyes import SessionEyes
+    from viewimit.app.jobs.session_eyes import SessionEyes
 
     from viewimit.session import Session
     from viewimit.snapshot import BEST, Settings

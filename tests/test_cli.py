@@ -14,14 +14,14 @@ import pytest
 from viewimit.assets import ROOT
 
 import viewimit
-from viewimit.experiments import benchmark
-from viewimit.landscape import landscape
-from viewimit.scene import load_scene
+from viewimit.analysis.landscape import landscape
+from viewimit.experiments.bench import speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
-from viewimit.world import World
 
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
 
@@ -239,8 +239,8 @@ def test_reports_for_people_carry_the_same_figures(ask, ask_json):
 
 
 def test_bench_prints_one_object(ask_json, monkeypatch):
-    monkeypatch.setattr(benchmark, "ROUNDS", 1)
-    monkeypatch.setattr(benchmark, "SLOW_ROUNDS", 1)
+    monkeypatch.setattr(speed, "ROUNDS", 1)
+    monkeypatch.setattr(speed, "SLOW_ROUNDS", 1)
     status, told = ask_json("bench", "speed", "--scene", "iiwa")
     assert status == 0 and list(told) == ["speed"] and told["speed"]["postures"] == 91 * 121
     status, told = ask_json("bench", "success", "--runs", 4, "--max-motions", 3)

@@ -4,11 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from viewimit.app.comparison import Comparison
-from viewimit.app.inbox import Inbox
-from viewimit.app.small_landscape import study
-from viewimit.app.transfers_view import draw_quarter, draw_together
+from viewimit.app.control.inbox import Inbox
+from viewimit.app.panels.comparison import Comparison
 
+from viewimit.drawing.small_landscape import study
+from viewimit.drawing.transfers import draw_quarter, draw_together
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS

@@ -6,8 +6,8 @@ import pytest
 
 pytest.importorskip("cv2")
 
-from viewimit.detection import detect, pictures  # noqa: E402
-from viewimit.markers import colours, load_markers, marker_names  # noqa: E402
+from viewimit.perception.detection import detect, pictures  # noqa: E402
+from viewimit.simulation.markers import colours, load_markers, marker_names  # noqa: E402
 
 HUES = np.array([0.0, 40.0, 80.0, 120.0, 200.0, 280.0])
 FINE = 8  # samples a pixel and axis

@@ -3,12 +3,13 @@
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.duel import ARRIVED_DEG, Duel
-from viewimit.app.errors import RECENT, ErrorTrace, following, recent_errors_deg
-from viewimit.app.pace import Pace
-from viewimit.app.presets import presets_from
-from viewimit.app.visitor import View, Visitor
+from viewimit.app.control.duel import ARRIVED_DEG, Duel
+from viewimit.app.control.player import Pace
+from viewimit.app.control.presets import presets_from
+from viewimit.app.control.visitor import View, Visitor
 
+from viewimit.analysis.joint_errors import RECENT, ErrorTrace, recent_errors_deg
+from viewimit.drawing.curves import following
 from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings
 

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from viewimit.app import curves, duel_view, learner_bars, observability_view, planes, plots, theme, transfers_view
-from viewimit.app.duel import Duel
-from viewimit.app.landscape_view import LandscapePicture
-from viewimit.app.pace import Pace
-from viewimit.app.small_landscape import WIDTH, small_plane, study
+from viewimit.app.control.duel import Duel
+from viewimit.app.control.player import Pace
 
-from viewimit.landscape import landscape
+from viewimit.analysis.landscape import landscape
+from viewimit.drawing import curves, image_planes, learner_bars, observability, plots, theme, transfers
+from viewimit.drawing import duel as duel_drawing
+from viewimit.drawing.landscape import LandscapePicture
+from viewimit.drawing.small_landscape import WIDTH, small_plane, study
 from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings
 from viewimit.transfer import TRANSFERS
@@ -57,18 +58,18 @@ def studied():
 
 
 def draw_race(session, duel):
-    return duel_view.draw_race(session.scene, (session, duel.opponent), duel.standings)
+    return duel_drawing.draw_race(session.scene, (session, duel.opponent), duel.standings)
 
 
 def compared(session, found):
-    quarters = [transfers_view.draw_quarter(session.scene, one, session.snapshot.theta_demo) for one in found]
-    return transfers_view.draw_together(quarters)
+    quarters = [transfers.draw_quarter(session.scene, one, session.snapshot.theta_demo) for one in found]
+    return transfers.draw_together(quarters)
 
 
 class TestDuel:
     def test_paths_run_through_the_postures_of_each(self, race):
         session, duel = race
-        plane, root = small_plane(session.scene, duel_view.MOST_HIGH), parsed(draw_race(session, duel))
+        plane, root = small_plane(session.scene, duel_drawing.MOST_HIGH), parsed(draw_race(session, duel))
         for racer, kind in ((session, "vi-line-own"), (duel.opponent, "vi-line-opponent")):
             line = next(p.get("d") for p in root.iter("path") if p.get("class") == kind)
             expected = plane.place(np.degrees([moment.theta for moment in racer.history]))
@@ -109,16 +110,16 @@ class TestDuel:
                 race[1].standings, (own, other), (3.0, 4.0), states.split(), strict=True
             )
         ]
-        said = duel_view.verdict(standings)
+        said = duel_drawing.verdict(standings)
         assert first in said[0] and second in said[1]
 
     def test_errors_stand_on_a_log_axis(self, race):
         _, duel = race
-        root = parsed(duel_view.draw_errors(duel.standings))
+        root = parsed(duel_drawing.draw_errors(duel.standings))
         for standing, dash in zip(duel.standings, ("solid", "dashed")):
             line = next(p.get("d") for p in root.iter("path") if f"vi-x-{dash}" in p.get("class", ""))
             x, y = numbers(line).reshape(-1, 2).T
-            errors = np.log(np.maximum(standing.errors_deg, duel_view.LEAST_DEG))
+            errors = np.log(np.maximum(standing.errors_deg, duel_drawing.LEAST_DEG))
             slope = (y[-1] - y[0]) / (errors[-1] - errors[0])
             assert slope < 0 and y == pytest.approx(y[0] + slope * (errors - errors[0]), abs=0.3)
             assert np.diff(x) == pytest.approx(np.diff(x)[0], abs=0.11)
@@ -152,7 +153,7 @@ class TestTransfers:
             assert f"bias {bias:.1f}° · 1 minimum · basin {100 * one.basin:.0f} %" in text
         root = parsed(html)
         crosses = [p for p in root.iter("path") if p.get("class") == "vi-cross"]
-        plane = small_plane(session.scene, transfers_view.MOST_HIGH)
+        plane = small_plane(session.scene, transfers.MOST_HIGH)
         for one, cross in zip(found, crosses, strict=True):
             x, y, half = numbers(cross.get("d"))[:3]
             assert (x + half / 2, y) == pytest.approx(plane.place(np.degrees(one.minima.theta[0])), abs=0.11)
@@ -161,16 +162,16 @@ class TestTransfers:
     def test_minima_are_counted_in_words(self, studied):
         one = studied[1][0]
         two = replace(one, minima=replace(one.minima, theta=np.zeros((2, 2)), E=np.ones(2)), basin=0.123)
-        assert transfers_view.describe(two).endswith("2 minima · basin 12 %")
+        assert transfers.describe(two).endswith("2 minima · basin 12 %")
         none = replace(one, minima=replace(one.minima, theta=np.empty((0, 2)), E=np.empty(0)))
-        assert transfers_view.describe(none) == "no minimum"
+        assert transfers.describe(none) == "no minimum"
 
     def test_nothing_stands_outside_its_column(self, studied):
         session, found = studied
         root = parsed(compared(session, found))
         for column in root.iter("g"):
             for text in column.findall("text"):
-                assert float(text.get("x")) + 5.6 * len(text.text) < WIDTH + transfers_view.GAP
+                assert float(text.get("x")) + 5.6 * len(text.text) < WIDTH + transfers.GAP
 
 
 class TestObservability:
@@ -179,20 +180,20 @@ class TestObservability:
     def test_bars_are_as_long_as_their_costs(self):
         bars = [
             float(bar.get("width"))
-            for bar in parsed(observability_view.draw_bars((1, 2, 3, 4, 5), self.SPREAD, 424, 20)).iter("rect")
+            for bar in parsed(observability.draw_bars((1, 2, 3, 4, 5), self.SPREAD, 424, 20)).iter("rect")
         ]
         assert np.array(bars) / bars[4] == pytest.approx([2 / 9, 1 / 9, 4 / 9, 1, 1], abs=1e-3)
 
     def test_weak_joints_are_named_marked_and_beside_the_rest(self):
-        html = observability_view.draw_observability((1, 2, 3, 4, 5), self.SPREAD)
+        html = observability.draw_observability((1, 2, 3, 4, 5), self.SPREAD)
         said = words(html)
         assert "Joints 4 and 5 are weakly observable:" in said
         assert "1 px costs ∞ and 9.0° there, 4.0° at most at the others." in said
         root = parsed(html)
         assert len([p for p in root.iter("path") if p.get("class") == "vi-amber"]) == 2
-        one = observability_view.sentences((2, 4), np.radians([1, 3]))
+        one = observability.sentences((2, 4), np.radians([1, 3]))
         assert one == ["Joint 4 is weakly observable:", "1 px costs 3.0° there, 1.0° at most at the others."]
-        none = observability_view.sentences((2, 4), np.radians([1, 1.5]))
+        none = observability.sentences((2, 4), np.radians([1, 1.5]))
         assert none == ["No joint is much weaker than the others: 1 px costs 1.5° at most."]
 
     def test_they_take_the_landscapes_place_with_seven_joints_and_its_caption_with_two(self):
@@ -213,12 +214,12 @@ class TestManyJoints:
     def test_windows_hold_what_is_near_and_say_when_they_do_not(self):
         session = Session(SEVEN)
         world, snapshot = session.world, session.snapshot
-        windows = planes.image_windows(world, [snapshot.theta, snapshot.theta_demo])
-        assert planes.holds(windows, world, snapshot)
+        windows = image_planes.image_windows(world, [snapshot.theta, snapshot.theta_demo])
+        assert image_planes.holds(windows, world, snapshot)
         far = replace(snapshot, theta=np.radians([-100.0, 80, 60, -20, 0, 200, 0]))
-        assert not planes.holds(windows, world, far)
-        wider = planes.image_windows(world, [snapshot.theta, snapshot.theta_demo, far.theta])
-        assert planes.holds(wider, world, far) and planes.holds(wider, world, snapshot)
+        assert not image_planes.holds(windows, world, far)
+        wider = image_planes.image_windows(world, [snapshot.theta, snapshot.theta_demo, far.theta])
+        assert image_planes.holds(wider, world, far) and image_planes.holds(wider, world, snapshot)
         assert wider[False]["L"].scale <= windows[False]["L"].scale
 
     @pytest.mark.parametrize("settings, columns", [(Settings(), False), (SEVEN, True)])
@@ -251,17 +252,17 @@ def drawings(race, studied):
     yield from (
         draw_race(*race),
         draw_race(*seven),
-        duel_view.draw_empty(),
-        duel_view.draw_errors_alone(race[1].standings),
+        duel_drawing.draw_empty(),
+        duel_drawing.draw_errors_alone(race[1].standings),
     )
-    yield duel_view.draw_ground(session.scene, [], session.snapshot.theta_demo)
-    yield duel_view.draw_ground(session.scene, [one.landscape for one in found[:2]], session.snapshot.theta_demo)
+    yield duel_drawing.draw_ground(session.scene, [], session.snapshot.theta_demo)
+    yield duel_drawing.draw_ground(session.scene, [one.landscape for one in found[:2]], session.snapshot.theta_demo)
     yield compared(session, found)
-    costs = [transfers_view.draw_costs((1, 2), "rank3", spread) for spread in (np.ones(2), None)]
-    yield transfers_view.draw_together(costs)
+    costs = [transfers.draw_costs((1, 2), "rank3", spread) for spread in (np.ones(2), None)]
+    yield transfers.draw_together(costs)
     blind = replace(found[0].landscape, E=np.full((91, 181), np.nan))
-    yield duel_view.draw_ground(session.scene, [blind, blind], session.snapshot.theta_demo)
-    yield observability_view.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))
+    yield duel_drawing.draw_ground(session.scene, [blind, blind], session.snapshot.theta_demo)
+    yield observability.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))
 
 
 def test_drawings_are_valid_name_roles_only_and_write_a_real_minus(race, studied):

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 import zstandard
-from viewimit.app.encoding import decode, encode
+from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.servo import SERVOS
 from viewimit.session import STRIDE, Session

@@ -7,15 +7,16 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app import experiments_tab, fig7_view, fig9_view, fig10_view, plots, svg, theme, verdict
-from viewimit.app.experiment_figures import VIEWS, draw, draw_empty
-from viewimit.app.experiment_worker import Run
-from viewimit.app.plots import Plot, decades, log10
-from viewimit.app.posture_plane import PosturePlane
+from viewimit.app.jobs.experiments import Run
+from viewimit.app.panels import experiments, verdict
 
-from viewimit.experiments import fig7, fig9, fig10
-from viewimit.experiments.claims import Claim
-from viewimit.scene import load_scene
+from viewimit.drawing import plots, svg, theme
+from viewimit.drawing.plots import Plot, decades, log10
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.experiments.paper import fig7, fig7_figure, fig9, fig9_figure, fig10, fig10_figure
+from viewimit.experiments.paper.claims import Claim
+from viewimit.experiments.paper.figures import VIEWS, draw, draw_empty
+from viewimit.simulation.scene import load_scene
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
@@ -72,14 +73,14 @@ def starts(d):
 
 class TestFig7:
     def place(self, degrees):
-        plane = PosturePlane(SCENE, fig7_view.MAP_WIDTH, fig7_view.MAP_HIGH)
+        plane = PosturePlane(SCENE, fig7_figure.MAP_WIDTH, fig7_figure.MAP_HIGH)
         return plane.place(np.asarray(degrees, float))
 
     def test_marks_are_at_the_demonstrator_and_at_the_minimum(self, landscape):
         html = draw("fig7", landscape)
         minimum = np.degrees(landscape.surfaces["epipolar"].minima.theta[0])
         cross = starts(paths(html, "vi-cross")[0])
-        assert [cross[0, 0] + fig7_view.CROSS, cross[0, 1]] == pytest.approx(self.place(minimum), abs=0.06)
+        assert [cross[0, 0] + fig7_figure.CROSS, cross[0, 1]] == pytest.approx(self.place(minimum), abs=0.06)
         diamond = starts(paths(html, "vi-seen")[0])[0]
         assert diamond == pytest.approx(self.place([45, -90]), abs=0.06)
         off = minimum - (45, -90)
@@ -88,7 +89,7 @@ class TestFig7:
 
     def test_the_ellipse_is_a_level_of_the_parabola_as_far_as_it_holds(self, landscape):
         surface = landscape.surfaces["epipolar"]
-        scale = PosturePlane(SCENE, fig7_view.MAP_WIDTH, fig7_view.MAP_HIGH).scale
+        scale = PosturePlane(SCENE, fig7_figure.MAP_WIDTH, fig7_figure.MAP_HIGH).scale
         away = vertices(paths(draw("fig7", landscape), "vi-x-ellipse")[0])
         away = (away - self.place(np.degrees(surface.minima.theta[0])))[:, ::-1] * (-1, 1) / scale
         level = np.einsum("ni,ij,nj->n", away, surface.convexity.Q, away)
@@ -98,7 +99,7 @@ class TestFig7:
     def test_every_other_demonstrators_bias_is_a_dot(self, landscape):
         html = draw("fig7", landscape)
         most = np.ceil(max(5, *(np.abs(study.bias_deg).max() for study in landscape.studies.values())))
-        left, top, right, bottom = fig7_view.CLOSE
+        left, top, right, bottom = fig7_figure.CLOSE
         scale = (bottom - top) / (2 * most)
         for transfer, kind in (("epipolar", "vi-x-fill-learner"), ("linear", "vi-x-recovered")):
             bias = landscape.studies[transfer].bias_deg
@@ -111,7 +112,7 @@ class TestFig7:
         worst = 100 * landscape.surfaces["epipolar"].convexity.worst
         drawn = vertices(lines(html, "vi-x-learner")[0])
         assert len(drawn) == np.isfinite(worst).sum()
-        assert drawn[[0, -1], 0] == pytest.approx([fig7_view.VALID[0], fig7_view.VALID[2]], abs=0.06)
+        assert drawn[[0, -1], 0] == pytest.approx([fig7_figure.VALID[0], fig7_figure.VALID[2]], abs=0.06)
         heights = np.log10(worst[np.isfinite(worst)])
         assert np.corrcoef(heights, drawn[:, 1])[0, 1] == pytest.approx(-1, abs=1e-3)
 
@@ -145,20 +146,20 @@ class TestFig7:
 
 class TestFig9:
     def x(self, motions):
-        width = fig9_view.RIGHT - fig9_view.LEFT
-        return fig9_view.LEFT + width * np.log1p(motions) / np.log1p(fig9.MOTIONS)
+        width = fig9_figure.RIGHT - fig9_figure.LEFT
+        return fig9_figure.LEFT + width * np.log1p(motions) / np.log1p(fig9.MOTIONS)
 
     def test_motions_are_logarithmic_and_angles_true(self, imitation):
         run = imitation.of("broyden")[0]
         html = draw("fig9", imitation)
         curves = [vertices(d) for d in lines(html, "vi-x-learner", "vi-x-solid")][-3:]
-        top, bottom = fig9_view.ANGLES
+        top, bottom = fig9_figure.ANGLES
         for curve, angle in zip(curves, run.theta_deg.T):
             np.testing.assert_allclose(curve[:, 0], self.x(np.arange(len(run.E))), atol=0.06)
             np.testing.assert_allclose(curve[:, 1], top + (bottom - top) * (90 - angle) / 270, atol=0.06)
         slope = np.polyfit(np.log10(run.E), curves[2][:, 1], 1)[0]
         low, high = decades(np.concatenate([run.E for run in imitation.runs]), 1, 100)
-        top, bottom = fig9_view.CONFLICT
+        top, bottom = fig9_figure.CONFLICT
         assert slope == pytest.approx((top - bottom) / np.log10(high / low), rel=1e-3)
 
     def test_what_does_not_arrive_ends_in_crosses_and_says_so(self, imitation):
@@ -179,7 +180,7 @@ class TestFig9:
 
     def test_the_demonstrators_angles_and_E_are_broken_lines(self, imitation):
         levels = [vertices(d)[:, 1] for d in paths(draw("fig9", imitation), "vi-line-demo")]
-        top, bottom = fig9_view.ANGLES
+        top, bottom = fig9_figure.ANGLES
         expected = [top + (bottom - top) * (90 - angle) / 270 for angle in (45, -90)]
         assert [level[0] for level in levels[:2]] == pytest.approx(expected, abs=0.06)
         assert all(level[0] == level[1] for level in levels) and len(levels) == 3
@@ -202,7 +203,7 @@ class TestFig9:
         html = draw("fig9", found)
         assert "E < 0.01 px²" in words(html) and "1e-" not in words(html)
         bottom = vertices(lines(html, "vi-x-solid")[2])[-1, 1]
-        assert bottom == pytest.approx(fig9_view.CONFLICT[1], abs=0.06)
+        assert bottom == pytest.approx(fig9_figure.CONFLICT[1], abs=0.06)
 
     def test_parts_of_it_are_drawn_too(self, imitation):
         for count in range(len(imitation.runs)):
@@ -221,7 +222,7 @@ class TestFig9:
 class TestFig10:
     def panels(self, html):
         """Four (own path, true path, words), L and R of each pair."""
-        boxes = [box for box in parsed(html).iter("svg") if box.get("width") == str(fig10_view.PANEL)]
+        boxes = [box for box in parsed(html).iter("svg") if box.get("width") == str(fig10_figure.PANEL)]
         found = []
         for box in boxes:
             own = [p.get("d") for p in box.iter("path") if p.get("class", "").startswith("vi-line-own")]
@@ -235,7 +236,7 @@ class TestFig10:
             run, scales = trajectory.runs[name], []
             for k, ((own,), (true,), said) in enumerate(pair):
                 assert "LR"[k] in said and own.count("M") == true.count("M") == run.wanted.sum()
-                kept = svg.thinned(len(run.own), fig10_view.VERTICES)
+                kept = svg.thinned(len(run.own), fig10_figure.VERTICES)
                 view = slice(2 * k, 2 * k + 2)
                 apart = (run.own - run.desired)[kept][:, run.wanted, view]
                 drawn = (vertices(own.replace("M", " ")) - vertices(true.replace("M", " "))).reshape(
@@ -259,7 +260,7 @@ class TestFig10:
         html = draw("fig10", trajectory)
         styles = [("learner", "solid"), ("recovered", "dash-dot"), ("residual", "dashed"), ("ink", "dotted")]
         low, high = decades(np.concatenate([1e3 * run.hand_m for run in trajectory.runs.values()]), 1, 1000)
-        top, bottom = fig10_view.LOWER
+        top, bottom = fig10_figure.LOWER
         for run, (role, dash) in zip(trajectory.runs.values(), styles):
             curve = vertices(lines(html, f"vi-x-{role}", f"vi-x-{dash}")[1])
             y = bottom - (bottom - top) * np.log10(1e3 * run.hand_m[[0, -1]] / low) / np.log10(high / low)
@@ -290,7 +291,7 @@ class TestFig10:
         exact = replace(run, theta=run.theta_demo, hand_m=run.hand_m * 1e-12)
         html = draw("fig10", replace(trajectory, runs={fig10.CONVERGED: exact}))
         for curve in lines(html, "vi-x-solid"):
-            np.testing.assert_allclose(vertices(curve)[:, 1], fig10_view.LOWER[1], atol=0.06)
+            np.testing.assert_allclose(vertices(curve)[:, 1], fig10_figure.LOWER[1], atol=0.06)
         assert "0.01" in words(html) and "0.001" not in words(html)
 
     def test_a_motions_name_is_escaped(self, trajectory):
@@ -314,7 +315,7 @@ class TestAll:
     def test_each_says_of_what_it_was_made_and_an_empty_one_what_it_shows(self, drawings):
         for drawing in drawings[:3]:
             assert f"Demonstrator (45.0°, {MINUS}90.0°) · epipolar transfer · panda, 10 points" in words(drawing)
-        for drawing, module in zip(drawings[3:], (fig7_view, fig9_view, fig10_view)):
+        for drawing, module in zip(drawings[3:], (fig7_figure, fig9_figure, fig10_figure)):
             assert "Demonstrator (" not in drawing and all(line in words(drawing) for line in module.SENTENCE)
             assert paths(drawing, "vi-axis")
 
@@ -334,7 +335,7 @@ class TestAll:
         assert "two joints must move" in words(draw_empty("fig7", scene))
 
     def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
-        styles = plots.CSS + verdict.CSS + experiments_tab.CSS
+        styles = plots.CSS + verdict.CSS + experiments.CSS
         for drawing in [*drawings, styles]:
             without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
             assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)

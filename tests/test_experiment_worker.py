@@ -15,12 +15,12 @@ import zipfile
 
 import numpy as np
 import pytest
-from viewimit.app.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
-from viewimit.app.experiment_worker import ExperimentWorker, Wish
-from viewimit.app.scheduler import Scheduler
-from viewimit.app.tally import Tally
+from viewimit.app.control.scheduler import Scheduler
+from viewimit.app.jobs.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
+from viewimit.app.jobs.experiments import ExperimentWorker, Wish
+from viewimit.app.server.seat_counts import Tally
 
-from viewimit.experiments import fig9
+from viewimit.experiments.paper import fig9
 from viewimit.snapshot import Settings
 
 SHORT = Wish("fig9", Settings(), {"starts": (1, 1), "max_motions": 20})
@@ -215,7 +215,10 @@ def test_the_process_is_polite_and_loads_nothing_of_the_page(worker):
     if hasattr(os, "getpriority"):
         assert os.getpriority(os.PRIO_PROCESS, pid) >= os.getpriority(os.PRIO_PROCESS, 0) + 10
     code = "import {}, sys; print(*sys.modules)"
-    modules = {"viewimit.app.experiment_child": {"numpy", "viser"}, "viewimit.app.experiment_figures": {"viser"}}
+    modules = {
+        "viewimit.app.jobs.experiment_child": {"numpy", "viser"},
+        "viewimit.experiments.paper.figures": {"viser"},
+    }
     for module, unwanted in modules.items():  # numpy would fix the number of threads before it is set
         command = [sys.executable, "-I", "-c", code.format(module)]
         loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()

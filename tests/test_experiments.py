@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from viewimit import motion
+from viewimit.analysis import motion
+from viewimit.analysis.trajectory import follow, hand_points
 from viewimit.evaluation import conflict
-from viewimit.experiments import claims, fig7, fig9, fig10
-from viewimit.experiments.claims import Claims
+from viewimit.experiments.paper import claims, fig7, fig9, fig10
+from viewimit.experiments.paper.claims import Claims
 from viewimit.session import Session
 from viewimit.snapshot import Settings
-from viewimit.trajectory import follow, hand_points
 
 
 def by_name(result):

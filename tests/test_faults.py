@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 import viser
 from protocol import Client, Server, wait_until
-from viewimit.app import door as door_module
-from viewimit.app import wire
-from viewimit.app.door import Door
-from viewimit.app.keeper import Keeper
+from viewimit.app import viser_private
+from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.page import KEPT_EVERY
-from viewimit.app.scheduler import Scheduler
-from viewimit.app.server import App
-from viewimit.app.store import SqliteStore
-from viewimit.app.tally import Tally
+from viewimit.app.server.connection import Door
+from viewimit.app.server.pages import App
+from viewimit.app.server.pages import connection as door_module
+from viewimit.app.server.seat_counts import Tally
+from viewimit.app.sessions.autosave import Keeper
+from viewimit.app.sessions.sqlite_store import SqliteStore
 
 from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings
@@ -40,7 +40,7 @@ class Here:
         tally = Tally()
         scheduler = Scheduler(tally.rows[0])
         self.door = Door(40, (), tally, tally.rows[0])
-        with contextlib.redirect_stdout(io.StringIO()), wire.serving_with(self.door.serve):
+        with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.door.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.app = App(self.viser, Settings(), scheduler, Keeper(SqliteStore(folder)))
         self.door.guard(self.viser)

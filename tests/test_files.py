@@ -6,7 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from viewimit.experiments import fig7, fig9, fig10, files
+from viewimit.experiments import files
+from viewimit.experiments.paper import fig7, fig9, fig10
 from viewimit.snapshot import Settings
 
 COARSE = {

@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.experiments import following
-from viewimit.experiments.following import Case, path, run
+from viewimit.experiments.bench import following
+from viewimit.experiments.bench.following import Case, path, run
 from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings
 

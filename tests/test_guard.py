@@ -9,12 +9,12 @@ import urllib.request
 
 import pytest
 from protocol import VIEW, Client, Server, wait_until
-from viewimit.app import messages
-from viewimit.app.content_policy import content_policy
-from viewimit.app.door import FRAMES_AT_ONCE, MOST_MESSAGE
-from viewimit.app.gate import MOST_BYTES, PART
-from viewimit.app.origins import is_own_page
-from viewimit.app.rates import QuietLog, TokenBucket
+from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
+from viewimit.app.server.content_policy import content_policy
+from viewimit.app.server.origins import is_own_page
+from viewimit.app.server.pages import message_schema
+from viewimit.app.server.rate_limits import QuietLog, TokenBucket
+from viewimit.app.server.validation import MOST_BYTES, PART
 from websockets.exceptions import InvalidStatus
 
 SEATS = 5
@@ -296,7 +296,7 @@ def test_another_path_is_not_found(guarded):
 def test_every_type_that_is_allowed_is_one_of_visers():
     import viser._messages as theirs
 
-    for kind in messages.ALLOWED:
+    for kind in message_schema.ALLOWED:
         fields = theirs.Message.get_subclasses()
         original = next(other for other in fields if other.__name__ == kind.__name__)
         assert set(kind.__struct_fields__) - {"type"} == set(original.__dataclass_fields__)

@@ -4,13 +4,13 @@ import msgspec
 import numpy as np
 import pytest
 
+from viewimit.analysis.landscape import Landscape, grid_axes, landscape
 from viewimit.evaluation import conflict, residual
-from viewimit.experiments import baselines
-from viewimit.landscape import Landscape, grid_axes, landscape
-from viewimit.scene import load_scene
+from viewimit.experiments.bench import baselines
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
-from viewimit.world import World
 
 replace = msgspec.structs.replace
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from viewimit.latency import MOST_LAG, lag_of
+from viewimit.perception.latency import MOST_LAG, lag_of
 from viewimit.session import Session
+from viewimit.simulation.world import Disturbance
 from viewimit.snapshot import BEST, Settings
-from viewimit.world import Disturbance
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
 SEEN = np.ones((10, 2), bool)

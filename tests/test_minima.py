@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from viewimit.experiments.convexity import GOOD, RADII_DEG, convexity, hessian
-from viewimit.experiments.fig7 import conflict_of, over_grid
-from viewimit.experiments.minima import local_minima
-from viewimit.landscape import Landscape
+from viewimit.analysis.convexity import GOOD, RADII_DEG, convexity, hessian
+from viewimit.analysis.landscape import Landscape
+from viewimit.analysis.minima import local_minima
+from viewimit.experiments.paper.fig7 import conflict_of, over_grid
 from viewimit.session import Session
 
 AXES = tuple(np.radians(np.linspace(low, high, n)) for low, high, n in ((0, 90, 46), (-180, 0, 91)))

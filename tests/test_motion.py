@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from viewimit import motion
-from viewimit.posing import hand_position
-from viewimit.scene import load_scene
-from viewimit.world import World
+from viewimit.analysis import motion
+from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 
 
 @pytest.fixture(scope="module")

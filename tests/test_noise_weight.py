@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from viewimit.scene import load_scene
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.transfer import linear_combination
 from viewimit.transfer.noise import noise_weight
 from viewimit.views import FourViews
-from viewimit.world import World
 
 
 def test_weighed_residuals_of_noise_are_even():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, uncertainty, weak_joints
 from viewimit.evaluation import residual
-from viewimit.observability import joint_uncertainty, residual_jacobian, uncertainty, weak_joints
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS

@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from viewimit.app import wire
-from viewimit.app.images import draw_images
-from viewimit.app.meshes import link_meshes
-from viewimit.app.planes import image_windows
-from viewimit.app.silhouette import Silhouettes
-from viewimit.app.stage import BEHIND, Stage, on_plate
+from viewimit.app import viser_private
+from viewimit.app.scene.fixtures import BEHIND, Stage, on_plate
+from viewimit.app.scene.meshes import link_meshes
 
+from viewimit.drawing.image_planes import image_windows
+from viewimit.drawing.images import draw_images
+from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.session import Session
 from viewimit.snapshot import Settings
 from viewimit.views import VIEWS
@@ -82,7 +82,7 @@ class Recording:
 
 def test_pictures_in_3d_are_as_their_cameras_see_them_and_are_sent_once(session, monkeypatch):
     sent = []
-    monkeypatch.setattr(wire, "push_jpeg", lambda node, picture: sent.append(picture))
+    monkeypatch.setattr(viser_private, "push_jpeg", lambda node, picture: sent.append(picture))
     client, world = SimpleNamespace(scene=Recording()), session.world
     stage = Stage(client, world, False)
     nodes = client.scene.nodes

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from viewimit.posing import hand_jacobian, hand_position, pose_for_hand
-from viewimit.scene import load_scene
-from viewimit.world import World
+from viewimit.simulation.kinematics import hand_jacobian, hand_position, pose_for_hand
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 
 
 @pytest.fixture(scope="module")

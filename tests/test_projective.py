@@ -4,14 +4,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.camera import StereoHead
+from viewimit.analysis.landscape import landscape
 from viewimit.evaluation import conflict, residual
 from viewimit.geometry.rigid import rotation_from_rpy
-from viewimit.landscape import landscape
-from viewimit.scene import load_scene
+from viewimit.simulation.camera import StereoHead
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.transfer import projective
 from viewimit.views import FourViews
-from viewimit.world import World
 
 replace = msgspec.structs.replace
 

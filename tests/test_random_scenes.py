@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from viewimit.evaluation import conflict, residual
-from viewimit.experiments import random_scenes
-from viewimit.experiments.random_scenes import draw, run, write
-from viewimit.scene import load_scene
+from viewimit.experiments.bench import random_scenes
+from viewimit.experiments.bench.random_scenes import draw, run, write
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.snapshot import BEST
 from viewimit.transfer import projective
-from viewimit.world import World
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from viewimit.analysis.landscape import landscape
 from viewimit.evaluation import conflict, residual
-from viewimit.landscape import landscape
-from viewimit.scene import load_scene
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.transfer import rank3
 from viewimit.views import FourViews
-from viewimit.world import World
 
 
 def seen(demo, own):

@@ -5,12 +5,12 @@ import json
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.motions import FILE, MOST_BYTES, NAMES, Motions
-from viewimit.app.recorder import Playback, Recorder
+from viewimit.app.control.motions import FILE, MOST_BYTES, NAMES, Motions
+from viewimit.app.control.recorder import Playback, Recorder
 
-from viewimit.motion import FRAMES, MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
-from viewimit.scene import load_scene
+from viewimit.analysis.motion import FRAMES, MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
 from viewimit.session import Session
+from viewimit.simulation.scene import load_scene
 from viewimit.snapshot import Settings
 
 SCENE = load_scene("panda")

@@ -6,11 +6,11 @@ import re
 import numpy as np
 import pytest
 
-from viewimit import motion
-from viewimit.experiments import fig7, fig9, fig10
-from viewimit.experiments.claims import TOLERANCES, Tolerance
-from viewimit.scene import load_scene
-from viewimit.world import World
+from viewimit.analysis import motion
+from viewimit.experiments.paper import fig7, fig9, fig10
+from viewimit.experiments.paper.claims import TOLERANCES, Tolerance
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 
 
 @pytest.fixture(autouse=True)

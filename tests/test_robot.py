@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.robot import BodyPoints, Robot
-from viewimit.scene import load_robot, load_scene
+from viewimit.simulation.robot import BodyPoints, Robot
+from viewimit.simulation.scene import load_robot, load_scene
 
 ORIGINAL_URDF = {"panda": "franka_panda/panda.urdf", "iiwa": "kuka_iiwa/model.urdf"}
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.experiments import robustness
-from viewimit.experiments.robustness import CASES, Case, run, run_once
+from viewimit.experiments.bench import robustness
+from viewimit.experiments.bench.robustness import CASES, Case, run, run_once
 from viewimit.session import Session
 from viewimit.snapshot import BEST
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.scene import ROOT, load_robot, load_scene, robot_names, scene_names
-from viewimit.world import World
+from viewimit.simulation.scene import ROOT, load_robot, load_scene, robot_names, scene_names
+from viewimit.simulation.world import World
 
 
 @pytest.fixture

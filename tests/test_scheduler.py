@@ -3,9 +3,9 @@
 import threading
 import time
 
-from viewimit.app.landscape_worker import LandscapeWorker
-from viewimit.app.scheduler import Scheduler
-from viewimit.app.tally import Tally
+from viewimit.app.control.scheduler import Scheduler
+from viewimit.app.jobs.landscapes import LandscapeWorker
+from viewimit.app.server.seat_counts import Tally
 
 
 class Counting:

@@ -4,9 +4,9 @@ import socket
 
 import pytest
 from viewimit.app import serve as serve_module
-from viewimit.app.address import PortInUse, address, invite, require_free
-from viewimit.app.origins import is_loopback
 from viewimit.app.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
+from viewimit.app.server.address import PortInUse, address, invite, require_free
+from viewimit.app.server.origins import is_loopback
 
 from viewimit.snapshot import Settings
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from viewimit import evaluation
-from viewimit.landscape import grid_axes, landscape
-from viewimit.scene import load_scene
+from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
 from viewimit.session import Session
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import Disturbance, World
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
-from viewimit.world import Disturbance, World
 
 
 class LinearWorld:

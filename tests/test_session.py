@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from viewimit.assets import ROOT
 
-from viewimit.experiments import baselines
+from viewimit.experiments.bench import baselines
 from viewimit.servo import SERVOS
 from viewimit.session import RECENT, STRIDE, Session
 from viewimit.snapshot import DERIVED, Settings

@@ -5,7 +5,9 @@ import os
 import time
 
 import pytest
-from viewimit.app.store import KEPT_S, SqliteStore, open_store
+from viewimit.app.sessions.sqlite_store import SqliteStore
+from viewimit.app.sessions.store import KEPT_S
+from viewimit.app.sessions.stores import open_store
 
 
 @pytest.fixture(params=["file", "redis"])

@@ -13,10 +13,10 @@ import pytest
 
 from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
-from viewimit.experiments import baselines, success
-from viewimit.scene import load_scene
+from viewimit.experiments.bench import baselines, success
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.simulation.scene import load_scene
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
@@ -184,7 +184,7 @@ def test_the_papers_law_hardly_arrives_where_broyden_does(panda):
 def test_ctrl_c_ends_the_processes_too():
     code = (
         "from viewimit.experiments import success\n"
-        "from viewimit.scene import load_scene\n"
+        "from viewimit.simulation.scene import load_scene\n"
         "from viewimit.snapshot import Settings\n"
         "pairs = success.random_pairs(load_scene('panda'), 5000, 0)\n"
         "success.run(Settings(), pairs, ['linear'], ['gradient'], 100, 2,\n"

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from viewimit import TRANSFERS
-from viewimit.scene import load_scene
-from viewimit.tracked import read_deeplabcut, read_tidy
+from viewimit.perception.tracked import read_deeplabcut, read_tidy
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 from viewimit.views import VIEWS, FourViews
-from viewimit.world import World
 
 
 @pytest.fixture
@@ -128,7 +128,7 @@ def test_a_picture_says_its_view_by_name_or_option(ask, tmp_path):
 def test_pictures_become_points_and_an_evaluation(ask, ask_json, tmp_path):
     cv2 = pytest.importorskip("cv2")
     pytest.importorskip("pybullet")
-    from viewimit.eyes.rendered import RenderedEyes
+    from viewimit.simulation.eyes.rendered import RenderedEyes
 
     eyes, theta = RenderedEyes(load_scene("panda")), np.radians([45.0, -90.0])
     eyes.demo_images(theta), eyes.own_images(theta)

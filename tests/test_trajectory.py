@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit import motion
-from viewimit.posing import hand_position
+from viewimit.analysis import motion
+from viewimit.analysis.trajectory import follow, hand_points, learned_images
 from viewimit.session import Session
+from viewimit.simulation.kinematics import hand_position
 from viewimit.snapshot import Settings
-from viewimit.trajectory import follow, hand_points, learned_images
 
 QUICK = {"start_deg": (30, -70)}
 
@@ -80,7 +80,7 @@ def test_the_learner_sees_no_truth(session, monkeypatch):
     poisoned = Session(Settings(**QUICK))
     poisoned.history = [replace(moment, theta_demo=moment.theta_demo * np.nan) for moment in session.history]
     poisoned.cursor = session.cursor
-    monkeypatch.setattr("viewimit.trajectory.hand_position", lambda *_: np.full(3, np.nan))
+    monkeypatch.setattr("viewimit.analysis.trajectory.hand_position", lambda *_: np.full(3, np.nan))
     blind = follow(poisoned, session.snapshot.transfer, moves, np.ones(10, bool))
     np.testing.assert_array_equal(blind.theta, honest.theta)
 

@@ -8,13 +8,13 @@ import pytest
 from viewimit import evaluation
 from viewimit.evaluation import residual
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.scene import load_scene
 from viewimit.servo import Observation
 from viewimit.servo.trust_region import LONGEST, TrustRegion
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import Disturbance, World
 from viewimit.transfer import linear_combination, projective
 from viewimit.transfer.noise import noise_weight
 from viewimit.views import FourViews
-from viewimit.world import Disturbance, World
 
 FITS = {None: projective.fit, "linear": linear_combination.fit}
 

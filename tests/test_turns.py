@@ -6,20 +6,20 @@ import time
 
 import numpy as np
 import pytest
-from viewimit.app import session_eyes
 from viewimit.app.camera_benchmark import quiet_client
-from viewimit.app.camera_process import CameraLost
-from viewimit.app.experiment_worker import ExperimentWorker
-from viewimit.app.keeper import Memory
-from viewimit.app.landscape_worker import LandscapeWorker
-from viewimit.app.load import Load
+from viewimit.app.control.scheduler import TICK
+from viewimit.app.control.shedding import Load
+from viewimit.app.control.turns import Turns
+from viewimit.app.jobs import session_eyes
+from viewimit.app.jobs.camera_images import CameraLost
+from viewimit.app.jobs.experiments import ExperimentWorker
+from viewimit.app.jobs.landscapes import LandscapeWorker
 from viewimit.app.page import Page
-from viewimit.app.scheduler import TICK
-from viewimit.app.turns import Turns
+from viewimit.app.sessions.autosave import Memory
 
-from viewimit.markers import load_markers
+from viewimit.simulation.markers import load_markers
+from viewimit.simulation.world import World
 from viewimit.snapshot import BEST, Settings
-from viewimit.world import World
 
 VIEWS = ["L", "R", "l", "r"]
 

@@ -2,23 +2,23 @@
 
 import numpy as np
 import pytest
-from viewimit.app.controls import SERVO_NAMES, TRANSFER_NAMES
-from viewimit.app.disturbances import DISTURBANCES
-from viewimit.app.duel import Duel
-from viewimit.app.experiment_worker import Run
-from viewimit.app.experiments import TITLES, Experiments
-from viewimit.app.inbox import Inbox
-from viewimit.app.joints import joint_choices
-from viewimit.app.motions import Motions
-from viewimit.app.pace import Pace
-from viewimit.app.presets import AS_STARTED, PRESETS, presets_from
-from viewimit.app.visitor import View, Visitor
+from viewimit.app.control.disturbances import DISTURBANCES
+from viewimit.app.control.duel import Duel
+from viewimit.app.control.experiments import TITLES, Experiments
+from viewimit.app.control.inbox import Inbox
+from viewimit.app.control.joints import joint_choices
+from viewimit.app.control.motions import Motions
+from viewimit.app.control.player import Pace
+from viewimit.app.control.presets import AS_STARTED, PRESETS, presets_from
+from viewimit.app.control.visitor import View, Visitor
+from viewimit.app.jobs.experiments import Run
+from viewimit.app.panels.controls import SERVO_NAMES, TRANSFER_NAMES
 
+from viewimit.analysis.motion import motion
 from viewimit.experiments import EXPERIMENTS
-from viewimit.motion import motion
-from viewimit.posing import hand_position
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.simulation.kinematics import hand_position
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 

@@ -8,7 +8,7 @@ import pytest
 import viser.transforms as vtf
 from hypothesis import given
 from hypothesis import strategies as st
-from viewimit.app.wire import joint_quaternion, quaternion, serving_with
+from viewimit.app.viser_private import joint_quaternion, quaternion, serving_with
 from viser import GuiHtmlHandle
 from viser._messages import GuiHtmlProps, SceneNodeUpdateMessage, SetOrientationMessage
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from viewimit.experiments.baselines import own_image
-from viewimit.scene import load_scene
-from viewimit.world import Actuator, Disturbance, World
+from viewimit.experiments.bench.baselines import own_image
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import Actuator, Disturbance, World
 
 
 @pytest.fixture(scope="module")

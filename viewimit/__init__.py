@@ -8,7 +8,7 @@ After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geomet
     residual, conflict              e and E, Eq. (6)
     fit_affine_fundamental          Eqs. (1)-(3)
     World, load_scene               the simulated world, from a scene file
-    Landscape                       E over a grid of postures; made by viewimit.landscape.landscape
+    Landscape                       E over a grid of postures; made by viewimit.analysis.landscape.landscape
 
 The names are loaded when first used.
 """
@@ -19,29 +19,29 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from .analysis.landscape import Landscape
     from .evaluation import conflict, residual
     from .geometry.affine import fit_affine_fundamental
-    from .landscape import Landscape
-    from .scene import load_scene
     from .servo import SERVOS
     from .session import Session
+    from .simulation.scene import load_scene
+    from .simulation.world import World
     from .snapshot import Settings, Snapshot
     from .transfer import TRANSFERS
     from .views import FourViews
-    from .world import World
 
 _MODULES = {
     "FourViews": ".views",
-    "Landscape": ".landscape",
+    "Landscape": ".analysis.landscape",
     "SERVOS": ".servo",
     "Session": ".session",
     "Settings": ".snapshot",
     "Snapshot": ".snapshot",
     "TRANSFERS": ".transfer",
-    "World": ".world",
+    "World": ".simulation.world",
     "conflict": ".evaluation",
     "fit_affine_fundamental": ".geometry.affine",
-    "load_scene": ".scene",
+    "load_scene": ".simulation.scene",
     "residual": ".evaluation",
 }
 

@@ -12,18 +12,18 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import frames
 from .evaluation import residual
-from .eyes import open_eyes
 from .geometry.affine import MIN_POINTS
-from .latency import MOST_LAG, lag_of
-from .scene import Scene, load_scene
+from .perception import frames
+from .perception.latency import MOST_LAG, lag_of
 from .servo import SERVOS, Observation
+from .simulation.eyes import open_eyes
+from .simulation.scene import Scene, load_scene
+from .simulation.world import Disturbance, World
 from .snapshot import Settings, Snapshot, derived
 from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
 from .views import FourViews
-from .world import Disturbance, World
 
 DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
@@ -36,7 +36,7 @@ STRIDE = 32  # of motions long past one in so many is kept, if not all are
 class Session:
     """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
 
-    open_eyes(camera, scene, points): what it looks with and moves by, as `viewimit.eyes` has it; dense: how many of
+    open_eyes(camera, scene, points): what it looks with and moves by, as `simulation.eyes` has it; dense: how many of
     the last motions are kept, None for all. Of older ones every STRIDE-th is, and stands in place of those after it.
     Raises ValueError, with the session as it was, for settings that cannot be.
     """

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
-from .latency import MOST_LAG
+from .perception.latency import MOST_LAG
 from .servo import SERVOS
 from .transfer import TRANSFERS
 from .views import FourViews

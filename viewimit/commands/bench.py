@@ -9,16 +9,16 @@ from dataclasses import asdict
 import msgspec
 from tqdm import tqdm
 
-from ..experiments import benchmark, following, random_scenes, robustness, success
-from ..eyes import require_eyes
+from ..analysis.landscape import grid_axes
+from ..experiments.bench import following, random_scenes, robustness, speed, success
 from ..geometry.affine import require_points
-from ..landscape import grid_axes
-from ..scene import Scene, load_scene
 from ..servo import SERVOS
 from ..session import MAX_HISTORY
+from ..simulation.eyes import require_eyes
+from ..simulation.scene import Scene, load_scene
+from ..simulation.world import World
 from ..snapshot import BEST, CAMERAS, Settings
 from ..transfer import TRANSFERS
-from ..world import World
 from . import bench_tables as tables
 from .options import DONE, add_json_option, between, naming, print_json
 
@@ -43,8 +43,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", type=int, default=10, metavar="N", help="layout of the scene (%(default)s)")
     seed = between(int, 0, 2**32)
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of postures timed, of runs (%(default)s)")
-    speed = parser.add_argument_group("speed, of E over the range, at one posture, and of one motion")
-    speed.add_argument("--full-loop", action="store_true", help="time plain loops on every posture, not a tenth")
+    timed = parser.add_argument_group("speed, of E over the range, at one posture, and of one motion")
+    timed.add_argument("--full-loop", action="store_true", help="time plain loops on every posture, not a tenth")
     runs = parser.add_argument_group("success, of every transfer and servo")
     number, motions = between(int, 1, 100_000), between(int, 0, MAX_HISTORY)
     pairs = runs.add_mutually_exclusive_group()
@@ -88,7 +88,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _speed(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
-    found = _with_bar("speed", lambda tell: benchmark.run(args.scene, args.points, args.full_loop, args.seed, tell))
+    found = _with_bar("speed", lambda tell: speed.run(args.scene, args.points, args.full_loop, args.seed, tell))
     return asdict(found), tables.speed_table(found)
 
 
@@ -148,9 +148,9 @@ def _pictures(args: argparse.Namespace, scene: Scene) -> tuple[dict, str]:
     """Detection, and the servos on points and on pictures, by transfer, servo and camera."""
     with naming("--scene"):
         require_eyes("rendered", scene)
-    from ..experiments import detection  # loads pybullet and OpenCV
+    from ..experiments.bench import pictures  # loads pybullet and OpenCV
 
-    detected = _with_bar("detection", lambda tell: detection.run(args.scene, args.runs, args.seed, tell))
+    detected = _with_bar("detection", lambda tell: pictures.run(args.scene, args.runs, args.seed, tell))
     outcomes = []
     for transfer in [args.transfer] if args.transfer else TRANSFERS:
         for servo in [args.servo] if args.servo else PICTURE_SERVOS:

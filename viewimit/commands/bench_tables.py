@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments import benchmark, following, robustness, success
+from ..experiments.bench import following, robustness, speed, success
 
 
-def speed_table(found: benchmark.Benchmark) -> str:
+def speed_table(found: speed.Benchmark) -> str:
     """The figures for people, each block against its first row, and with cond(A) against ours with it."""
     timed = "all postures" if found.loop_postures == found.postures else f"{found.loop_postures} postures, scaled"
     return "\n".join(
@@ -16,7 +16,7 @@ def speed_table(found: benchmark.Benchmark) -> str:
             *_landscape_rows(found, timed),
             "one posture: fit, recovery, residual and E of given images, without kinematics and projection",
             *_posture_rows(found),
-            f"one motion: a whole step with kinematics and projection, median of {benchmark.MOTIONS} from the start",
+            f"one motion: a whole step with kinematics and projection, median of {speed.MOTIONS} from the start",
             *(
                 f"  {f'{name}, {servo}':<60} {seconds * 1e6:9.0f} µs"
                 for name, times in found.motion_s.items()
@@ -30,7 +30,7 @@ def speed_table(found: benchmark.Benchmark) -> str:
     )
 
 
-def _landscape_rows(found: benchmark.Benchmark, timed: str) -> list[str]:
+def _landscape_rows(found: speed.Benchmark, timed: str) -> list[str]:
     def row(what: str, seconds: float, against: float = found.landscape_s["epipolar"]) -> str:
         return f"  {what:<60} {seconds * 1e3:9.1f} ms  {seconds / against:8.1f} x"
 
@@ -46,7 +46,7 @@ def _landscape_rows(found: benchmark.Benchmark, timed: str) -> list[str]:
     ]
 
 
-def _posture_rows(found: benchmark.Benchmark) -> list[str]:
+def _posture_rows(found: speed.Benchmark) -> list[str]:
     def row(what: str, seconds: float, against: float = found.fit_s["epipolar"][1]) -> str:
         return f"  {what:<60} {seconds * 1e6:9.0f} µs  {seconds / against:8.1f} x"
 

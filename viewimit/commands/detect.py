@@ -5,8 +5,8 @@ import importlib.util
 import re
 from pathlib import Path
 
-from ..markers import load_markers, marker_names
-from ..tracked import Row, write_tidy
+from ..perception.tracked import Row, write_tidy
+from ..simulation.markers import load_markers, marker_names
 from ..views import VIEWS
 from . import BadInput
 from .options import DONE, MISSED, add_json_option, between, naming, print_json
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
     files = _by_view(args)
     with naming("--markers"):
         hue_deg = load_markers(args.markers).hue_deg
-    from ..detection import detect, pictures  # loads OpenCV
+    from ..perception.detection import detect, pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
     told = {}

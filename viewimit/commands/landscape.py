@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..landscape import grid_axes, landscape
+from ..analysis.landscape import grid_axes, landscape
 from ..session import Session
 from ..transfer import TRANSFERS
 from . import landscape_file

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..landscape import Landscape
+from ..analysis.landscape import Landscape
 
 PICTURES, TABLES = (".png", ".svg"), (".npz", ".csv")
 LEVELS = 24

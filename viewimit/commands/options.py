@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 import msgspec
 import numpy as np
 
-from ..eyes import require_eyes
-from ..scene import load_scene, robot_names, scene_names
 from ..servo import SERVOS
+from ..simulation.eyes import require_eyes
+from ..simulation.scene import load_scene, robot_names, scene_names
 from ..snapshot import CAMERAS, Settings
 from ..transfer import TRANSFERS
 from . import BadInput

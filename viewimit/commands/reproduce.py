@@ -7,9 +7,10 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from ..experiments import EXPERIMENTS, ON_PICTURES, claims, files
-from ..motion import MOTIONS, load
-from ..scene import load_scene
+from ..analysis.motion import MOTIONS, load
+from ..experiments import EXPERIMENTS, ON_PICTURES, files
+from ..experiments.paper import claims
+from ..simulation.scene import load_scene
 from .options import (
     DONE,
     MISSED,

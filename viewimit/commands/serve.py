@@ -40,7 +40,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args, BEST)
     from ..app.serve import ServerOptions, serve, usual_workers  # the one place below the page that knows it
-    from ..app.store import open_store
+    from ..app.sessions.stores import open_store
 
     with naming("--store"):
         open_store(args.store).close()

@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from .claims import Claim
+from .paper.claims import Claim
 from .tables import Table, Tables
 
 PACKAGES = ("viewimit", "numpy", "matplotlib")

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...trajectory import Trajectory
-from ..fig10 import BEFORE, BODY, CONVERGED, RUNS, SAME, Fig10
+from ...analysis.trajectory import Trajectory
+from ..paper.fig10 import BEFORE, BODY, CONVERGED, RUNS, SAME, Fig10
 from .style import DASHED, DEMONSTRATOR, LEARNER, RECOVERED, in_degrees
 
 LINES = {CONVERGED: (LEARNER, "-"), BODY: (RECOVERED, "-."), BEFORE: ("#d55e00", "--"), SAME: (DEMONSTRATOR, ":")}

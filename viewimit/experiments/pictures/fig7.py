@@ -5,9 +5,9 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...analysis.convexity import GOOD, Convexity
 from ...transfer import TRANSFERS as TRANSFER_NAMES
-from ..convexity import GOOD, Convexity
-from ..fig7 import PAPER_MINIMUM_DEG, Fig7, Study, Surface
+from ..paper.fig7 import PAPER_MINIMUM_DEG, Fig7, Study, Surface
 from .style import DEMONSTRATOR, MARK, RESIDUAL, TRANSFERS, angle_name, in_degrees
 
 ENLARGED = 5

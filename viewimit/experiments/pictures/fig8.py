@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ..fig8 import PAPER_MINIMUM_DEG, Fig8
+from ..paper.fig8 import PAPER_MINIMUM_DEG, Fig8
 from .style import MARK, RESIDUAL, TRANSFERS, angle_name, in_degrees
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..fig9 import WITHIN_DEG, Fig9, Run
+from ..paper.fig9 import WITHIN_DEG, Fig9, Run
 from .style import DASHED, DEMONSTRATOR, LAWS, angle_name, in_degrees
 
 JOINT_COLOURS = ("#0072b2", "#b0508a", "#007f5c", "#d55e00", "#56b4e9", "#8a5a00", "#1b2430")

@@ -1,0 +1,83 @@
+"""What a page asks of its experiments, and what it knows of them."""
+
+from collections.abc import Callable
+
+import msgspec
+
+from viewimit.experiments import EXPERIMENTS
+from viewimit.session import Session
+
+from ..jobs.experiments import ExperimentWorker, Run, Wish
+from .checks import choice
+from .motions import Motions
+
+TITLES = {
+    "fig7": "Fig. 7: landscape and minima",
+    "fig9": "Fig. 9: posture imitation",
+    "fig10": "Fig. 10: trajectory imitation",
+}
+
+
+class Experiments:
+    """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
+
+    latest: the run asked for last; runs: by experiment, its latest. All look at projected points, whatever the page
+    looks with: pictures would take them hours.
+    """
+
+    def __init__(
+        self,
+        worker: ExperimentWorker,
+        page_id: int,
+        session: Session,
+        motions: Motions,
+        tell: Callable[[Run], None],
+        send: Callable[[str, bytes], None],
+    ):
+        self._worker, self._page_id, self._session, self._motions = worker, page_id, session, motions
+        self._tell, self._send = tell, send
+        self.chosen = next(iter(EXPERIMENTS))
+        self.latest: Run | None = None
+        self.runs: dict[str, Run] = {}
+        self.wishes: dict[str, Callable] = {
+            "experiment": self.choose,
+            "run": self.run_or_cancel,
+            "run told": self.take,
+            "download": self.download,
+        }
+
+    @property
+    def going_on(self) -> bool:
+        return self.latest is not None and self.latest.goes_on
+
+    @property
+    def sets_pictures_aside(self) -> bool:
+        """Whether the page looks with pictures, which an experiment does not."""
+        return self._session.settings.camera == "rendered"
+
+    @property
+    def shown(self) -> Run | None:
+        """Of the experiment that is chosen."""
+        return self.runs.get(self.chosen)
+
+    def choose(self, value) -> None:
+        self.chosen = choice(value, {title: name for name, title in TITLES.items()}, "experiment")
+
+    def run_or_cancel(self) -> None:
+        if self.going_on:
+            self._worker.cancel(self._page_id)
+            return
+        options = {"motion": self._motions.asked_for()} if self.chosen == "fig10" else {}
+        settings = msgspec.structs.replace(self._session.settings, camera="points")
+        self._worker.ask(self._page_id, Wish(self.chosen, settings, options), self._tell)
+
+    def take(self, run: Run) -> None:
+        """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
+        self.latest = self.runs[run.name] = run
+        if run.state == "failed":
+            raise ValueError(f"{TITLES[run.name].split(':')[0]} failed: {run.problem}")
+
+    def download(self) -> None:
+        if self.shown is None or not self.shown.archive:
+            raise ValueError("there is nothing to download before the experiment is done")
+        self._send(f"viewimit-{self.chosen}.zip", self.shown.archive)

@@ -1,0 +1,207 @@
+"""The demonstrator's motions: which one is chosen, recording and replaying it, keeping it in a file."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.analysis.motion import FRAMES, MOTIONS, Motion, decode, encode, require_motion
+from viewimit.session import Session
+
+from .checks import choice, number
+from .recorder import Playback, Recorder
+
+RECORDED = "recorded"
+NAMES = {"sinusoid": "sinusoid", "circle": "circle of the hand", RECORDED: "recorded"}
+MOST_BYTES = 2 << 20  # of a file
+FILE = "viewimit-motion.json"
+
+
+class Motions:
+    """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
+
+    A made-up motion goes about the posture that the demonstrator has.
+
+    pose(theta): moves the demonstrator; aside(make, then): makes what takes long beside the sessions, and puts
+    `then`'s argument into the inbox; send(name, data): a file for the visitor.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        pose: Callable[[NDArray], None],
+        aside: Callable[[Callable[[], object]], None],
+        send: Callable[[str, bytes], None],
+        clock: Callable[[], float] = time.monotonic,
+    ):
+        self._session, self._pose, self._aside, self._send, self._clock = session, pose, aside, send, clock
+        self.name = next(iter(NAMES))
+        self.recorded: Motion | None = None
+        self._recorder: Recorder | None = None
+        self._shown: Playback | None = None
+        self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
+        self._then: Callable[[Playback], None] | None = None  # what waits for a motion that is being made
+        self._scene = session.scene
+        self.wishes: dict[str, Callable] = {
+            "motion": self.choose,
+            "record": self.record,
+            "replay": self.replay,
+            "moment": self.scrub,
+            "save motion": self.save,
+            "motion file": self.load,
+            "motion made": self.take,
+        }
+
+    @property
+    def recording(self) -> bool:
+        return self._recorder is not None
+
+    @property
+    def replaying(self) -> bool:
+        return self._shown is not None and self._shown.playing
+
+    @property
+    def moment(self) -> tuple[int, int]:
+        """The frame that is shown, and the last one."""
+        if self._shown is not None:
+            return round(self._shown.frame), self._shown.last
+        if self.name == RECORDED:
+            return 0, len(self.recorded.theta_deg) - 1
+        return 0, FRAMES - 1
+
+    def describe(self) -> tuple[str, str]:
+        """State and sentence, as the pill has them."""
+        if self._recorder is not None:
+            if self._recorder.seconds == 0:
+                return "recording", "move the demonstrator by its sliders or its hand."
+            return "recording", f"{self._recorder.seconds:.1f} s of the demonstrator's motion."
+        if self.replaying:
+            step, (frame, last) = self._shown.motion.step_s, self.moment
+            return "replaying", f"{self._shown.motion.name[:40]}, {frame * step:.1f} of {last * step:.1f} s."
+        if self.name == RECORDED:
+            return "ready", f"{self.recorded.name[:40]}: {self.recorded.seconds:.1f} s, {self.moment[1] + 1} frames"
+        return "ready", "about the present posture"
+
+    def tick(self) -> None:
+        """Once a tick of the scheduler: sample or pose the demonstrator."""
+        if self._session.scene is not self._scene:
+            self._leave_scene()
+        theta = self._session.snapshot.theta_demo
+        if self._recorder is not None:
+            self._recorder.sample(theta, self._clock())
+            if self._recorder.full:
+                self.record()
+        elif self.replaying:
+            if not np.array_equal(theta, self._at):  # somebody else has moved it
+                self._shown.pause()
+            else:
+                self._shown.advance(self._clock())
+                self._show()
+
+    def choose(self, value) -> None:
+        name = choice(value, {words: name for name, words in NAMES.items()}, "motion")
+        if name == RECORDED:
+            self._require_recorded()
+        self._forget_shown()
+        self.name = name
+
+    def asked_for(self) -> str | Motion:
+        """The chosen motion, as Fig. 10 takes it."""
+        return self._require_recorded() if self.name == RECORDED else self.name
+
+    def record(self) -> None:
+        """Begin, or end and choose what was recorded."""
+        if self._recorder is None:
+            self._forget_shown()
+            self._recorder = Recorder(self._scene, self._session.snapshot.theta_demo, self._clock())
+            return
+        recorder, self._recorder = self._recorder, None
+        self._keep(recorder.finish())
+
+    def replay(self) -> None:
+        """Play on from the moment that is shown, or stop."""
+        self._require_no_recording()
+        if self.replaying:
+            self._shown.pause()
+            return
+        self._with_motion(lambda shown: (shown.play(self._clock()), self._show()))
+
+    def scrub(self, value) -> None:
+        """value: a frame."""
+        self._require_no_recording()
+        frame, last = number(value), self.moment[1]
+        if not 0 <= frame <= last:
+            raise ValueError(f"no frame {frame:g}; there are 0 to {last}")
+        if self._shown is not None:
+            self._shown.pause()
+
+        def go(shown: Playback) -> None:
+            shown.frame = min(frame, shown.last)
+            self._show()
+
+        self._with_motion(go)
+
+    def save(self) -> None:
+        self._with_motion(lambda shown: self._send(FILE, encode(shown.motion)))
+
+    def load(self, data) -> None:
+        """data: what a file holds, or its size if that is too large."""
+        self._require_no_recording()
+        if not isinstance(data, bytes):
+            raise ValueError(f"a motion's file has at most {MOST_BYTES >> 20} MB, this one {data / 2**20:.1f} MB")
+        self._keep(decode(data, self._session.scene))
+
+    def take(self, made: tuple | Exception) -> None:
+        """A motion that was made aside, if it still goes about the demonstrator's posture in this scene."""
+        then, self._then = self._then, None
+        if isinstance(made, Exception):
+            raise ValueError(f"there is no such motion here: {made}")
+        name, scene, theta, found = made
+        here = self._session.snapshot.theta_demo
+        if then and name == self.name and scene is self._session.scene and np.array_equal(theta, here):
+            self._shown, self._at = Playback(found), theta
+            then(self._shown)
+
+    def _with_motion(self, then: Callable[[Playback], None]) -> None:
+        """Do this with the chosen motion, at once or as soon as it is made."""
+        session, here = self._session, self._session.snapshot.theta_demo
+        if self.name == RECORDED:
+            if self._shown is None:
+                self._shown = Playback(self._require_recorded())
+            then(self._shown)
+        elif self._shown is not None and np.array_equal(self._at, here):
+            then(self._shown)
+        else:
+            self._forget_shown()
+            self._then = then
+            name, world, scene = self.name, session.world, session.scene
+            self._aside(lambda: (name, scene, here, MOTIONS[name](world, here)))
+
+    def _show(self) -> None:
+        self._pose(self._shown.theta)
+        self._at = self._session.snapshot.theta_demo
+
+    def _keep(self, motion: Motion) -> None:
+        self._forget_shown()
+        self.name, self.recorded = RECORDED, motion
+
+    def _leave_scene(self) -> None:
+        """Recording and replaying end with the scene; what was recorded in it is kept."""
+        self._scene, recorder, self._recorder = self._session.scene, self._recorder, None
+        self._forget_shown()
+        if recorder is not None and recorder.seconds > 0:
+            self._keep(recorder.finish())
+
+    def _forget_shown(self) -> None:
+        self._shown = self._then = None
+
+    def _require_recorded(self) -> Motion:
+        if self.recorded is None:
+            raise ValueError("nothing is recorded yet: record a motion, or load one")
+        require_motion(self.recorded, self._session.scene)
+        return self.recorded
+
+    def _require_no_recording(self) -> None:
+        if self._recorder is not None:
+            raise ValueError("a motion is being recorded: stop that first")

@@ -1,0 +1,1 @@
+"""Heavy work beside the page: landscapes in a thread, experiments and camera images in processes of their own."""

@@ -1,0 +1,80 @@
+"""What runs in an experiment's own process: the experiment, its figure, its files. Nothing of viser is loaded here.
+
+It sends tuples: ("share", share done), ("figure", html), ("found", html, claims), ("files", zip), ("failed", why).
+"""
+
+import io
+import time
+import traceback
+import zipfile
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from .child import stand_back
+
+NICENESS = 10  # sessions go first
+SHARE_EVERY, FIGURE_EVERY = 0.1, 0.25  # s at least between two of a kind
+MOST_BYTES = 64 << 20  # of the zip
+
+
+def work(connection: Connection, folder: str) -> None:
+    """Carry out the one wish (name, settings, options) that comes through the connection. folder: for the files."""
+    stand_back(NICENESS)  # numpy is loaded by what is received
+    try:
+        _carry_out(connection, *connection.recv(), Path(folder))
+    except (BrokenPipeError, ConnectionError):
+        pass  # the server is gone
+    except Exception as error:  # whatever it was, the page that asked is told
+        if not isinstance(error, ValueError):
+            traceback.print_exc()
+        connection.send(("failed", _why(error)))
+
+
+def _carry_out(connection: Connection, name: str, settings, options: dict, folder: Path) -> None:
+    from viewimit.experiments import EXPERIMENTS, files
+    from viewimit.experiments.paper.figures import draw
+
+    progress = Progress(connection.send, lambda result: draw(name, result))
+    result = EXPERIMENTS[name](settings, progress.tell, **options)
+    connection.send(("found", draw(name, result), tuple(result.claims)))
+    connection.send(("files", _zipped(files.write(name, result, folder))))
+
+
+class Progress:
+    """What an experiment tells while it runs, no more often than a page can show it.
+
+    A result that came too soon after another is drawn later, unless a newer one comes; the last one is drawn at the
+    end in any case.
+    """
+
+    def __init__(self, send: Callable, draw: Callable[[object], str], clock: Callable[[], float] = time.monotonic):
+        self._send, self._draw, self._clock = send, draw, clock
+        self._share_at = self._figure_at = -1e9
+        self._undrawn = None
+
+    def tell(self, share: float, partial) -> None:
+        now = self._clock()
+        if partial is not None:
+            self._undrawn = partial
+        if now - self._share_at >= SHARE_EVERY:
+            self._share_at = now
+            self._send(("share", float(share)))
+        if self._undrawn is not None and now - self._figure_at >= FIGURE_EVERY:
+            self._figure_at = now
+            drawn, self._undrawn = self._draw(self._undrawn), None
+            self._send(("figure", drawn))
+
+
+def _zipped(paths: list[Path]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in paths:
+            archive.write(path, path.name)
+    if buffer.tell() > MOST_BYTES:
+        raise ValueError(f"the files take {buffer.tell() >> 20} MB, more than the {MOST_BYTES >> 20} MB a page is sent")
+    return buffer.getvalue()
+
+
+def _why(error: Exception) -> str:
+    return str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"

@@ -1,0 +1,97 @@
+"""What one session of a page looks with: projected points here, or pictures in the process of the camera images."""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.simulation.eyes import open_eyes, require_eyes
+from viewimit.simulation.markers import load_markers
+from viewimit.simulation.scene import Scene
+from viewimit.simulation.world import World
+from viewimit.snapshot import Settings, Snapshot
+
+from .camera_images import CameraProcess
+
+MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
+
+
+class RemoteEyes:
+    """As `viewimit.simulation.eyes` has them; each look blocks until its pictures are there. They are kept for a while.
+
+    ask(what, *arguments) → value, pictures.
+    """
+
+    def __init__(self, ask: Callable, scene: Scene, noise_px: float):
+        self._ask = ask
+        self.world = World(scene, body=load_markers(scene.robot).body)
+        self.noise_px = noise_px
+        self._looks: OrderedDict[tuple, dict[str, bytes]] = OrderedDict()
+        self._lock = threading.Lock()  # of the looks: one thread looks, another draws
+
+    def demo_images(self, theta) -> tuple[NDArray, NDArray]:
+        return self._look("demo_images", "lr", theta)
+
+    def own_images(self, theta) -> tuple[NDArray, NDArray]:
+        return self._look("own_images", "LR", theta)
+
+    def settle(self, theta: NDArray) -> NDArray:
+        return self._ask("settle", theta)[0]
+
+    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+        return self._ask("drive", settings, theta, sent, commanded)[0]
+
+    def pictures(self, moment: Snapshot) -> dict[str, bytes]:
+        """JPEGs by view, of those that are still kept."""
+        with self._lock:
+            looks = [self._looks.get(_look_key(*look), {}) for look in _looks_of(moment)]
+        return {view: picture for look in looks for view, picture in look.items()}
+
+    def retake(self, moment: Snapshot) -> None:
+        """Take the pictures of a moment whose pictures are not kept any more."""
+        for pair, theta in _looks_of(moment):
+            if _look_key(pair, theta) not in self._looks:
+                (self.demo_images if pair == "lr" else self.own_images)(theta)
+
+    def _look(self, what: str, pair: str, theta) -> tuple[NDArray, NDArray]:
+        theta = np.array(theta, float)
+        images, pictures = self._ask(what, theta)
+        with self._lock:
+            self._looks[_look_key(pair, theta)] = dict(zip(pair, pictures))
+            while len(self._looks) > MOST_LOOKS:
+                self._looks.popitem(last=False)
+        return images
+
+
+class SessionEyes:
+    """Opens the eyes of one session, one after the other; close() when the session is gone."""
+
+    def __init__(self, process: CameraProcess):
+        self._process = process
+        self._key: int | None = None
+
+    def __call__(self, camera: str, scene: Scene, points: int):
+        """As `open_eyes`. Raises ValueError as `require_eyes` and `CameraProcess.open`, CameraLost."""
+        if camera == "points":
+            eyes = open_eyes(camera, scene, points)
+            self.close()
+            return eyes
+        require_eyes(camera, scene)
+        key, noise_px = self._process.open(scene, self._key)
+        self._key = key
+        return RemoteEyes(lambda *request: self._process.ask(key, *request), scene, noise_px)
+
+    def close(self) -> None:
+        if self._key is not None:
+            self._process.close(self._key)
+            self._key = None
+
+
+def _looks_of(moment: Snapshot) -> tuple[tuple[str, NDArray], ...]:
+    return ("lr", moment.theta_demo), ("LR", moment.theta)
+
+
+def _look_key(pair: str, theta: NDArray) -> tuple[str, bytes]:
+    return pair, theta.tobytes()

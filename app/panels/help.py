@@ -1,0 +1,58 @@
+"""The help panel: what the page shows, in reading order, and its keys."""
+
+from viewimit.drawing.methods import SERVO_NOTES, TRANSFER_NOTES
+
+from .controls import KEYS
+
+PARAGRAPHS = (
+    ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "
+     "its own arm (L, R), and knows nothing but points in these four images: no model of an arm, no calibration."),
+    ("Two views give a line.", "Click a marker, or press N: where a point lies in l puts it on a line in L; r gives "
+     "a second line. They cross where the demonstrator's point would be in the learner's own view: a hollow diamond."),
+    ("A wrong posture makes a conflict.", "The lines were learned from two different postures, so recovered and own "
+     "points disagree. The arrows are the residuals e; E is their mean square."),
+    ("The conflict drives the arm.", "Play. The learner moves, learns what that changes in its images, and goes where "
+     "E is smaller. The landscape shows E for all postures; the learner knows only its own path."),
+    ("Disturb it.", "Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take a"
+     " preset that breaks the method. The sentence under the scene says what the learner itself can tell."),
+    ("Race two methods.", "The tab Duel sends a second, see-through learner from your learner's start, with another "
+     "transfer and servo. Compare all transfers under the landscape; free all seven joints under Method."),
+    ("Look with cameras.", "Camera images, under Display, shows both arms with weight and coloured balls in rendered"
+     " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
+     " picture is taken on the way. Landscapes and experiments remain those of projected points."),
+    ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
+     "paper and hands you figure and data. Fig. 10 also follows a motion that you record there or load."),
+)  # fmt: skip
+
+
+METHODS = (("Transfers", TRANSFER_NOTES), ("Servos", SERVO_NOTES))
+
+
+def help_html() -> str:
+    """For a modal."""
+    texts = "".join(f"<p><b>{title}</b> {text}</p>" for title, text in PARAGRAPHS)
+    keys = "".join(f"<span><kbd>{key}</kbd> {action}</span> " for key, action in KEYS)
+    note = (
+        "<p class='vi-help-note'>Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the "
+        "simulation's truth, for the viewer only; no transfer or servo is given any of it.</p>"
+    )
+    methods = "".join(
+        f"<p><b>{title}</b></p><dl>"
+        + "".join(f"<dt>{m.name}</dt><dd>Assumes: {m.assumes} Fails: {m.fails}</dd>" for m in notes.values())
+        + "</dl>"
+        for title, notes in METHODS
+    )
+    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{note}</div>'
+
+
+CSS = """
+.vi-help{font-size:14px;line-height:1.42;color:var(--ink);padding:0 4px}
+.vi-help p{margin:0 0 8px}
+.vi-help-keys{display:flex;flex-wrap:wrap;gap:6px 14px;margin:0 0 12px}
+.vi-help kbd{font:600 12px Inter,sans-serif;border:1px solid var(--rule);border-radius:4px;padding:1px 7px;
+background:var(--card)}
+.vi-help dl{margin:0 0 8px}
+.vi-help dt{font-weight:600}
+.vi-help dd{margin:0 0 4px 14px;color:var(--secondary)}
+.vi-help-note{color:var(--secondary);margin-top:10px}
+"""

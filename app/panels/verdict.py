@@ -1,0 +1,101 @@
+"""How far an experiment is, in a bar and a few words; and when it is done, what the paper says beside what is found."""
+
+from collections.abc import Sequence
+
+from viewimit.drawing import svg
+from viewimit.experiments.paper.claims import Claim
+
+from ..jobs.experiments import Run
+
+TITLES = {"fig7": "Fig. 7", "fig9": "Fig. 9", "fig10": "Fig. 10"}
+PASS = (
+    '<svg class="vi-mark" viewBox="0 0 16 16"><circle cx="8" cy="8" r="7" class="vi-mark-pass"/>'
+    '<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>pass'
+)
+MISS = (
+    '<svg class="vi-mark" viewBox="0 0 16 16"><rect x="1.5" y="1.5" width="13" height="13" rx="2"'
+    ' class="vi-mark-miss"/><path d="M5 5l6 6m0-6l-6 6" class="vi-mark-line"/></svg><b>miss</b>'
+)
+MARKS = {True: PASS, False: MISS, None: svg.MISSING}
+
+
+def draw_progress(run: Run | None, chosen: str) -> str:
+    """One line. run: None before any; it is named unless it is of the experiment that is chosen."""
+    if run is None:
+        state, share, words = "idle", 0.0, "not run yet"
+    else:
+        name = "" if run.name == chosen else f"{TITLES[run.name]}: "
+        state, share, words = run.state, run.share, name + _words(run)
+    percent = round(100 * share)
+    return (
+        f'<div class="vi-progress vi-progress-{state}"><div class="vi-progress-bar" role="progressbar"'
+        f' aria-valuemin="0" aria-valuemax="100" aria-valuenow="{percent}"><i style="width:{percent}%"></i></div>'
+        f'<span title="{svg.escape(words)}">{svg.escape(words)}</span></div>'
+    )
+
+
+def _words(run: Run) -> str:
+    if run.state == "waiting":
+        return f"waiting, {run.before} before you" if run.before else "starting …"
+    if run.state == "running":
+        return f"{round(100 * run.share)} %"
+    if run.state == "writing":
+        return "writing the files …"
+    if run.state == "done":
+        return f"done in {run.seconds:.0f} s{_held(run.claims)}"
+    if run.state == "cancelled":
+        return f"cancelled at {round(100 * run.share)} %"
+    return f"failed: {run.problem}"
+
+
+def _held(claims: Sequence[Claim]) -> str:
+    judged = [claim.holds for claim in claims if claim.holds is not None]
+    return f", {sum(judged)}/{len(judged)} hold" if judged else ""
+
+
+def draw_verdict(run: Run | None) -> str:
+    """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
+    if run is not None and run.problem:
+        return f'<div class="vi-verdict"><p>{TITLES[run.name]} failed: {svg.escape(run.problem)}</p></div>'
+    if run is None or not run.claims:
+        return ""
+    head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))
+    rows = "".join(_row(claim) for claim in run.claims)
+    unjudged = all(claim.holds is None for claim in run.claims)
+    note = "<p>The tolerances are about the paper's scene, demonstrator and transfer: nothing is judged here.</p>"
+    return f'<div class="vi-verdict"><table><tr>{head}</tr>{rows}</table>{note if unjudged else ""}</div>'
+
+
+def _row(claim: Claim) -> str:
+    name = claim.name.split(": ", 1)[-1] if claim.name.startswith("Fig.") else claim.name
+    cells = "".join(f"<td>{svg.escape(words)}</td>" for words in (name, claim.paper, claim.here, claim.tolerance))
+    return f"<tr>{cells}<td>{MARKS[claim.holds]}</td></tr>"
+
+
+CSS = """
+.vi-progress{display:flex;align-items:center;gap:9px;height:26px;min-width:0;color:var(--ink);
+  font:400 12.5px/14px Inter,system-ui,sans-serif;font-variant-numeric:tabular-nums}
+.vi-progress-bar{flex:0 0 56px;height:7px;border-radius:4px;background:var(--rule);overflow:hidden}
+.vi-progress-bar i{display:block;height:100%;border-radius:4px;background:var(--learner)}
+.vi-progress-done i{background:var(--recovered)}
+.vi-progress-cancelled i{background:var(--secondary)}
+.vi-progress-failed i{background:var(--stopped);width:100%!important}
+.vi-progress span{overflow:hidden;text-overflow:ellipsis;display:-webkit-box;-webkit-line-clamp:2;
+  -webkit-box-orient:vertical}
+.vi-progress-idle span{color:var(--secondary)}
+.vi-verdict{padding:2px 9px 8px;font:400 11.5px/1.3 Inter,system-ui,sans-serif;font-variant-numeric:tabular-nums;
+  color:var(--ink)}
+.vi-verdict table{border-collapse:collapse;width:100%}
+.vi-verdict th{font-weight:400;color:var(--secondary);text-align:left;padding:2px 6px 2px 0}
+.vi-verdict td{padding:3px 6px 3px 0;border-top:1px solid var(--rule);vertical-align:top}
+.vi-verdict td:nth-child(2),.vi-verdict td:nth-child(4){color:var(--secondary)}
+.vi-verdict td:last-child{white-space:nowrap;padding-right:0}
+.vi-verdict p{margin:6px 0 0;color:var(--secondary)}
+.vi-mark{width:13px;height:13px;vertical-align:-2px;margin-right:4px}
+.vi-mark-pass{fill:var(--recovered)}
+.vi-mark-miss{fill:var(--stopped)}
+.vi-mark-line{fill:none;stroke:var(--paper);stroke-width:2;stroke-linecap:round;stroke-linejoin:round}
+@media (min-width:1600px){
+  .vi-progress,.vi-verdict{font-size:13px}
+}
+"""

@@ -1,0 +1,106 @@
+"""The arms in 3-D: meshes once on the server, poses a client.
+
+A mesh hangs under nested frames /robot/arm/j1/…/ji on the server's scene. Each page adds frames of the same
+names on its own scene; they shadow the shared ones, and the shared meshes follow them. The opponent of a duel stands
+where the learner does, so one sees through it.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import ClientHandle, ViserServer
+
+from viewimit.drawing.theme import half_white, rgb
+from viewimit.simulation.scene import Scene, robot_names
+from viewimit.simulation.world import World
+
+from ..viser_private import joint_quaternion, push_orientation, quaternion
+from . import meshes
+
+OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}
+SHRUNK = 0.97  # of the see-through links' size, which so lie inside the learner's where both agree
+
+
+def robot_root(scene: Scene, arm: str) -> str:
+    """The node that carries an arm's base."""
+    return f"/{_slug(scene.robot)}/{arm}"
+
+
+def link_name(scene: Scene, arm: str, link: int) -> str:
+    """The node that moves with a link; 0 is the base."""
+    return robot_root(scene, arm) + "".join(f"/j{i}" for i in range(1, link + 1))
+
+
+def share_meshes(server: ViserServer, arm: str) -> None:
+    """Put every shipped robot's links on the server's scene, hidden until a page shows that arm."""
+    opacity = OPACITY[arm]
+    for robot in robot_names():
+        name = f"/{robot}/{arm}"
+        server.scene.add_frame(name, show_axes=False, visible=False)
+        for link, mesh in sorted(meshes.link_meshes(robot).items()):
+            if link > 0:
+                name += f"/j{link}"
+                server.scene.add_frame(name, show_axes=False)
+            middle = (mesh.vertices.min(0) + mesh.vertices.max(0)) / 2
+            server.scene.add_mesh_simple(
+                f"{name}/mesh",
+                middle + SHRUNK * (mesh.vertices - middle) if opacity else mesh.vertices,
+                mesh.faces,
+                color=rgb(arm) if opacity else half_white(arm),
+                opacity=opacity,
+                side="front" if opacity else "double",
+                cast_shadow=opacity is None,
+                receive_shadow=opacity is None,
+            )
+
+
+class Arm:
+    """One arm of one page: its shadowing frames, turned at every draw."""
+
+    def __init__(self, client: ClientHandle, world: World, arm: str, T_world_base: NDArray):
+        self._client = client
+        self._joints, self._moving = world.robot.joints, world.scene.moving
+        self._root = robot_root(world.scene, arm)
+        self._frame = client.scene.add_frame(
+            self._root, show_axes=False, wxyz=quaternion(T_world_base[:3, :3]), position=T_world_base[:3, 3]
+        )
+        self._rest = [quaternion(joint.T_parent_joint[:3, :3]) for joint in self._joints]
+        self._axes = [joint.axis / np.linalg.norm(joint.axis) for joint in self._joints]
+        self._names = [link_name(world.scene, arm, i + 1) for i in range(len(self._joints))]
+        self._angles = [float(angle) for angle in world.joint_angles(np.zeros(len(world.scene.moving)))]
+        for i, joint in enumerate(self._joints):
+            client.scene.add_frame(
+                self._names[i], show_axes=False, wxyz=self._turned(i), position=joint.T_parent_joint[:3, 3]
+            )
+
+        if not meshes.link_meshes(world.scene.robot):
+            self._add_bones(world.scene, arm)
+
+    def _add_bones(self, scene: Scene, arm: str) -> None:
+        """A robot of the user's own has no meshes here: rods between its joints stand for it."""
+        for i, joint in enumerate(self._joints):
+            end = joint.T_parent_joint[:3, 3]
+            if np.linalg.norm(end) > 0.01:
+                vertices, faces = meshes.bone(end)
+                name = f"{link_name(scene, arm, i)}/rod"
+                self._client.scene.add_mesh_simple(
+                    name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm], side="double"
+                )
+
+    def draw(self, theta: NDArray) -> None:
+        """theta: (m,) rad, of the moving joints. Only those that turned are sent."""
+        for i, angle in zip(self._moving, theta.tolist()):
+            if angle != self._angles[i]:
+                self._angles[i] = angle
+                push_orientation(self._client, self._names[i], self._turned(i))
+
+    def remove(self) -> None:
+        """Give the name back to the shared, hidden arm."""
+        self._frame.remove()
+
+    def _turned(self, i: int) -> tuple[float, float, float, float]:
+        return joint_quaternion(self._rest[i], self._axes[i], self._angles[i])
+
+
+def _slug(robot: str) -> str:
+    """A node name from a robot's name or the path of its URDF."""
+    return "".join(c if c.isalnum() else "_" for c in robot)

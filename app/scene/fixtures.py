@@ -1,0 +1,240 @@
+"""The furniture of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import ClientHandle, SceneApi
+
+from viewimit.drawing.theme import rgb
+from viewimit.geometry.rigid import rotation_about_axis
+from viewimit.simulation.camera import Camera
+from viewimit.simulation.world import World
+from viewimit.views import VIEWS
+
+from .. import viser_private
+from ..viser_private import quaternion
+from . import meshes
+
+PLATE = 0.17  # m from the camera to its image plate
+BEHIND = 0.002  # m, a picture's distance from its plate
+LABEL_OFFSET = np.array([-0.3, -0.3, 0.02])  # m from a base's foot to its name
+VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
+
+
+@dataclass(frozen=True)
+class Look:
+    """What of the 3-D scene differs between light and dark: intensities, and colours 0 … 255."""
+
+    sky: float
+    sun: float
+    cells: tuple[int, int, int]
+    sections: tuple[int, int, int]
+    pedestal: tuple[int, int, int]
+    metal: tuple[int, int, int]
+    lens: tuple[int, int, int]
+    plate: tuple[int, int, int]
+
+
+LOOKS = {
+    False: Look(
+        1.2, 1.7, (236, 238, 241), (214, 218, 224), (176, 180, 188), (120, 128, 140), (44, 50, 60), (245, 246, 248)
+    ),
+    True: Look(0.62, 1.0, (34, 35, 37), (52, 54, 58), (86, 89, 95), (112, 118, 128), (30, 33, 38), (58, 60, 64)),
+}
+
+
+def set_stage(scene: SceneApi, look: Look) -> None:
+    """Light and floor; a page's own shadow those of the server."""
+    scene.add_light_hemisphere(
+        "/light/sky", sky_color=(255, 255, 255), ground_color=(190, 190, 200), intensity=look.sky
+    )
+    scene.add_light_directional("/light/sun", intensity=look.sun, cast_shadow=True, position=(-2.0, -3.0, 5.0))
+    scene.add_grid(
+        "/floor",
+        width=12,
+        height=12,
+        cell_size=0.25,
+        section_size=1.0,
+        cell_color=look.cells,
+        section_color=look.sections,
+        shadow_opacity=0.10,
+        fade_distance=9.0,
+    )
+
+
+class Stage:
+    """What stands still in one page. Labels stay white in dark: viser gives them no colour."""
+
+    def __init__(self, client: ClientHandle, world: World, dark: bool):
+        self._client, self._world = client, world
+        self._look = LOOKS[dark]
+        self._nodes: list = []
+        self._plates: dict[str, object] = {}
+        self._pictures: dict[str, object] = {}  # nodes on the plates
+        self._shown: dict[str, bytes] = {}  # what they show
+        self._tinted: list[tuple[object, str]] = []  # nodes whose colour is one of the look's
+        self._cameras = (*world.demo_cameras, *world.own_cameras)
+        self._add_pedestal("learner", world.T_world_own)
+        self._add_pedestal("demonstrator", world.T_world_demo)
+        self._add_head()
+        for name, camera, role in zip(VIEWS, self._cameras, VIEW_ROLES):
+            self._add_frustum(name, camera, role)
+
+    def set_dark(self, dark: bool) -> None:
+        """Light, floor and furniture for a colour scheme; the robots keep their colours."""
+        self._look = LOOKS[dark]
+        set_stage(self._client.scene, self._look)
+        for node, part in self._tinted:
+            node.color = getattr(self._look, part)
+
+    def show_pictures(self, pictures: Mapping[str, bytes]) -> None:
+        """JPEGs by view on the image plates; only those that are new are sent."""
+        for view, camera in zip(VIEWS, self._cameras):
+            picture, node = pictures.get(view), self._pictures.get(view)
+            if picture is None:
+                if node is not None:
+                    node.remove()
+                    del self._pictures[view], self._shown[view]
+                    self._plates[view].visible = True
+            elif picture is not self._shown.get(view):
+                if node is None:
+                    self._pictures[view] = node = self._add_picture(view, camera)
+                    self._plates[view].visible = False
+                viser_private.push_jpeg(node, picture)
+                self._shown[view] = picture
+
+    def remove(self) -> None:
+        for node in self._pictures.values():
+            node.remove()
+        for node in self._nodes:
+            node.remove()
+
+    def landmarks(self) -> NDArray:
+        """(k, 3) m: what the default view must hold of it."""
+        feet = [T[:3, 3] * [1, 1, 0] for T in (self._world.T_world_own, self._world.T_world_demo)]
+        head = np.array(self._world.scene.head.position) * [1, 1, 0]
+        plates = [on_plate(camera, corners(camera)) for camera in self._cameras]
+        return np.concatenate([*plates, [head], feet, [foot + LABEL_OFFSET for foot in feet]])
+
+    def _keep(self, node, part: str | None = None) -> None:
+        self._nodes.append(node)
+        if part:
+            self._tinted.append((node, part))
+
+    def _add_pedestal(self, arm: str, T_world_base: NDArray) -> None:
+        x, y, height = T_world_base[:3, 3]
+        vertices, faces = meshes.pedestal(max(height, 0.03))
+        scene = self._client.scene
+        self._keep(
+            scene.add_mesh_simple(
+                f"/stage/{arm}_pedestal",
+                vertices,
+                faces,
+                color=self._look.pedestal,
+                position=(x, y, height),
+                side="double",
+            ),
+            "pedestal",
+        )
+        self._keep(
+            scene.add_label(
+                f"/stage/{arm}_label",
+                arm,
+                position=(x, y, 0) + LABEL_OFFSET,
+                font_screen_scale=0.8,
+                anchor="top-center",
+            )
+        )
+
+    def _add_head(self) -> None:
+        """The head between its two gazes: a stand, a bar of the baseline's length, a camera at each end."""
+        centre = np.array(self._world.scene.head.position)
+        below = centre - [0, 0, 0.045]
+        scene = self._client.scene
+        forward = sum(camera.T_world_camera[:3, 2] for camera in self._cameras) * [1, 1, 0]
+        turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
+        half = self._world.scene.head.baseline / 2
+        parts = [("stand", meshes.stand(below[2]), below)]
+        parts.append(("bar", meshes.box((0.04, 2 * half + 0.06, 0.025)), below))
+        for side in (-1, 1):
+            place = centre + turn @ [-0.035, side * half, 0]
+            parts.append((f"camera{side}", meshes.box((0.07, 0.09, 0.065)), place))
+        for name, (vertices, faces), position in parts:
+            part = "lens" if name.startswith("camera") else "metal"
+            self._keep(
+                scene.add_mesh_simple(
+                    f"/stage/{name}",
+                    vertices,
+                    faces,
+                    color=getattr(self._look, part),
+                    position=position,
+                    wxyz=quaternion(turn),
+                    side="double",
+                ),
+                part,
+            )
+
+    def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
+        plate = on_plate(camera, corners(camera))
+        eye = camera.T_world_camera[:3, 3]
+        edges = [(plate[i], plate[(i + 1) % 4]) for i in range(4)] + [(eye, corner) for corner in plate]
+        scene = self._client.scene
+        self._keep(
+            scene.add_line_segments(
+                f"/stage/frustum_{name}",
+                np.array(edges, np.float32),
+                rgb(role),
+                thickness=1.6,
+                thickness_units="screen",
+            )
+        )
+        self._plates[name] = scene.add_mesh_simple(
+            f"/stage/plate_{name}",
+            plate,
+            np.array([[0, 1, 2], [0, 2, 3]]),
+            color=self._look.plate,
+            opacity=0.55,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self._keep(self._plates[name], "plate")
+        self._keep(
+            scene.add_label(
+                f"/stage/name_{name}", name, position=plate[1] + 0.12 * (plate[1] - eye), font_screen_scale=0.8
+            )
+        )
+
+    def _add_picture(self, view: str, camera: Camera):
+        """As large as the plate and just behind it, so that what is drawn on the plate stays in sight."""
+        T, scale = camera.T_world_camera, PLATE / camera.focal
+        return self._client.scene.add_image(
+            f"/stage/picture_{view}",
+            np.zeros((1, 1, 3), np.uint8),
+            camera.width * scale,
+            camera.height * scale,
+            format="jpeg",
+            cast_shadow=False,
+            receive_shadow=False,
+            wxyz=quaternion(T[:3, :3]),
+            position=on_plate(camera, corners(camera)).mean(0) + BEHIND * T[:3, 2],
+        )
+
+
+def plate_map(camera: Camera) -> tuple[NDArray, NDArray]:
+    """A (3, 2), b (3,): an image point x px lies at A x + b m on the plate in front of the camera."""
+    T, k = camera.T_world_camera, PLATE / camera.focal
+    return k * T[:3, :2], PLATE * T[:3, 2] - k * T[:3, :2] @ camera.centre + T[:3, 3]
+
+
+def on_plate(camera: Camera, image: NDArray) -> NDArray:
+    """image: (k, 2) px → (k, 3) m on the plate in front of the camera."""
+    A, b = plate_map(camera)
+    return image @ A.T + b
+
+
+def corners(camera: Camera) -> NDArray:
+    """(4, 2) px, clockwise from the top left."""
+    return np.array([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]], float)

@@ -1,0 +1,249 @@
+"""The 3-D scene of one page: arms, head, frusta, body points, residuals, rays. Truth, for the viewer only."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import ClientHandle, ViserServer
+
+from viewimit.drawing.theme import rgb
+from viewimit.simulation.camera import triangulate
+from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.world import World
+from viewimit.snapshot import Snapshot
+
+from ..viser_private import push_array
+from . import meshes
+from .arms import Arm, link_name, share_meshes
+from .fixtures import LOOKS, VIEW_ROLES, Stage, plate_map, set_stage
+from .view import FOV, fitted_view
+
+UNTOUCHED = 0.01  # m that a camera may be off the fitted view and still count as there
+POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
+
+
+def share_scene(server: ViserServer) -> None:
+    """What all pages share: link meshes, floor, light."""
+    server.scene.configure_default_lights(enabled=False)
+    set_stage(server.scene, LOOKS[False])
+    for arm in ("learner", "demonstrator"):
+        share_meshes(server, arm)
+
+
+class Scene3D:
+    """build in __init__, then draw(snapshot, …) as often as wanted; rebuild for another world.
+
+    share_opponent(): puts its meshes on the server's scene, before they are first shown.
+    """
+
+    def __init__(
+        self,
+        client: ClientHandle,
+        on_choose: Callable[[int], None],
+        below: float,
+        share_opponent: Callable[[], None],
+    ):
+        self._client, self._on_choose, self._below = client, on_choose, below
+        self._share_opponent = share_opponent
+        self._arms: dict[str, Arm] = {}
+        self._nodes: list = []
+        self._stage: Stage | None = None
+        self._dark = False
+        self._found = self._fitted = np.array(client.camera.position)
+
+    def build(self, world: World) -> None:
+        """Set up the scene of a world, in place of the one before."""
+        for node in self._nodes:  # before the arms, whose removal takes along what hangs on them
+            node.remove()
+        for arm in self._arms.values():
+            arm.remove()
+        if self._stage is not None:
+            self._stage.remove()
+        self._world, self._nodes, self._demo_points = world, [], None
+        self._shown: dict[str, bool] = {}
+        self._stage = Stage(self._client, world, self._dark)
+        self._arms = {
+            "learner": Arm(self._client, world, "learner", world.T_world_own),
+            "demonstrator": Arm(self._client, world, "demonstrator", world.T_world_demo),
+        }
+        self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
+        self._cameras = (*world.demo_cameras, *world.own_cameras)
+        self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
+        for arm in self._bases:
+            for i in range(len(world.body)):
+                self._add_point(arm, i)
+        self._add_moving_parts()
+
+    def set_dark(self, dark: bool) -> None:
+        """For a colour scheme."""
+        self._dark = dark
+        self._stage.set_dark(dark)
+
+    def draw(self, snapshot: Snapshot, chosen: int | None, show: dict[str, bool]) -> None:
+        """Points on the plates, rays and residuals."""
+        own = self._world.points_world(snapshot.theta, self._bases["learner"])
+        if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
+            points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
+            self._demo_points = snapshot.theta_demo, points
+        demo = self._demo_points[1]
+        on_plates, seen = self._on_plates(snapshot)
+        self._draw_rays(on_plates, seen, demo, own, chosen, show)
+        self._draw_residuals(snapshot, own, show["residuals"])
+        self._draw_chosen(own, demo, chosen)
+
+    def show_pictures(self, pictures: Mapping[str, bytes]) -> None:
+        """JPEGs by view on the image plates; a plate without one is plain."""
+        self._stage.show_pictures(pictures)
+
+    def draw_poses(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
+        """Turn the arms only, (m,) rad each. theta_opponent: None without a duel, which hides that arm."""
+        self._arms["learner"].draw(theta)
+        self._arms["demonstrator"].draw(theta_demo)
+        if theta_opponent is not None:
+            if "opponent" not in self._arms:
+                self._share_opponent()
+                self._arms["opponent"] = Arm(self._client, self._world, "opponent", self._bases["learner"])
+            self._arms["opponent"].draw(theta_opponent)
+        elif "opponent" in self._arms:
+            self._arms.pop("opponent").remove()
+
+    def hand_position(self, theta_demo: NDArray) -> NDArray:
+        """(3,) m, the origin of the demonstrator's last link."""
+        return hand_position(self._world, theta_demo, self._bases["demonstrator"])
+
+    def fit_view(self) -> None:
+        """The default camera, as near as the canvas allows; `below` px of it are covered by overlays."""
+        camera = self._client.camera
+        width, height = camera.image_width, max(camera.image_height, 1)
+        position, target = fitted_view(self._landmarks(), width / height, self._below / height)
+        camera.fov = float(FOV)
+        camera.position, camera.look_at = position, target
+        self._fitted = position
+
+    def fit_untouched_view(self) -> None:
+        """Fit again, unless the visitor has moved the camera from where the page put it or found it."""
+        here = self._client.camera.position
+        if min(np.linalg.norm(here - place) for place in (self._found, self._fitted)) < UNTOUCHED:
+            self.fit_view()
+
+    def _landmarks(self) -> NDArray:
+        """(k, 3) m: what the default view must hold."""
+        points = [self._stage.landmarks()]
+        for T_world_base in self._bases.values():
+            for theta in (self._world.scene.lower, self._world.scene.upper, np.radians((45, -90))):
+                if len(theta) == len(self._world.scene.moving):
+                    points.append(self._world.points_world(theta, T_world_base))
+        return np.concatenate(points)
+
+    def _show(self, node, visible: bool) -> None:
+        """Or hide it. viser's setter looks up types, which takes longer than most drawings."""
+        if self._shown.get(node.name) != visible:
+            self._shown[node.name] = node.visible = visible
+
+    def _keep(self, node):
+        self._nodes.append(node)
+        return node
+
+    def _add_point(self, arm: str, i: int) -> None:
+        body = self._world.body
+        name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
+        if arm == "learner":
+            handle = self._client.scene.add_icosphere(
+                name, POINT_SIZE[arm] / 2, color=rgb(arm), subdivisions=2, position=body.local[i], cast_shadow=False
+            )
+        else:
+            vertices, faces = meshes.octahedron(POINT_SIZE[arm])
+            handle = self._client.scene.add_mesh_simple(
+                name, vertices, faces, color=rgb(arm), position=body.local[i], cast_shadow=False
+            )
+
+        @handle.on_click
+        async def _(_event, i=i) -> None:
+            self._on_choose(i)
+
+        self._keep(handle)
+
+    def _add_moving_parts(self) -> None:
+        scene, nothing = self._client.scene, np.zeros((1, 2, 3), np.float32)
+        count = len(self._world.body)
+        self._rays = self._keep(
+            scene.add_line_segments("/now/rays", nothing, rgb("secondary"), thickness=1, thickness_units="screen")
+        )
+        self._chosen_rays = self._keep(
+            scene.add_line_segments("/now/chosen_rays", nothing, rgb("chosen"), thickness=2.4, thickness_units="screen")
+        )
+        self._residuals = self._keep(
+            scene.add_line_segments("/now/residuals", nothing, rgb("residual"), thickness=3, thickness_units="screen")
+        )
+        self._dots = self._keep(
+            scene.add_point_cloud(
+                "/now/dots",
+                np.zeros((4 * count, 3)),
+                np.repeat([rgb(role) for role in VIEW_ROLES], count, axis=0),
+                point_size=0.009,
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+            )
+        )
+        vertices, faces = meshes.octahedron(0.02)
+        self._recovered = self._keep(
+            scene.add_batched_meshes_simple(
+                "/now/recovered",
+                vertices,
+                faces,
+                batched_wxyzs=np.tile([1.0, 0, 0, 0], (count, 1)),
+                batched_positions=np.zeros((count, 3)),
+                batched_colors=linear(rgb("recovered")),
+                cast_shadow=False,
+                lod="off",
+            )
+        )
+        self._rings = [
+            self._keep(
+                scene.add_icosphere(f"/now/chosen_{arm}", 0.017, color=rgb("chosen"), visible=False, cast_shadow=False)
+            )
+            for arm in ("learner", "demonstrator")
+        ]
+
+    def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
+        """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
+        images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1).reshape(-1, 4, 2)
+        plates = images.swapaxes(0, 1) @ self._plate_A.swapaxes(1, 2) + self._plate_b[:, None]
+        return plates, snapshot.views.visible.T
+
+    def _draw_rays(self, plates: NDArray, seen: NDArray, demo, own, chosen: int | None, show) -> None:
+        far_away = np.array([0, 0, -50.0])
+        push_array(self._dots, "points", np.where(seen[..., None], plates, far_away).reshape(-1, 3))
+        targets = np.stack([demo, demo, own, own])
+        self._show(self._rays, show["rays"])
+        if show["rays"]:
+            rays = np.stack([plates, targets], axis=-2)  # (4, N, 2, 3)
+            push_array(self._rays, "points", rays[seen])
+        picked = chosen is not None and bool(seen[:, chosen].any())
+        self._show(self._chosen_rays, picked)
+        if picked:
+            eyes = np.array([camera.T_world_camera[:3, 3] for camera in self._cameras])
+            lines = np.stack([eyes, targets[:, chosen]], axis=-2)
+            push_array(self._chosen_rays, "points", lines[seen[:, chosen]])
+
+    def _draw_residuals(self, snapshot: Snapshot, own: NDArray, show: bool) -> None:
+        usable = snapshot.usable & (show and snapshot.transfer is not None)
+        for node in (self._residuals, self._recovered):
+            self._show(node, bool(usable.any()))
+        if usable.any():
+            positions = np.full((len(usable), 3), -50.0)
+            positions[usable] = triangulate(*self._world.own_cameras, snapshot.recovered[usable])
+            push_array(self._recovered, "batched_positions", positions)
+            push_array(self._residuals, "points", np.stack([positions[usable], own[usable]], axis=-2))
+
+    def _draw_chosen(self, own: NDArray, demo: NDArray, chosen: int | None) -> None:
+        for ring, points in zip(self._rings, (own, demo)):
+            self._show(ring, chosen is not None)
+            if chosen is not None:
+                ring.position = points[chosen]
+
+
+def linear(color: tuple[int, int, int]) -> tuple[int, int, int]:
+    """Batched meshes read colours as linear light."""
+    return tuple(round(255 * (c / 255) ** 2.2) for c in color)

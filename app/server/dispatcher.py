@@ -1,0 +1,121 @@
+"""Connections are accepted here and handed to one of several workers: always to the same one for a browser.
+
+Only the head of a request is looked at, and left for the worker to read: nothing passes through here afterwards.
+"""
+
+import asyncio
+import io
+import logging
+import socket
+from collections import OrderedDict
+from collections.abc import Sequence
+from http.client import HTTPException, parse_headers
+
+from .cookie import token_of
+from .options import ServerOptions
+from .rate_limits import QuietLog, TokenBucket
+from .seat_counts import Tally
+
+MOST_HEAD = 1 << 14  # bytes
+HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
+UNPLACED = 200  # connections at a time whose head has not come
+KNOWN = 10_000  # browsers
+log = logging.getLogger(__name__)
+
+
+class Placing:
+    """Which worker a browser's connections go to."""
+
+    def __init__(self, options: ServerOptions, tally: Tally):
+        self._options, self._tally = options, tally
+        self._of: OrderedDict[str, int] = OrderedDict()
+        self.handed = [0] * options.workers
+
+    def place(self, token: str | None) -> int:
+        """The browser's own worker while it has a seat, else the one with fewest connections. token: None if new."""
+        worker = self._of.get(token)
+        if worker is None or self._is_full(worker):
+            open_at = [handed - row.ended for handed, row in zip(self.handed, self._tally.rows)]
+            worker = min(range(len(open_at)), key=lambda k: (self._is_full(k), open_at[k]))
+        if token is not None:
+            self._of[token] = worker
+            self._of.move_to_end(token)
+            if len(self._of) > KNOWN:
+                self._of.popitem(last=False)
+        return worker
+
+    def _is_full(self, worker: int) -> bool:
+        return self._tally.rows[worker].seats >= self._options.clients_of(worker)
+
+
+class Dispatcher:
+    """to: a Unix socket to each worker, which takes the file descriptors of connections."""
+
+    def __init__(self, placing: Placing, to: Sequence[socket.socket]):
+        self._placing, self._to = placing, to
+        self._unplaced: set[asyncio.Task] = set()
+        self._log = QuietLog(log, TokenBucket(2, 30))
+        for other in to:
+            other.setblocking(False)
+
+    async def accept(self, listener: socket.socket) -> None:
+        """For ever."""
+        loop = asyncio.get_running_loop()
+        listener.setblocking(False)
+        while True:
+            try:
+                connection, _ = await loop.sock_accept(listener)
+            except OSError:  # too many files are open, or it was gone at once
+                await asyncio.sleep(LOOK_AGAIN)
+                continue
+            if len(self._unplaced) >= UNPLACED:
+                connection.close()
+                continue
+            task = loop.create_task(self._place(connection))
+            self._unplaced.add(task)
+            task.add_done_callback(self._unplaced.discard)
+
+    async def _place(self, connection: socket.socket) -> None:
+        with connection:  # the worker gets a descriptor of its own
+            try:
+                head = await asyncio.wait_for(_head(connection), HEAD_WITHIN)
+            except (OSError, asyncio.TimeoutError):
+                return
+            if head:
+                self._hand(connection, self._placing.place(_token(head)))
+
+    def _hand(self, connection: socket.socket, worker: int) -> None:
+        try:
+            socket.send_fds(self._to[worker], [b"c"], [connection.fileno()])
+        except OSError as error:  # the worker takes none: who comes is closed, and tries again
+            self._log.warn(f"a connection could not be handed over: {error}")
+            return
+        self._placing.handed[worker] += 1
+
+
+async def _head(connection: socket.socket) -> bytes:
+    """What a client has sent, once that is all of a request's head, or all that it will send. It stays unread."""
+    while True:
+        await _readable(connection)
+        head = connection.recv(MOST_HEAD, socket.MSG_PEEK)
+        if not head or b"\r\n\r\n" in head or len(head) == MOST_HEAD:
+            return head
+        await asyncio.sleep(LOOK_AGAIN)  # it is readable already, so that nothing tells when more has come
+
+
+async def _readable(connection: socket.socket) -> None:
+    loop = asyncio.get_running_loop()
+    ready = loop.create_future()
+    loop.add_reader(connection, lambda: ready.done() or ready.set_result(None))
+    try:
+        await ready
+    finally:
+        loop.remove_reader(connection)
+
+
+def _token(head: bytes) -> str | None:
+    """The browser's token in the head of a request, None without a good one."""
+    try:
+        return token_of(parse_headers(io.BytesIO(head.partition(b"\r\n")[2])))
+    except HTTPException:
+        return None

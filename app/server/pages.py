@@ -1,0 +1,145 @@
+"""A process that serves pages: one viser server, one page a browser tab, one scheduler for all."""
+
+import contextlib
+import gc
+import html
+import io
+import socket
+import threading
+from collections.abc import Iterator
+from functools import cache
+
+import viser
+
+from viewimit.drawing import learner_bars, plots, theme
+from viewimit.snapshot import Settings
+
+from .. import viser_private
+from ..control.scheduler import Scheduler
+from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
+from ..jobs.experiments import ExperimentWorker
+from ..jobs.landscapes import LandscapeWorker
+from ..page import Page
+from ..panels import experiments, help, verdict
+from ..scene.arms import share_meshes
+from ..scene.scene3d import share_scene
+from ..sessions.autosave import Keeper
+from ..sessions.resume import Seats
+from ..sessions.stores import open_store
+from .connection import Door
+from .options import ServerOptions
+from .seat_counts import Tally
+
+
+@contextlib.contextmanager
+def serving(
+    options: ServerOptions,
+    tally: Tally,
+    worker: int = 0,
+    listening: socket.socket | None = None,
+    host: str = "127.0.0.1",
+    port: int = 0,
+) -> Iterator[int]:
+    """Pages are served inside, on the port that it yields; in the end all that the visitors did is kept.
+
+    worker: which of the processes this one is; listening: a socket in place of host and port.
+    Raises OSError for a store that cannot be used.
+    """
+    keeper = Keeper(open_store(options.store))
+    scheduler = Scheduler(tally.rows[worker])
+    door = Door(options.clients_of(worker), options.origins, tally, tally.rows[worker], listening)
+    with (
+        contextlib.redirect_stdout(io.StringIO()),
+        viser_private.serving_with(door.serve),
+    ):  # viser prints a banner of its own
+        server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
+    app = App(server, options.settings, scheduler, keeper, max(MOST_SESSIONS // options.workers, 1))
+    door.guard(server)
+    try:
+        yield server.get_port()
+    finally:
+        app.stop()
+        with contextlib.redirect_stdout(io.StringIO()):
+            server.stop()
+
+
+class App:
+    """Pages by client id. viser's threads connect and disconnect, its event loop draws.
+
+    pictured: how many sessions at a time may look with pictures.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        settings: Settings,
+        scheduler: Scheduler,
+        keeper: Keeper,
+        pictured: int = MOST_SESSIONS,
+    ):
+        self._server, self._settings, self._scheduler, self._keeper = server, settings, scheduler, keeper
+        self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
+        self._seats = Seats(server, keeper, settings, self._retire)
+        self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
+        self._collecting = threading.Lock()
+        self._worker, self._experiments, self._camera = LandscapeWorker(), ExperimentWorker(), CameraProcess(pictured)
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
+        css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments))
+        server.gui.add_html(f"<style>{css}</style>")
+        share_scene(server)
+        self._share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
+        server.on_client_connect(self._connect)
+        server.on_client_disconnect(self._disconnect)
+        self._scheduler.start(viser_private.loop_of(server))
+
+    def stop(self) -> None:
+        """Nothing moves any more, and all that the visitors did is kept."""
+        self._scheduler.stop()
+        self._camera.stop()
+        with self._retiring:
+            for client_id in list(self._pages):
+                self._retire(client_id)
+            self._keeper.stop()
+        self._experiments.stop()
+
+    def _connect(self, client: viser.ClientHandle) -> None:
+        key, resumed = self._seats.take(client)
+        keep = (lambda memory: self._keeper.keep(key, memory)) if key else (lambda memory: None)
+        shared = self._worker, self._experiments, self._camera, self._share_opponent, self._settings
+        try:
+            page = Page(client, *shared, keep, self._scheduler.load, resumed)
+        except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
+            client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
+            if key:
+                self._seats.leave(key)
+            return
+        with self._lock:
+            self._pages[client.client_id] = page, key
+            self._scheduler.add(page)
+        if client.client_id not in self._server.get_clients():  # it closed before this callback ran
+            self._retire(client.client_id)
+
+    def _disconnect(self, client: viser.ClientHandle) -> None:
+        self._retire(client.client_id)
+        if self._collecting.acquire(blocking=False):  # one for all of a class that leaves at once
+            try:
+                gc.collect()  # viser's handles are reference cycles
+            finally:
+                self._collecting.release()
+
+    def _retire(self, client_id: int) -> None:
+        """Keep what the page is, and forget it."""
+        with self._retiring:
+            with self._lock:
+                page, key = self._pages.pop(client_id, (None, None))
+            if page is None:
+                return
+            self._scheduler.remove(page)
+            self._worker.forget(client_id)
+            self._experiments.forget(client_id)
+            whole = page.close()
+            if key is not None:
+                if whole:  # else what was handed over some seconds ago stays
+                    self._keeper.keep(key, page.memory())
+                self._keeper.forget(key)
+                self._seats.leave(key)

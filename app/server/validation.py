@@ -1,0 +1,176 @@
+"""One client's messages: each is checked against what that client's own page has, before viser acts on it."""
+
+import asyncio
+import math
+import numbers
+from collections.abc import Callable
+
+from viser import (
+    ClientHandle,
+    GuiButtonGroupHandle,
+    GuiButtonHandle,
+    GuiCheckboxHandle,
+    GuiDropdownHandle,
+    GuiNumberHandle,
+    GuiSliderHandle,
+    GuiTextHandle,
+    GuiUploadButtonHandle,
+)
+
+from .. import viser_private
+from . import message_schema
+from .message_schema import Hostile, Refused
+
+MOST_BYTES = 4 << 20  # of one upload
+PART = 524_288  # bytes that the page sends at once
+MOST_UPLOADS = 1  # at a time
+UPLOAD_WITHIN = 60.0  # s
+MOST_TEXT = 2_000  # characters
+SLACK = 1e-6  # of a range: rounding in the browser
+
+
+class Gate:
+    """`admit(raw)` raises Refused or Hostile for what must not reach viser.
+
+    belongs_to_another(uuid): whether some other client has such a widget.
+    """
+
+    def __init__(self, client: ClientHandle, belongs_to_another: Callable[[str], bool]):
+        self._client, self._belongs_to_another = client, belongs_to_another
+        self._uploads = Uploads(lambda transfer: viser_private.drop_upload(client, transfer))
+        self._checks: dict[type, Callable] = {
+            message_schema.ViewerCameraMessage: lambda message: None,
+            message_schema.GuiUpdateMessage: self._check_update,
+            message_schema.CommandTriggerMessage: self._check_command,
+            message_schema.TransformControlsUpdateMessage: self._check_gizmo,
+            message_schema.TransformControlsDragStartMessage: self._check_gizmo,
+            message_schema.TransformControlsDragEndMessage: self._check_gizmo,
+            message_schema.SceneNodeClickMessage: self._check_node,
+            message_schema.FileTransferStartUpload: self._check_upload,
+            message_schema.FileTransferPart: self._uploads.add,
+        }
+
+    def admit(self, message) -> None:
+        self._checks[type(message)](message)
+
+    def _check_update(self, message: message_schema.GuiUpdateMessage) -> None:
+        widget = self._own(message.uuid)
+        if set(message.updates) != {"value"}:
+            raise Hostile(f"other fields of a widget than its value: {', '.join(message.updates)[:80]}")
+        check = _CHECKS.get(type(widget))
+        if check is None:
+            raise Hostile(f"a value for a {type(widget).__name__}, which takes none")
+        try:
+            if widget.disabled:
+                raise Refused("a value for a widget that is disabled")
+            check(widget, message.updates["value"])
+        except Refused:
+            viser_private.push_value(self._client, widget)  # else the browser would go on showing what was refused
+            raise
+
+    def _check_command(self, message: message_schema.CommandTriggerMessage) -> None:
+        if viser_private.command_of(self._client, message.uuid) is None:
+            raise Refused("a command that this page does not have")
+
+    def _check_gizmo(self, message) -> None:
+        if not viser_private.has_gizmo(self._client, message.name):
+            raise Refused("a handle in the scene that this page does not have")
+
+    def _check_node(self, message: message_schema.SceneNodeClickMessage) -> None:
+        if not viser_private.has_node(self._client, message.name):
+            raise Refused("a node of the scene that this page does not have")
+
+    def _check_upload(self, message: message_schema.FileTransferStartUpload) -> None:
+        if not isinstance(self._own(message.source_component_uuid), GuiUploadButtonHandle):
+            raise Hostile("an upload to what takes none")
+        self._uploads.begin(message)
+
+    def _own(self, uuid: str):
+        widget = viser_private.widget_of(self._client, uuid)
+        if widget is None and self._belongs_to_another(uuid):
+            raise Hostile("a widget of another client")
+        if widget is None:
+            raise Refused("a widget that this page does not have")
+        return widget
+
+
+class Uploads:
+    """A client's unfinished uploads: few, small, and not for ever. drop(transfer): forgets what has come of one."""
+
+    def __init__(self, drop: Callable[[str], None]):
+        self._drop = drop
+        self._going_on: dict[str, tuple[message_schema.FileTransferStartUpload, set[int]]] = {}
+        self._refused: str | None = None  # transfer whose parts are still on their way
+
+    def begin(self, message: message_schema.FileTransferStartUpload) -> None:
+        self._refused = message.transfer_uuid
+        if message.size_bytes > MOST_BYTES:
+            raise Refused(f"an upload of {message.size_bytes} bytes; at most {MOST_BYTES} are taken")
+        if message.part_count != math.ceil(message.size_bytes / PART):
+            raise Hostile(f"an upload of {message.size_bytes} bytes in {message.part_count} parts")
+        if len(self._going_on) >= MOST_UPLOADS:
+            raise Refused("an upload while another is unfinished")
+        if message.transfer_uuid in self._going_on:
+            raise Hostile("an upload that has begun already")
+        self._refused = None
+        if message.part_count:
+            self._going_on[message.transfer_uuid] = message, set()
+            asyncio.get_running_loop().call_later(UPLOAD_WITHIN, self._end, message.transfer_uuid)
+
+    def add(self, part: message_schema.FileTransferPart) -> None:
+        if part.transfer_uuid not in self._going_on:
+            what = (
+                "a part of an upload that was refused" if part.transfer_uuid == self._refused else "a part of no upload"
+            )
+            raise Refused(what)
+        begun, parts = self._going_on[part.transfer_uuid]
+        if part.part_index >= begun.part_count or part.part_index in parts:
+            raise Hostile(f"part {part.part_index} of {begun.part_count} of an upload")
+        last = part.part_index == begun.part_count - 1
+        expected = begun.size_bytes - PART * (begun.part_count - 1) if last else PART
+        if len(part.content) != expected or part.source_component_uuid != begun.source_component_uuid:
+            raise Hostile("a part of an upload that is not as announced")
+        parts.add(part.part_index)
+        if len(parts) == begun.part_count:
+            del self._going_on[part.transfer_uuid]
+
+    def _end(self, transfer: str) -> None:
+        """It has had its time."""
+        if self._going_on.pop(transfer, None) is not None:
+            self._drop(transfer)
+
+
+def _check_number(widget, value) -> None:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+        raise Refused(f"{str(value)[:40]!r}, which is no number")
+    low = -math.inf if widget.min is None else widget.min
+    high = math.inf if widget.max is None else widget.max
+    slack = SLACK * max(1.0, abs(value))
+    if not low - slack <= value <= high + slack:
+        raise Refused(f"{value:.10g}, which is not between {low:g} and {high:.10g}")
+
+
+def _check_option(widget, value) -> None:
+    if not isinstance(value, str) or value not in widget.options:
+        raise Refused(f"{str(value)[:40]!r}, which is none of the options")
+
+
+def _check_switch(widget, value) -> None:
+    if not isinstance(value, bool):
+        raise Refused(f"{str(value)[:40]!r}, which is neither true nor false")
+
+
+def _check_text(widget, value) -> None:
+    if not isinstance(value, str) or len(value) > MOST_TEXT:
+        raise Refused(f"{str(value)[:40]!r}…, which is no text of at most {MOST_TEXT} characters")
+
+
+_CHECKS: dict[type, Callable] = {
+    GuiSliderHandle: _check_number,
+    GuiNumberHandle: _check_number,
+    GuiDropdownHandle: _check_option,
+    GuiButtonGroupHandle: _check_option,
+    GuiCheckboxHandle: _check_switch,
+    GuiButtonHandle: _check_switch,
+    GuiTextHandle: _check_text,
+}

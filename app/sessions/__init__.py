@@ -1,0 +1,1 @@
+"""What is kept of a visitor between two connections, and where: autosave, codec, stores, resume."""

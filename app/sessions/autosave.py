@@ -1,0 +1,170 @@
+"""Sessions are kept beside the scheduler: it hands over what a page is, one thread writes what of it is new."""
+
+import logging
+import secrets
+import threading
+import time
+from dataclasses import dataclass, field
+
+import msgspec
+
+from viewimit import __version__
+from viewimit.snapshot import Settings, Snapshot
+
+from . import codec
+from .store import Store
+
+CHUNK = 32  # motions a part
+TOUCH_EVERY = 60.0  # s
+HEAD = "head"
+log = logging.getLogger(__name__)
+
+
+class Head(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it."""
+
+    version: str = __version__
+    begun: Settings
+    cursor: int
+    length: int
+    preset: str
+    speed: float
+    chosen: int | None
+    show: dict[str, bool]
+    dark: bool
+    motion: bytes | None
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """All that is kept of a page, at one moment."""
+
+    head: Head
+    history: tuple[Snapshot, ...]
+
+
+@dataclass(eq=False)
+class _Written:
+    """What the store has of a session."""
+
+    writer: str
+    head: Head | None = None
+    history: tuple[Snapshot, ...] = ()
+    seen: float = field(default_factory=time.monotonic)
+
+
+class Keeper:
+    """`keep` returns at once; `claim` and `flush` wait for what was handed over before."""
+
+    def __init__(self, store: Store):
+        self._store = store
+        self._changed = threading.Condition()
+        self._waiting: dict[str, Memory] = {}
+        self._busy: str | None = None  # key that is being written
+        self._written: dict[str, _Written] = {}
+        self._stopped = False
+        self._thread = threading.Thread(target=self._run, name="viewimit-keeper", daemon=True)
+        self._thread.start()
+
+    def claim(self, key: str, begun: Settings) -> Memory | None:
+        """The session of this key, if it was begun with these settings; whoever had it before writes no more."""
+        self.flush(key)
+        written = _Written(secrets.token_hex(8))
+        try:
+            parts = self._store.claim(key, written.writer)
+            memory = _decoded(parts, begun)
+        except (OSError, ValueError) as error:
+            log.warning("a session cannot be resumed: %s", error)
+            memory = None
+        if memory is not None:
+            written.head, written.history = memory.head, memory.history
+        with self._changed:
+            self._written[key] = written
+        return memory
+
+    def keep(self, key: str, memory: Memory) -> None:
+        """Write what is new in it, soon; nothing is taken any more once it is stopped."""
+        with self._changed:
+            if self._stopped:
+                return
+            self._waiting[key] = memory
+            self._changed.notify_all()
+
+    def forget(self, key: str) -> None:
+        """The page is gone; what was kept stays for half an hour."""
+        self.flush(key)
+        with self._changed:
+            self._written.pop(key, None)
+
+    def flush(self, key: str) -> None:
+        """Wait until what was handed over is written."""
+        with self._changed:
+            self._changed.wait_for(lambda: key not in self._waiting and self._busy != key)
+
+    def stop(self) -> None:
+        """Write all, and close the store."""
+        with self._changed:
+            self._stopped = True
+            self._changed.notify_all()
+        self._thread.join()
+        self._store.close()
+
+    def _run(self) -> None:
+        touched = time.monotonic()
+        while True:
+            with self._changed:
+                self._busy = None
+                self._changed.notify_all()
+                self._changed.wait_for(lambda: self._waiting or self._stopped, TOUCH_EVERY)
+                if not self._waiting and self._stopped:
+                    return
+                if self._waiting:
+                    self._busy = next(iter(self._waiting))
+                    memory, written = self._waiting.pop(self._busy), self._written.get(self._busy)
+                keys = list(self._written)
+            try:
+                if self._busy is not None and written is not None:
+                    self._write(self._busy, memory, written)
+                if time.monotonic() - touched > TOUCH_EVERY:
+                    touched = time.monotonic()
+                    self._store.touch(keys)
+            except (OSError, TypeError) as error:  # a full disk, a Redis that is down: said, and tried again later
+                log.warning("a session is not kept: %s", error)
+
+    def _write(self, key: str, memory: Memory, written: _Written) -> None:
+        parts = {}
+        history, before = memory.history, written.history
+        for first in range(0, len(history), CHUNK):
+            chunk, known = history[first : first + CHUNK], before[first : first + CHUNK]
+            if len(chunk) != len(known) or any(one is not other for one, other in zip(chunk, known)):
+                parts[str(first // CHUNK)] = codec.encode(chunk)
+        if memory.head != written.head:
+            parts[HEAD] = msgspec.msgpack.encode(memory.head)
+        gone = [str(k) for k in range(_chunks(len(history)), _chunks(len(before)))]
+        if not parts and not gone:
+            return
+        if self._store.save(key, written.writer, parts, gone):
+            written.head, written.history = memory.head, history
+
+
+def _decoded(parts: dict[str, bytes], begun: Settings) -> Memory | None:
+    """None without a session that goes on from these settings. Raises ValueError for parts that do not fit."""
+    if HEAD not in parts:
+        return None
+    try:
+        head = msgspec.msgpack.decode(parts[HEAD], type=Head)
+    except msgspec.MsgspecError as error:
+        raise ValueError(f"it is of another version: {error}") from None
+    if head.version != __version__ or head.begun != begun:
+        return None
+    chunks = [parts.get(str(k)) for k in range(_chunks(head.length))]
+    if None in chunks:
+        raise ValueError("a part of it is missing")
+    history = tuple(moment for chunk in chunks for moment in codec.decode(chunk))
+    if len(history) != head.length or not 0 <= head.cursor < head.length:
+        raise ValueError("its parts are of different moments")
+    return Memory(head, history)
+
+
+def _chunks(length: int) -> int:
+    return -(-length // CHUNK)

@@ -1,0 +1,54 @@
+"""Which kept session a new connection goes on with: its browser's, unless another tab of that browser has it open."""
+
+import threading
+
+from viser import ClientHandle, ViserServer
+
+from viewimit.snapshot import Settings
+
+from .. import viser_private
+from .autosave import Keeper, Memory
+
+MOST_TABS = 8  # of a browser that are kept
+ANSWERS_WITHIN = 2.0  # s: an open tab answers a ping sooner
+
+
+class Seats:
+    """Keys of sessions, each held by at most one client. retire(client_id): take the page of a client that is gone."""
+
+    def __init__(self, server: ViserServer, keeper: Keeper, begun: Settings, retire):
+        self._server, self._keeper, self._begun, self._retire = server, keeper, begun, retire
+        self._lock = threading.Lock()
+        self._held: dict[str, int] = {}
+
+    def take(self, client: ClientHandle) -> tuple[str | None, Memory | None]:
+        """A key for what this client does, and what its browser left under it; (None, None) without a token."""
+        connection = viser_private.connection_of(self._server, client.client_id)
+        token = connection and connection.token
+        if token is None:
+            return None, None
+        keys = [f"{token}.{tab}" for tab in range(MOST_TABS)]
+        for key in keys:
+            self._free_if_silent(key)
+        key = self._hold(keys, client.client_id)
+        return key, key and self._keeper.claim(key, self._begun)
+
+    def leave(self, key: str) -> None:
+        with self._lock:
+            self._held.pop(key, None)
+
+    def _hold(self, keys: list[str], client_id: int) -> str | None:
+        with self._lock:
+            key = next((key for key in keys if key not in self._held), None)
+            if key is not None:
+                self._held[key] = client_id
+            return key
+
+    def _free_if_silent(self, key: str) -> None:
+        """A laptop that slept, or a network that is gone, leaves connections that look open."""
+        with self._lock:
+            holder = self._held.get(key)
+        if holder is not None and not viser_private.answers(self._server, holder, ANSWERS_WITHIN):
+            viser_private.cut_off(self._server, holder)
+            self._retire(holder)
+            self.leave(key)

@@ -1,0 +1,154 @@
+"""E over a grid of the learner's postures: what Figs. 7 and 8 of the paper show.
+
+It asks for the learner's images at every posture, of the simulated world or of a session's eyes, so it is for people,
+not for a servo.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.affine import MIN_POINTS
+from ..simulation.world import World
+from ..views import FourViews
+
+BLOCK = 5500  # postures evaluated together: their arrays stay in the processor's cache
+KEPT_BYTES = 24 << 20  # below glibc's largest mmap threshold, 32 MB
+
+
+@dataclass(frozen=True)
+class Landscape:
+    """axes: two arrays of angles, rad; E: (len(axes[0]), len(axes[1])) px², NaN where too few points are seen.
+
+    condition: the transfer's, as E; None unless it was asked for.
+    """
+
+    axes: tuple[NDArray, NDArray]
+    E: NDArray
+    condition: NDArray | None = None
+
+    @property
+    def minimum(self) -> NDArray:
+        """(2,) rad, the grid's posture with the smallest E; NaN if there is none."""
+        if np.isnan(self.E).all():
+            return np.full(2, np.nan)
+        i, j = np.unravel_index(np.nanargmin(self.E), self.E.shape)
+        return np.array([self.axes[0][i], self.axes[1][j]])
+
+    def local_minima(self) -> NDArray:
+        """(k, 2) rad: grid points below their up to eight neighbours, lowest first."""
+        E = np.pad(np.nan_to_num(self.E, nan=np.inf), 1, constant_values=np.inf)
+        inner = E[1:-1, 1:-1]
+        below = np.isfinite(inner)
+        for di, dj in _NEIGHBOURS:
+            below &= inner < E[1 + di : E.shape[0] - 1 + di, 1 + dj : E.shape[1] - 1 + dj]
+        i, j = np.nonzero(below)
+        order = np.argsort(self.E[i, j])
+        return np.stack([self.axes[0][i[order]], self.axes[1][j[order]]], -1)
+
+    def basin_fraction(self) -> float:
+        """Share of the postures that have an E from which descent over the eight neighbours ends at the minimum."""
+        has_E = np.isfinite(self.E).ravel()
+        if not has_E.any():
+            return 0.0
+        return float(np.mean(self._descend()[has_E] == np.nanargmin(self.E)))
+
+    def _descend(self) -> NDArray:
+        """Flat index of where steepest descent from each grid point ends."""
+        rows, columns = self.E.shape
+        E = np.pad(np.nan_to_num(self.E, nan=np.inf), 1, constant_values=np.inf)
+        best, target = E[1:-1, 1:-1].copy(), np.arange(self.E.size).reshape(rows, columns)
+        for di, dj in _NEIGHBOURS:
+            shifted = E[1 + di : rows + 1 + di, 1 + dj : columns + 1 + dj]
+            lower = shifted < best
+            best[lower] = shifted[lower]
+            target[lower] = (np.arange(self.E.size).reshape(rows, columns) + di * columns + dj)[lower]
+        target = target.ravel()
+        while not np.array_equal(target, target[target]):  # pointer jumping: twice as far each time
+            target = target[target]
+        return target
+
+
+_NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
+
+
+def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray, NDArray]:
+    """The scene's range of its two moving joints in steps, rad. Raises ValueError for other counts of joints."""
+    scene = world.scene
+    if len(scene.moving_joints) != 2:
+        raise ValueError(f"a landscape needs two moving joints, this scene has {len(scene.moving_joints)}")
+    if not 0 < step_deg <= 45:
+        raise ValueError(f"step must be between 0° and 45°, got {step_deg:g}°")
+    return tuple(
+        np.radians(np.linspace(low, high, round((high - low) / step_deg) + 1)) for low, high in scene.range_deg
+    )
+
+
+def landscape(
+    world: World,
+    fit: Callable,
+    demo: NDArray,
+    demo_visible: NDArray,
+    axes: tuple[NDArray, NDArray] | None = None,
+    with_condition: bool = False,
+) -> Landscape:
+    """E of a transfer over the learner's postures. axes: two arrays of rad, the scene's range if None.
+
+    world: or the eyes of a session, with axes.
+    """
+    axes = grid_axes(world) if axes is None else axes
+    theta = axes[0][:, None], axes[1]
+    return Landscape(axes, *conflict_at(world, fit, demo, demo_visible, theta, with_condition))
+
+
+def conflict_at(
+    world: World, fit: Callable, demo: NDArray, demo_visible: NDArray, theta, with_condition: bool = False
+) -> NDArray:
+    """E and, if asked, the condition at any postures, the learner's images undisturbed: (1 or 2, ...).
+
+    demo: (N, 4) px, demo_visible: (N, 2): the demonstrator's images as the learner has them; theta: m arrays, rad,
+    broadcast against each other. Postures are taken together by which points are seen there.
+    """
+    # Freeing one large block, never touched, makes glibc keep what smaller ones give back (mallopt(3),
+    # M_TRIM_THRESHOLD). Otherwise the kernel pages it in anew at each step: a third of the time.
+    np.empty(KEPT_BYTES, np.uint8)
+    return conflict_of_images(fit, demo, demo_visible, *world.own_images(theta), with_condition)
+
+
+def conflict_of_images(
+    fit: Callable,
+    demo: NDArray,
+    demo_visible: NDArray,
+    own: NDArray,
+    own_visible: NDArray,
+    with_condition: bool = False,
+) -> NDArray:
+    """As `conflict_at`, of own images (..., N, 4) px, own_visible (..., N, 2)."""
+    shape = own.shape[:-2]
+    own = own.reshape((-1,) + own.shape[-2:])
+    usable = (own_visible.all(-1) & demo_visible.all(-1)).reshape(own.shape[:2])
+    if usable.all():
+        found = _evaluate(fit, demo, own, with_condition)
+    else:
+        found = np.full((1 + with_condition, len(own)), np.nan)
+        patterns, which = np.unique(usable, axis=0, return_inverse=True)
+        for k, pattern in enumerate(patterns):
+            if pattern.sum() >= MIN_POINTS:
+                here = which.ravel() == k
+                found[:, here] = _evaluate(fit, demo[pattern], own[here][:, pattern], with_condition)
+    return found.reshape((-1,) + shape)
+
+
+def _evaluate(fit: Callable, demo: NDArray, own: NDArray, with_condition: bool) -> NDArray:
+    """E and, if asked, the condition of G postures: (1 or 2, G). own: (G, N, 4) px."""
+    found = np.empty((1 + with_condition, len(own)))
+    for start in range(0, len(own), BLOCK):
+        block = slice(start, start + BLOCK)
+        views = FourViews(demo, own[block], np.ones(1, bool))
+        transfer = fit(views)
+        found[0, block] = transfer.conflict(views)
+        if with_condition:
+            found[1, block] = transfer.condition
+    return found

@@ -1,0 +1,1 @@
+"""SVG and HTML of all that is seen, on the page and in files: each figure is drawn once, from what it is given."""

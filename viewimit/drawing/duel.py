@@ -1,0 +1,203 @@
+"""The tab Duel: both learners' landscapes with their paths, their errors over the motions, who arrived first."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..analysis.landscape import Landscape
+from ..session import Session
+from ..simulation.scene import Scene
+from ..snapshot import Snapshot
+from . import svg
+from .methods import SERVO_NOTES, TRANSFER_NOTES
+from .plots import Plot, Style, decade_ticks, decades, log10
+from .posture_plane import PosturePlane
+from .small_landscape import WIDTH as COLUMN
+from .small_landscape import draw_small, small_plane
+
+GAP = 10
+WIDTH = 2 * COLUMN + GAP
+TOP, MOST_HIGH = 32, 86  # px of the plots
+BELOW = 28  # px from the plots to the words beneath
+COLUMNS = (0, 54, 136)  # px of the figures beneath
+HEIGHT = TOP + MOST_HIGH + BELOW + 72
+ROLES = ("learner", "opponent")
+STYLES = (Style("learner", "solid", "circle"), Style("opponent", "dashed", "square"))
+LEFT = 44  # px of the plot of errors
+LEAST_DEG = 1e-3  # of the axis of errors
+LIMIT = 240  # vertices of a curve or path
+OF = ("own", "opponent")  # their classes
+STATES = {"ready": "is at the start", "moving": "is still moving"}
+SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
+WHY = (
+    "Choose the opponent's transfer and servo above, then begin:",
+    "it starts where your learner starts, and both move motion for motion.",
+)
+
+
+ARRIVED_DEG = 1.0  # of the largest joint error
+
+
+@dataclass(frozen=True)
+class Standing:
+    """One learner in the race. errors_deg: largest joint error at each motion up to the present; arrived: after how
+    many motions it first was within ARRIVED_DEG of the demonstrator's present posture, None if it has not been."""
+
+    snapshot: Snapshot
+    errors_deg: Sequence[float]
+    arrived: int | None
+
+
+def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray) -> str:
+    """HTML of what lies under the paths. found: of the learner's and the opponent's transfer, none while computed."""
+    parts = []
+    for k in range(2):
+        plane = small_plane(scene, MOST_HIGH)
+        inside = plane.frame("vi-plane") + plane.message("computing …") + plane.ends()
+        if found:
+            inside = draw_small(plane, found[k], found[k].minimum[None], theta_demo)
+        parts.append(_column(k, inside))
+    return _wrap("".join(parts))
+
+
+def draw_empty_ground() -> str:
+    """Under a plot of errors, where there are no landscapes."""
+    return _wrap("")
+
+
+def draw_empty() -> str:
+    """Before a duel."""
+    y = HEIGHT / 2
+    why = (svg.text(WIDTH / 2, y + 15 * k, line, "vi-2nd vi-mid") for k, line in enumerate(WHY))
+    return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
+
+
+def draw_race(scene: Scene, sessions: Sequence[Session], standings: Sequence[Standing]) -> str:
+    """HTML over the ground: names, paths or errors, standings, the sentence."""
+    plane, parts = small_plane(scene, MOST_HIGH), []
+    for k, standing in enumerate(standings):
+        inside = _path(plane, sessions[k], k) if plane.has_plane else ""
+        parts.append(_column(k, inside) + _words(standing, k))
+    if not plane.has_plane:
+        parts.append(draw_errors(standings))
+    for k, line in enumerate(verdict(standings)):
+        parts.append(svg.text(0, HEIGHT - 17 + 15 * k, line, "" if k else "vi-b"))
+    return f'<div class="vi-over">{_wrap("".join(parts))}</div>'
+
+
+def draw_errors(standings: Sequence[Standing]) -> str:
+    """Largest joint error over the motions, both in one plot."""
+    errors = [np.array(standing.errors_deg) for standing in standings]
+    everything = np.maximum(np.concatenate(errors), LEAST_DEG)
+    low, high = decades(everything, 0.1, 10.0)
+    last = max(4, *(len(each) - 1 for each in errors))
+    plot = Plot(LEFT, TOP + 19, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
+    ticks = sorted({0, last // 2, last})
+    parts = [
+        plot.frame(
+            "Largest joint error",
+            "log, over the motions",
+            [(tick, str(tick)) for tick in ticks],
+            [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)],
+            LEFT,
+        ),
+        plot.level(ARRIVED_DEG, "vi-cursor"),
+    ]
+    for k in (1, 0):
+        kept = svg.thinned(len(errors[k]), LIMIT)
+        x, y = np.array(kept, float), np.maximum(errors[k][list(kept)], LEAST_DEG)
+        parts.append(plot.line(x, y, STYLES[k].line))
+        parts.append(STYLES[k].marks(plot.place(x[-1:], y[-1:])))
+    return "".join(parts)
+
+
+def draw_errors_alone(standings: Sequence[Standing]) -> str:
+    """HTML, beneath the landscapes where there is room."""
+    inside = f'<g transform="translate(0 {-TOP})">{draw_errors(standings)}</g>'
+    return f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {MOST_HIGH + 20}">{inside}</svg></div>'
+
+
+def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
+    """Who came within ARRIVED_DEG first, and what became of the other. For the viewer: no learner can know it."""
+    own, other = (standing.arrived for standing in standings)
+    aim = f"within {ARRIVED_DEG:g}° of the demonstrator"
+    if own is None and other is None:
+        if all(_rests(standing.snapshot) for standing in standings):
+            return f"Neither came {aim}.", _whereabouts(standings, (0, 1))
+        return f"Neither is {aim} yet.", _whereabouts(standings, (0, 1))
+    if own == other:
+        return f"A tie: both were {aim} after {_motions(own)}.", ""
+    first = 0 if other is None or (own is not None and own < other) else 1
+    won = f"The {ROLES[first]} was first {aim}, after {_motions(standings[first].arrived)}."
+    late = standings[1 - first].arrived
+    return won, f"The {ROLES[1 - first]} was, after {late}." if late is not None else _whereabouts(
+        standings, (1 - first,)
+    )
+
+
+def _whereabouts(standings: Sequence[Standing], which: Sequence[int]) -> str:
+    said = []
+    for k in which:
+        said.append(f"the {ROLES[k]} {_state(standings[k].snapshot)}, {_short(standings[k].errors_deg[-1])}° off")
+    words = "; ".join(said)
+    return words[0].upper() + words[1:] + "."
+
+
+def _words(standing: Standing, k: int) -> str:
+    """Title above a column; motions, error and E beneath."""
+    snapshot, x = standing.snapshot, k * (COLUMN + GAP)
+    settings, y = snapshot.settings, TOP + MOST_HIGH + BELOW
+    figures = (
+        ("motions", str(snapshot.motion), ""),
+        ("largest error", _short(standing.errors_deg[-1]), "°"),
+        ("E", _short(snapshot.E), " px²"),
+    )
+    parts = [
+        STYLES[k].sample(x, 8),
+        svg.text(x + 28, 12, f"{ROLES[k].capitalize()}: {TRANSFER_NOTES[settings.transfer].name}", f"vi-of-{OF[k]}"),
+        svg.text(x + 28, 26, SERVO_NOTES[settings.servo].name, "vi-2nd"),
+    ]
+    for left, (label, value, unit) in zip(COLUMNS, figures):
+        parts.append(svg.text(x + left, y, label, "vi-2nd"))
+        parts.append(
+            f'<text x="{x + left}" y="{y + 20}"><tspan class="vi-big">{value}</tspan>'
+            f'<tspan class="vi-2nd">{unit}</tspan></text>'
+        )
+    return "".join(parts)
+
+
+def _path(plane: PosturePlane, session: Session, k: int) -> str:
+    """The motions up to the present, with the mark of that learner at their end."""
+    kept = svg.thinned(session.cursor + 1, LIMIT)
+    points = plane.place(np.degrees(np.array([session.history[i].theta for i in kept])))
+    (x, y), line = points[-1], ("vi-line-own", "vi-line-opponent")[k]
+    now = f'<circle class="vi-now" cx="{x:.1f}" cy="{y:.1f}" r="4.6"/>'
+    if k:
+        now = f'<rect class="vi-now-opponent" x="{x - 4.2:.1f}" y="{y - 4.2:.1f}" width="8.4" height="8.4"/>'
+    return f'<path class="{line}" d="{svg.path(points)}"/>{now}'
+
+
+def _column(k: int, inside: str) -> str:
+    return f'<g transform="translate({k * (COLUMN + GAP)} {TOP})">{inside}</g>'
+
+
+def _wrap(inside: str) -> str:
+    return f'<div class="vi-panel"><svg class="vi vi-duel" viewBox="0 0 {WIDTH} {HEIGHT}">{inside}</svg></div>'
+
+
+def _rests(snapshot: Snapshot) -> bool:
+    return snapshot.status in ("converged", "stalled", "stopped")
+
+
+def _state(snapshot: Snapshot) -> str:
+    return STATES.get(snapshot.status, snapshot.status)
+
+
+def _motions(count: int) -> str:
+    return "1 motion" if count == 1 else f"{count} motions"
+
+
+def _short(value: float) -> str:
+    return svg.number(value, 2 if value < 10 else 1 if value < 100 else 0)

@@ -1,0 +1,186 @@
+"""The panel Images: the learner's four image planes and what the transfer says about them."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
+from ..snapshot import Snapshot
+from . import image_planes, svg
+from .image_planes import WIDTH, Window, Windows, image_windows
+from .metrics import draw_legend, draw_metrics, residual_lengths
+from .silhouettes import Silhouettes
+from .theme import HEAD, OBSERVED, RECOVERED, RING
+
+__all__ = ["arrow_gain", "draw_images", "image_windows"]
+
+HEIGHT = 280
+GAINS = (10, 5, 2)
+SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
+FIRST, SECOND = np.array([(0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3)]).T  # pairs of the views l, r, L, R
+INTO, SOURCE = np.concatenate([SECOND, FIRST]), np.concatenate([FIRST, SECOND])
+NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
+CAPTIONS = {"L": "own left", "R": "own right", "l": "", "r": ""}
+
+
+def draw_images(
+    snapshot: Snapshot,
+    silhouettes: Silhouettes,
+    windows: Windows,
+    chosen: int | None = None,
+    whole_frames: bool = False,
+    gain: float | None = None,
+    wide: bool = False,
+    pictures: Mapping[str, bytes] = NO_PICTURES,
+) -> str:
+    """HTML of the panel, WIDTH x HEIGHT scaled to its container.
+
+    chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic;
+    pictures: JPEGs of the whole frames by view, which stand behind the drawing.
+    """
+    shown = windows[whole_frames]
+    lengths = residual_lengths(snapshot)
+    gain = arrow_gain(lengths) if gain is None else gain
+    images = np.concatenate([snapshot.views.demo, snapshot.views.own], 1)
+    images = images.reshape(-1, 4, 2).transpose(1, 0, 2)  # (l r L R, N, 2)
+    points = image_planes.placed(images, shown, "lrLR")
+    marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
+    lines = _epipolar_lines(snapshot, images, shown, chosen)
+    content = _bodies(snapshot, silhouettes, windows, whole_frames)
+    frame = silhouettes.world.scene.head.image
+    parts = []
+    for k, view in enumerate("lrLR"):
+        behind = image_planes.photograph(pictures[view], shown[view], frame) if view in pictures else ""
+        inside = behind + content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
+        if view in "LR" and chosen is not None:
+            inside += _readout(snapshot, chosen, k - 2, shown[view], image_planes.BOXES[whole_frames][view])
+        parts.append(image_planes.plane(view, shown[view], whole_frames, frame, CAPTIONS[view] if wide else "", inside))
+    parts.append(draw_legend(whole_frames, gain, chosen))
+    parts.append(draw_metrics(snapshot, lengths, 253))
+    return (
+        f'<div class="vi-panel"><svg class="vi{" vi-pictured" if pictures else ""}" '
+        f'viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'aria-label="The four images">{"".join(parts)}</svg></div>'
+    )
+
+
+def arrow_gain(lengths: NDArray) -> float:
+    """How many times longer than they are residuals of these lengths, px, are drawn: 1, 2, 5 or 10."""
+    largest = lengths.max(initial=0.0)
+    if lengths.size == 0 or largest >= SMALL:
+        return 1
+    return next((gain for gain in GAINS if gain * largest <= LONGEST), 1)
+
+
+def _bodies(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, whole: bool) -> dict[str, str]:
+    """Silhouettes and skeletons by view; in L and R also the recovered skeleton."""
+    drawn = {}
+    own, _ = image_planes.draw_arm(snapshot, silhouettes, windows, whole, "learner")
+    demo, origins = image_planes.draw_arm(snapshot, silhouettes, windows, whole, "demonstrator")
+    for view, (hulls, bones) in demo.items():
+        drawn[view] = f'<g class="vi-demo"><path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/></g>'
+    found = {"L": "", "R": ""}
+    if snapshot.transfer is not None:
+        recovered = snapshot.transfer.recover(origins[0], origins[1])
+        both = image_planes.placed(np.stack([recovered[:, :2], recovered[:, 2:]]), windows[whole], "LR")
+        found = {view: f'<path class="vi-bone vi-found" d="{svg.path(both[k])}"/>' for k, view in enumerate("LR")}
+    for view, (hulls, bones) in own.items():
+        drawn[view] = f'<path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/>{found[view]}'
+    return drawn
+
+
+def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
+    """Observed demonstrator points in l and r; those not seen in all four images are faint."""
+    drawn = {}
+    for k, view in enumerate("lr"):
+        used, idle = _used_and_idle(snapshot, k)
+        drawn[view] = f'<path class="vi-seen" d="{svg.diamonds(points[k, used], OBSERVED)}"/>'
+        if idle.any():
+            drawn[view] += f'<path class="vi-seen vi-idle" d="{svg.diamonds(points[k, idle], OBSERVED)}"/>'
+    return drawn
+
+
+def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
+    """Own points, recovered points and the residuals from these to those, in L and R."""
+    drawn = {}
+    e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * windows["L"].scale  # (L R, k, 2)
+    recovered = points[:, snapshot.usable] - e
+    tips = recovered + gain * e
+    heads = svg.arrow_tips(recovered, tips, HEAD)
+    for k, view in enumerate("LR"):
+        used, idle = _used_and_idle(snapshot, k + 2)
+        own = points[k, used]
+        marks = [f'<path class="vi-own" d="{svg.dots(own)}"/>']
+        if idle.any():
+            marks.append(f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>')
+        if snapshot.transfer is not None:
+            marks.append(
+                f'<path class="vi-found" d="{svg.diamonds(recovered[k], RECOVERED)}"/>'
+                f'<path class="vi-e" d="{svg.segments(recovered[k], tips[k])}"/>'
+                f'<path class="vi-tip" d="{heads[k]}"/>'
+            )
+        drawn[view] = "".join(marks)
+    return drawn
+
+
+def _used_and_idle(snapshot: Snapshot, k: int) -> tuple[NDArray, NDArray]:
+    """(N,) bool: points of view k that the transfer uses, and those only seen here."""
+    return snapshot.usable, snapshot.views.visible[:, k] & ~snapshot.usable
+
+
+def _ring(snapshot: Snapshot, points: NDArray, k: int, chosen: int | None) -> str:
+    if chosen is None or not snapshot.views.visible[chosen, k]:
+        return ""
+    x, y = points[k, chosen]
+    return f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>'
+
+
+def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, box: tuple) -> str:
+    """The chosen point's residual in this image, px, in a corner that the arm leaves free."""
+    e = snapshot.e[chosen, 2 * side : 2 * side + 2]
+    length = svg.number(float(np.hypot(*e)))
+    x, end = (6, "") if window.readout_left else (box[2] - 6, " vi-end")
+    return svg.text(x, box[3] - 8, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
+
+
+def _epipolar_lines(snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None):
+    """The chosen point's lines by view: from the left and the right image of the other pair, from the partner."""
+    drawn = dict.fromkeys("lrLR", "")
+    if chosen is None or snapshot.usable.sum() < MIN_POINTS:
+        return drawn
+    used = images[:, snapshot.usable]
+    f, f33 = fit_affine_fundamental(used[FIRST], used[SECOND])
+    # f_p·p + f_q·q + f33 = 0 is a line of q for a given p, and of p for a given q
+    normal = np.concatenate([f[:, 2:], f[:, :2]])
+    of_source = np.concatenate([f[:, :2], f[:, 2:]])
+    offset = np.concatenate([f33, f33]) + (of_source * images[SOURCE, chosen]).sum(1)
+    ends, crosses = _across(normal, offset, [windows["lrLR"[k]] for k in INTO.tolist()])
+    crosses &= snapshot.views.visible[chosen, SOURCE]
+    for k, source, line, shown in zip(INTO.tolist(), SOURCE.tolist(), ends.tolist(), crosses.tolist()):
+        if shown:
+            style = _line_style(source, k)
+            drawn["lrLR"[k]] += f'<path class="vi-line{style}" d="M%.1f %.1fL%.1f %.1f"/>' % tuple(line)
+    return drawn
+
+
+def _line_style(source: int, into: int) -> str:
+    if source // 2 == into // 2:
+        return " vi-partner"
+    return " vi-from-right" if source % 2 else ""
+
+
+def _across(normal: NDArray, offset: NDArray, windows: list[Window]) -> tuple[NDArray, NDArray]:
+    """Chords of lines n·x + c = 0, image px, in the circles around their windows: (k, 4) px of the boxes, (k,) bool."""
+    box = np.array([window[:5] for window in windows])
+    half_size, scale = box[:, 2:4] / 2, box[:, 4:]
+    length = np.sqrt((normal * normal).sum(1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unit = normal / length[:, None]
+        distance = ((box[:, :2] + half_size) * unit).sum(1) + offset / length
+    foot = half_size - distance[:, None] * unit
+    half = (half_size * half_size).sum(1) - distance * distance
+    crosses = half > 0
+    along = np.sqrt(np.where(crosses, half, 0.0))[:, None] * unit[:, ::-1] * (-1, 1)
+    return np.concatenate([foot - along, foot + along], 1) * scale, crosses

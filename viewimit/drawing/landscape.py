@@ -1,0 +1,175 @@
+"""The landscape of E over two joints, and the path of the learner on it.
+
+The picture with shading and contours is made once a landscape; the path is an element of its own that lies
+over it, so that a motion resends only that.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..analysis.landscape import Landscape
+from ..simulation.scene import Scene
+from ..snapshot import Snapshot
+from . import relief, svg
+from .observability import described, draw_observability
+from .posture_plane import PosturePlane
+from .theme import OBSERVED
+
+CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than that: an inset of ±CLOSE_DEG, px wide
+PATH_LIMIT, DOT_LIMIT = 90, 60  # vertices of the path; motions up to which each has a dot
+INSET_MOTIONS = 30  # the last ones, which the inset shows
+CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
+NOW = 5.8  # px, radius of the big dot
+
+
+class LandscapePicture:
+    """html: the picture; draw_path: what lies over it. landscape: None while it is computed, or if `problem` says why
+    there is none.
+
+    The demonstrator's mark is the truth, for the viewer.
+    """
+
+    def __init__(
+        self,
+        landscape: Landscape | None,
+        scene: Scene,
+        snapshot: Snapshot,
+        problem: str = "computing …",
+        spread: NDArray | None = None,
+    ):
+        self._plane = plane = PosturePlane(scene)
+        self._above = ""  # marks and their labels, over the path
+        self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
+        joints = scene.moving_joints
+        if not plane.has_plane and spread is not None:
+            self.html = plane.wrap(draw_observability(joints, spread))
+            return
+        if landscape is None:
+            inside = plane.message(problem)
+        elif np.isnan(landscape.E).all():
+            inside = plane.message("nowhere are five points seen in all four images")
+        else:
+            inside = self._draw(landscape, snapshot)
+        note = described(joints, spread) if spread is not None else ""
+        self.html = plane.wrap(plane.frame("vi-plane") + inside + plane.axes(note, CONTOURS[snapshot.settings.camera]))
+
+    def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None = None) -> str:
+        """The motions up to the cursor, later ones faint. theta: (m,) rad, where the arm is seen while it moves."""
+        if not self._plane.has_plane:
+            return self._plane.wrap("", "vi-over")
+        kept = svg.thinned(len(history), PATH_LIMIT, cursor)
+        points = self._plane.place(np.degrees(np.array([history[k].theta for k in kept])))
+        done = int(np.searchsorted(kept, cursor, side="right"))
+        shown = history[cursor].theta if theta is None else theta
+        now = self._plane.place(np.degrees(shown))
+        line = np.concatenate([points[: done - 1], now[None]])
+        parts = []
+        if done < len(points):
+            parts.append(f'<path class="vi-line-own vi-later" d="{svg.path(points[done - 1 :])}"/>')
+        parts.append(f'<path class="vi-line-own" d="{svg.path(line)}"/>')
+        if len(history) <= DOT_LIMIT:
+            probe = np.array([snapshot.probe for snapshot in history[: done - 1]], bool)
+            parts.append(f'<path class="vi-dot-own" d="{svg.dots(points[: done - 1][~probe])}"/>')
+            if probe.any():
+                parts.append(f'<path class="vi-probe-own" d="{svg.circles(points[: done - 1][probe], 2.6)}"/>')
+        parts += [_dot(now), self._in_inset(line), self._above, self._now_labels(points[0], now, shown, cursor)]
+        return self._plane.wrap("".join(parts), "vi-over")
+
+    def _now_labels(self, start: NDArray, now: NDArray, theta: NDArray, cursor: int) -> str:
+        labels = self._plane.labels.copy()
+        (x, y), (start_x, start_y) = now.tolist(), start.tolist()
+        labels.take_point(x, y, 7)
+        name = "now" if cursor else "start"
+        words = f"{name} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
+        label = labels.beside(x, y, words, "vi-of-own vi-halo", 11)
+        if cursor and max(abs(x - start_x), abs(y - start_y)) > 20:
+            label += labels.beside(start_x, start_y, "start", "vi-2nd vi-halo", 8)
+        return label
+
+    def _draw(self, landscape: Landscape, snapshot: Snapshot) -> str:
+        plane, labels = self._plane, self._plane.labels
+        grid = plane.grid(landscape.axes)
+        demo, lowest = np.degrees(snapshot.theta_demo), np.degrees(landscape.minimum)
+        marks = plane.place(np.stack([demo, lowest]))
+        start = plane.place(np.array(snapshot.settings.start_deg))
+        for mark in marks:
+            labels.take_point(*mark, 8)
+        # where the path will probably run
+        way = [labels.take_point(*(start + share * (marks[1] - start)), 7) for share in np.linspace(0, 0.9, 12)]
+        inset = ""
+        if np.max(np.abs(demo - lowest)) < CLOSE_DEG:
+            inset = self._inset(landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start])
+        self._above = _marks(marks) + self._leaders(marks, demo, lowest) + self._above
+        contours = relief.contours(grid, landscape.E, labels, marks[1])
+        labels.release(way)
+        return relief.shading(grid, landscape.E, plane.box) + contours + inset
+
+    def _leaders(self, marks: NDArray, demo: NDArray, lowest: NDArray) -> str:
+        """Labels of the two marks, led to from where there is room."""
+        left_first = marks[0, 0] <= marks[1, 0] + 1
+        named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))
+        parts = []
+        for k, (name, posture, kind) in enumerate(named):
+            words = f"{name} ({svg.number(posture[0], 0)}°, {svg.number(posture[1], 0)}°)"
+            parts.append(self._plane.labels.led(*marks[k].tolist(), words, kind, to_left=(k == 0) == left_first))
+        return "".join(parts)
+
+    def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:
+        """What lies around both marks, enlarged, in the corner of the plot farthest from busy px."""
+        side, (x, y, w, h) = INSET / 2, self._plane.box
+        corners = [np.array([a, b]) for a in (x + side + 4, x + w - side - 4) for b in (y + side + 4, y + h - side - 4)]
+        middle = max(corners, key=lambda corner: min(np.hypot(*(corner - point)) for point in busy))
+        centre = (demo + lowest) / 2
+        self._zoom = middle, centre
+        self._plane.labels.take(*(middle - side - 3), *(middle + side + 3))
+        near = [
+            np.flatnonzero(np.abs(np.degrees(axis) - c) < CLOSE_DEG + 1.5) for axis, c in zip(landscape.axes, centre)
+        ]
+        columns, rows = self._plane.grid(tuple(axis[k] for axis, k in zip(landscape.axes, near)))
+        at = self._plane.place(centre)
+        enlarged = [middle[k] + (px - at[k]) * self._enlargement for k, px in enumerate((columns, rows))]
+        contours = relief.fine_contours(tuple(enlarged), landscape.E[np.ix_(*near)])
+        self._above = _marks(self._zoomed(self._plane.place(np.stack([demo, lowest]))))
+        left, top = middle - side
+        size = f'width="{INSET - 1}" height="{INSET - 1}" rx="3"'
+        frame = f'<rect class="vi-inset" x="{left + 0.5:.1f}" y="{top + 0.5:.1f}" {size}/>'
+        note = svg.text(left + 5, top + INSET - 5, f"±{CLOSE_DEG:g}°", "vi-2nd vi-halo")
+        return self._clipped(frame + contours + note)
+
+    def _in_inset(self, line: NDArray) -> str:
+        """The last motions where the inset shows them. line: (k, 2) px of the plot."""
+        if self._zoom is None:
+            return ""
+        near = self._zoomed(line[-INSET_MOTIONS:])
+        if np.abs(near[-1] - self._zoom[0]).max() > INSET / 2 - 3:
+            return ""
+        return self._clipped(f'<path class="vi-line-own" d="{svg.path(near)}"/>{_dot(near[-1])}')
+
+    @property
+    def _enlargement(self) -> float:
+        return INSET / (2 * CLOSE_DEG * self._plane.scale)
+
+    def _zoomed(self, points: NDArray) -> NDArray:
+        """px of the plot → px of the inset"""
+        middle, centre = self._zoom
+        return middle + (points - self._plane.place(centre)) * self._enlargement
+
+    def _clipped(self, inside: str) -> str:
+        left, top = self._zoom[0] - INSET / 2
+        place = f'x="{left:.1f}" y="{top:.1f}" width="{INSET}" height="{INSET}"'
+        return f'<svg {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'
+
+
+def _dot(place: NDArray) -> str:
+    return f'<circle class="vi-now" cx="{place[0]:.1f}" cy="{place[1]:.1f}" r="{NOW}"/>'
+
+
+def _marks(points: NDArray) -> str:
+    """The demonstrator's diamond and the cross of the smallest E, larger so that neither hides the other."""
+    x, y = points[1]
+    return (
+        f'<path class="vi-seen" d="{svg.diamonds(points[:1], OBSERVED + 1)}"/>'
+        f'<path class="vi-cross" d="M{x - 6:.1f} {y:.1f}h12M{x:.1f} {y - 6:.1f}v12"/>'
+    )

@@ -1,0 +1,101 @@
+"""Legend and figures of the panel Images."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.affine import MIN_POINTS
+from ..snapshot import Snapshot
+from . import svg
+from .theme import OBSERVED, RECOVERED
+
+AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
+COLUMNS = (0, 80, 154, 276, 364)  # px
+FLATNESS = "σ₁/σ₃"
+CONDITION = {"epipolar": "cond A"}
+
+
+@lru_cache(256)
+def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
+    """A column under l and r, or two rows under whole frames."""
+    arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
+    diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
+    entries = [
+        ('<path class="vi-own" d="M10 0h0"/>', "own point"),
+        (f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', "recovered"),
+        ('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow),
+        (f'<path class="vi-seen" d="{diamond(OBSERVED)}"/>', "demonstrator"),
+    ]
+    if chosen is not None:
+        entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5.5"/>', f"point {svg.point_name(chosen)}, its"))
+        entries.append(('<path class="vi-line" d="M0 0H20"/>', "line from left"))
+        entries.append(('<path class="vi-line vi-from-right" d="M0 0H20"/>', "line from right"))
+        entries.append(('<path class="vi-line vi-partner" d="M0 0H20"/>', "line from partner"))
+    places = [(298, 131 + 14 * i) for i in range(8)]
+    if whole:
+        places = [(104 * (i % 4), 182 + 18 * (i // 4)) for i in range(8)]
+    parts = []
+    for (x, y), (mark, words) in zip(places, entries):
+        label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
+        parts.append(f'<g transform="translate({x} {y})">{mark}{label}</g>')
+    return "".join(parts)
+
+
+def residual_lengths(snapshot: Snapshot) -> NDArray:
+    """(k, 2) px: |e| in L and in R of the points that are used; none without a transfer."""
+    if snapshot.transfer is None:
+        return np.empty((0, 2))
+    e = snapshot.e[snapshot.usable]
+    squares = e * e
+    return np.sqrt(squares[:, ::2] + squares[:, 1::2])
+
+
+def draw_metrics(snapshot: Snapshot, lengths: NDArray, y: float) -> str:
+    """E, mean and largest |e|, the transfer's condition, points seen. lengths: (k, 2) px; y: px, of the labels."""
+    known = lengths.size > 0
+    mean, largest, where = np.nan, np.nan, ""
+    if known:
+        place = int(lengths.argmax())
+        mean, largest = float(lengths.mean()), float(lengths.flat[place])
+        where = f" px · point {svg.point_name(int(np.flatnonzero(snapshot.usable)[place // 2]))}"
+    used, count = int(snapshot.usable.sum()), len(snapshot.usable)
+    condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
+    level, word = gauge(condition)
+    name = CONDITION.get(snapshot.settings.transfer, FLATNESS)
+    few = used < MIN_POINTS
+    columns = (
+        ("", "E", _short(snapshot.E), " px²" if known else ""),
+        ("", "mean |e|", svg.number(mean), " px" if known else ""),
+        ("", "largest |e|", svg.number(largest), where),
+        (level, name + word, _short(condition, 100), ""),
+        ("red" if few else "", "points seen", f"{used}", f" of {count}"),
+    )
+    return "".join(_metric(x, y, *column) for x, column in zip(COLUMNS, columns))
+
+
+def gauge(condition: float) -> tuple[str, str]:
+    """Colour and word of a transfer's condition."""
+    if condition >= RED:
+        return "red", ": too high"
+    if condition >= AMBER:
+        return "amber", ": high"
+    return "", ""
+
+
+def _short(value: float, whole_from: float = 1000) -> str:
+    if value >= 99_999.5:
+        return "∞" if np.isinf(value) else f"{value:.0e}".replace("e+0", "e")
+    return svg.number(value, 1 if value < whole_from else 0)
+
+
+def _metric(x: float, y: float, level: str, label: str, value: str, unit: str) -> str:
+    mark, shift = "", 0
+    if level == "amber":
+        mark, shift = f'<path class="vi-amber" d="{svg.diamonds(np.array([[x + 6, y + 13.5]]), 5.5)}"/>', 15
+    elif level == "red":
+        mark, shift = f'<rect class="vi-red" x="{x}" y="{y + 8}" width="11" height="11" rx="1.5"/>', 15
+    return (
+        f'<text class="vi-2nd" x="{x}" y="{y}">{label}</text>{mark}<text x="{x + shift}" y="{y + 20}">'
+        f'<tspan class="vi-big">{value}</tspan><tspan class="vi-2nd">{unit}</tspan></text>'
+    )

@@ -1,0 +1,110 @@
+"""The plane of two joints' angles as a plot: the second joint to the right, the first upwards, one scale."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..simulation.scene import Scene
+from . import svg
+from .labels import Labels
+
+WIDTH = 424
+LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot
+MOST_HIGH = 212  # px of the plot
+PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene without two moving joints
+
+
+class PosturePlane:
+    """scale: px a degree. box: (x, y, w, h) px of the plot. labels: what is taken of it. width: px, with its axes."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        width: float = WIDTH,
+        most_high: float = MOST_HIGH,
+        margins: tuple[float, float, float, float] = MARGINS,
+    ):
+        self._width = width
+        left, right, self._top, self._bottom = margins
+        self.has_plane = len(scene.moving_joints) == 2
+        ranges = scene.range_deg if self.has_plane else PAPER_RANGE_DEG
+        self._joints = [svg.joint_symbol(joint) for joint in scene.moving_joints] if self.has_plane else ["", ""]
+        self._low, self._high = np.array(ranges, float).T
+        span = self._high - self._low
+        self.scale = float(min((width - left - right) / span[1], most_high / span[0]))
+        w, h = span[1] * self.scale, span[0] * self.scale
+        self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
+        self.labels = Labels(self.box[0], self._top, self.box[0] + w, self._top + h)
+
+    def place(self, degrees: NDArray) -> NDArray:
+        """(..., 2) degrees → px"""
+        px = np.empty(degrees.shape)
+        px[..., 0] = self.box[0] + (degrees[..., 1] - self._low[1]) * self.scale
+        px[..., 1] = self._top + (self._high[0] - degrees[..., 0]) * self.scale
+        return px
+
+    def grid(self, axes: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
+        """px of the columns and of the rows of a grid over axes, rad"""
+        first, second = (np.degrees(axis) for axis in axes)
+        columns = self.place(np.stack([np.full(len(second), self._low[0]), second], -1))[:, 0]
+        return columns, self.place(np.stack([first, np.full(len(first), self._low[1])], -1))[:, 1]
+
+    def wrap(self, inside: str, over: str = "") -> str:
+        """A drawing of the plane's size. over: class of an element that lies over another."""
+        height = self._top + self.box[3] + self._bottom
+        drawing = f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {height:.1f}">{inside}</svg></div>'
+        return f'<div class="{over}">{drawing}</div>' if over else drawing
+
+    def frame(self, classes: str) -> str:
+        x, y, w, h = self.box
+        return f'<rect class="{classes}" x="{x:.1f}" y="{y:.1f}" width="{w:.1f}" height="{h:.1f}"/>'
+
+    def message(self, words: str) -> str:
+        """A sentence in the middle of an empty plot."""
+        x, y, w, h = self.box
+        return svg.text(x + w / 2, y + h / 2, words, "vi-2nd vi-mid")
+
+    def ends(self) -> str:
+        """The frame with the ends of its sides and their names: axes for a small plot."""
+        left, top, w, h = self.box
+        bottom, low, high = top + h, self._low.tolist(), self._high.tolist()
+        degrees = lambda angle: svg.number(angle, 0) + "°"
+        return "".join(
+            [
+                self.frame("vi-axis"),
+                svg.text(left, bottom + 12, degrees(low[1]), "vi-2nd"),
+                svg.text(left + w, bottom + 12, degrees(high[1]), "vi-2nd vi-end"),
+                svg.text(left + w / 2, bottom + 12, self._joints[1], "vi-mid"),
+                svg.text(left - 4, top + 9, degrees(high[0]), "vi-2nd vi-end"),
+                svg.text(left - 4, bottom, degrees(low[0]), "vi-2nd vi-end"),
+                svg.text(left - 4, top + h / 2 + 4, self._joints[0], "vi-end"),
+            ]
+        )
+
+    def axes(self, note: str = "", contours: str = "E in px²") -> str:
+        """The frame with ticks and names. note: below, at the right; contours: what they are of."""
+        left, top, w, h = self.box
+        bottom = top + h
+        parts = [
+            self.frame("vi-axis"),
+            svg.text(left, bottom + 29, f"contours: {contours}", "vi-2nd"),
+            svg.text(left + w / 2, bottom + 29, self._joints[1], "vi-mid"),
+            svg.text(left + w, bottom + 29, note, "vi-2nd vi-end") if note else "",
+            svg.text(left - 8, top + h / 4 + 4, self._joints[0], "vi-end"),
+        ]
+        ticks = []
+        for angle in _ticks(self._low[1], self._high[1]):
+            x = self.place(np.array([self._low[0], angle]))[0]
+            ticks.append(f"M{x:.1f} {bottom:.1f}v4")
+            anchor = "vi-2nd vi-end" if x > self._width - 16 else "vi-2nd vi-mid"
+            parts.append(svg.text(min(x, self._width - 2), bottom + 15, svg.number(angle, 0) + "°", anchor))
+        for angle in _ticks(self._low[0], self._high[0]):
+            y = self.place(np.array([angle, self._low[1]]))[1]
+            ticks.append(f"M{left:.1f} {y:.1f}h-4")
+            parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), svg.number(angle, 0) + "°", "vi-2nd vi-end"))
+        return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
+
+
+def _ticks(low: float, high: float) -> NDArray:
+    span = high - low
+    step = 45 if span > 130 or span == 90 else 30 if span > 45 else 15
+    return np.arange(np.ceil(low / step) * step, high + 1e-9, step)

@@ -1,0 +1,68 @@
+"""The landscapes of all transfers beside each other, and what each makes of the same demonstrator, in words."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..simulation.scene import Scene
+from . import svg
+from .methods import TRANSFER_NOTES
+from .observability import draw_bars
+from .small_landscape import WIDTH, Studied, draw_small, small_plane
+
+GAP, ROW = 10, 131  # px between columns, a row's height
+MOST_HIGH, TOP = 82, 15  # px of a plot, and from its row's top
+TOTAL = (2 * WIDTH + GAP, 2 * ROW)
+
+
+def draw_quarter(scene: Scene, studied: Studied, theta_demo: NDArray) -> str:
+    """One transfer's landscape."""
+    plane = small_plane(scene, MOST_HIGH)
+    drawing = draw_small(plane, studied.landscape, studied.minima.theta, theta_demo)
+    return _quarter(studied.transfer, drawing, describe(studied), plane.box)
+
+
+def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray | None) -> str:
+    """One transfer without two moving joints: what 1 px of noise costs at each, (m,) rad; None with too few points."""
+    bars, words = "", "fewer than five points are seen"
+    if spread is not None:
+        bars, words = draw_bars(joints, spread, WIDTH, (MOST_HIGH + 10) / len(joints)), "° a px of noise"
+    return _quarter(transfer, bars, words, (8, 0, WIDTH, MOST_HIGH))
+
+
+def draw_together(quarters: Sequence[str]) -> str:
+    """HTML, two by two."""
+    parts = []
+    for k, quarter in enumerate(quarters):
+        parts.append(f'<g transform="translate({(WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{quarter}</g>')
+    return wrap("".join(parts))
+
+
+def _quarter(transfer: str, drawing: str, words: str, box: tuple[float, float, float, float]) -> str:
+    """box: px of the drawing's plot."""
+    return (
+        f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFER_NOTES[transfer].name)}</text>'
+        f'<g transform="translate(0 {TOP})">{drawing}</g>{svg.text(4, TOP + box[3] + 25, words, "vi-2nd")}'
+    )
+
+
+def wrap(inside: str) -> str:
+    width, height = TOTAL
+    return f'<div class="vi-panel"><svg class="vi vi-transfers" viewBox="0 0 {width} {height}">{inside}</svg></div>'
+
+
+def waiting(words: str) -> str:
+    """While they are computed, or where there are none."""
+    width, height = TOTAL
+    return wrap(svg.text(width / 2, height / 2, words, "vi-2nd vi-mid"))
+
+
+def describe(studied: Studied) -> str:
+    """Bias and shape of a landscape, short."""
+    count = len(studied.minima)
+    if count == 0:
+        return "no minimum"
+    bias = svg.number(float(np.abs(studied.bias_deg).max()))
+    minima = "1 minimum" if count == 1 else f"{count} minima"
+    return f"bias {bias}° · {minima} · basin {svg.number(100 * studied.basin, 0)} %"

@@ -1,0 +1,1 @@
+"""Benchmarks and studies behind the figures of README, each reproducible from a seed."""

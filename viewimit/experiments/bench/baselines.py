@@ -1,0 +1,128 @@
+"""The paper's E over many postures as numpy is plainly written: what the fast path is measured and checked against.
+
+Nothing of `geometry`, `transfer` or `Robot.place_points` is used here, only the data of the scene: joints,
+points and cameras. `loop` takes posture by posture, `batch` all of them at once; `conflict` and `conflicts` are
+what they do once they have the images.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...simulation.camera import Camera
+from ...simulation.world import World
+
+
+def loop(world: World, demo: NDArray, postures: NDArray) -> NDArray:
+    """E of Eq. (6), posture by posture. demo: (N, 4) px; postures: (G, m) rad → (G,) px²."""
+    return np.array([conflict(demo, own_image(world, posture)) for posture in postures])
+
+
+def batch(
+    world: World, demo: NDArray, postures: NDArray, with_condition: bool = False
+) -> tuple[NDArray, NDArray | None]:
+    """E and, if asked, cond(A), all postures at once. demo: (N, 4) px; postures: (G, m) rad → (G,), (G,)."""
+    return conflicts(demo, _own_images(world, postures), with_condition)
+
+
+def conflicts(demo: NDArray, own: NDArray, with_condition: bool = False) -> tuple[NDArray, NDArray | None]:
+    """E and, if asked, cond(A). demo: (N, 4) px; own: (G, N, 4) px → (G,) px², (G,).
+
+    cond(A) comes from the eigenvalues of AᵀA, which are at hand and cost less than singular values.
+    """
+    l, r, L, R = demo[:, :2], demo[:, 2:], own[..., :2], own[..., 2:]
+    A, B = np.zeros((len(own), 5, 4)), np.zeros((len(own), 5, 6))
+    for row, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
+        f, f33 = _fundamentals(np.broadcast_to(d, o.shape), o)
+        to_R, from_r = 2 * (row // 2), 3 * (row % 2)
+        A[:, row, to_R : to_R + 2] = f[:, 2:]
+        B[:, row, from_r : from_r + 2], B[:, row, from_r + 2] = f[:, :2], f33
+    A[:, 4], B[:, 4, 5] = _fundamentals(L, R)
+    A_transposed = np.swapaxes(A, 1, 2)
+    normal = A_transposed @ A
+    c = np.column_stack([l, np.ones(len(l)), r, np.ones(len(r))])
+    recovered = c @ np.swapaxes(np.linalg.solve(normal, -A_transposed @ B), 1, 2)
+    E = ((own - recovered) ** 2).sum((1, 2)) / (2 * len(demo))
+    if not with_condition:
+        return E, None
+    values = np.linalg.eigvalsh(normal)
+    return E, np.sqrt(values[:, -1] / values[:, 0])
+
+
+def conflict(demo: NDArray, own: NDArray) -> float:
+    """E of one posture. demo, own: (N, 4) px → px²."""
+    l, r, L, R = demo[:, :2], demo[:, 2:], own[:, :2], own[:, 2:]
+    A, B = np.zeros((5, 4)), np.zeros((5, 6))
+    for row, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
+        f, f33 = _fundamental(d, o)
+        to_R, from_r = 2 * (row // 2), 3 * (row % 2)
+        A[row, to_R : to_R + 2] = f[2:]
+        B[row, from_r : from_r + 2], B[row, from_r + 2] = f[:2], f33
+    A[4], B[4, 5] = _fundamental(L, R)
+    c = np.column_stack([l, np.ones(len(l)), r, np.ones(len(r))])
+    recovered = np.linalg.lstsq(A, -B @ c.T, rcond=None)[0].T
+    return ((own - recovered) ** 2).sum() / (2 * len(demo))
+
+
+def _fundamental(p: NDArray, q: NDArray) -> tuple[NDArray, float]:
+    """Eqs. (2), (3). p, q: (N, 2) px → f: (4,), f33."""
+    u = np.hstack([p, q])
+    centre = u.mean(0)
+    _, vectors = np.linalg.eigh((u - centre).T @ (u - centre))
+    return vectors[:, 0], -centre @ vectors[:, 0]
+
+
+def _fundamentals(p: NDArray, q: NDArray) -> tuple[NDArray, NDArray]:
+    """Eqs. (2), (3). p, q: (G, N, 2) px → f: (G, 4), f33: (G,)."""
+    u = np.concatenate([p, q], -1)
+    centre = u.mean(1)
+    u = u - centre[:, None]
+    _, vectors = np.linalg.eigh(np.swapaxes(u, 1, 2) @ u)
+    f = vectors[:, :, 0]
+    return f, -(centre * f).sum(1)
+
+
+def own_image(world: World, posture: NDArray) -> NDArray:
+    """posture: (m,) rad → (N, 4) px in [L, R]."""
+    angles = np.radians(world.scene.posture_deg)
+    angles[world.scene.moving] = posture
+    T = world.T_world_own
+    frames = [T]
+    for joint, angle in zip(world.robot.joints, angles):
+        T = T @ joint.T_parent_joint @ _turns(joint.axis, angle)
+        frames.append(T)
+    frames = np.array(frames)[world.body.link]
+    points = (frames[:, :3, :3] @ world.body.local[:, :, None])[:, :, 0] + frames[:, :3, 3]
+    return np.hstack([_project(camera, points) for camera in world.own_cameras])
+
+
+def _own_images(world: World, postures: NDArray) -> NDArray:
+    """postures: (G, m) rad → (G, N, 4) px in [L, R]."""
+    angles = np.tile(np.radians(world.scene.posture_deg), (len(postures), 1))
+    angles[:, world.scene.moving] = postures
+    T = np.broadcast_to(world.T_world_own, (len(postures), 4, 4))
+    points = np.empty((len(postures), len(world.body), 3))
+    for link in range(len(world.robot.joints) + 1):
+        if link > 0:
+            joint = world.robot.joints[link - 1]
+            T = T @ (joint.T_parent_joint @ _turns(joint.axis, angles[:, link - 1]))
+        on_link = world.body.link == link
+        if on_link.any():
+            points[:, on_link] = world.body.local[on_link] @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3]
+    return np.concatenate([_project(camera, points) for camera in world.own_cameras], -1)
+
+
+def _turns(axis: NDArray, angle) -> NDArray:
+    """Rodrigues' formula. axis: (3,); angle: (...) rad → (..., 4, 4)."""
+    x, y, z = axis / np.linalg.norm(axis)
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    T = np.zeros(np.shape(angle) + (4, 4))
+    sin, cos = np.sin(angle)[..., None, None], np.cos(angle)[..., None, None]
+    T[..., :3, :3] = np.eye(3) + sin * K + (1 - cos) * (K @ K)
+    T[..., 3, 3] = 1
+    return T
+
+
+def _project(camera: Camera, points: NDArray) -> NDArray:
+    """points: (..., 3) m in the world → (..., 2) px."""
+    in_camera = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, :3]
+    return camera.focal * in_camera[..., :2] / in_camera[..., 2:] + camera.centre

@@ -1,0 +1,190 @@
+"""How often and how soon a servo arrives, from many starts, at many demonstrators.
+
+Every transfer and servo gets the same pairs of start and demonstrator. Runs are apart from each other and are made in
+as many processes as there are; the result does not depend on how many.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ...analysis.landscape import grid_axes, landscape
+from ...session import Session
+from ...simulation.scene import Scene
+from ...snapshot import Settings
+from ...transfer import TRANSFERS
+from .. import processes
+
+FINE_DEG, AROUND_DEG = 0.05, 1.5  # of the search for the transfer's own minimum about the grid's
+WITHIN_DEG = (0.5, 1.0, 3.0)
+FALSE_DEG = 1.0  # from where it arrived, a claim is false
+TARGETS = ("own_minimum", "demonstrator")
+CONFIDENCE = 0.95
+
+Posture = tuple[float, ...]
+Pair = tuple[Posture, Posture]
+
+
+@dataclass(frozen=True)
+class Run:
+    """motions made; claimed: the servo says that it has converged; ended, nearest: largest joint error to each of
+    TARGETS, at the end and when it was least; bias: of the transfer's own minimum to the demonstrator. Degrees."""
+
+    motions: int
+    claimed: bool
+    ended: dict[str, float]
+    nearest: dict[str, float]
+    bias: float
+
+
+@dataclass(frozen=True)
+class Share:
+    """`count` of `runs`, and Wilson's score interval of the share."""
+
+    count: int
+    runs: int
+    share: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, happened: Iterable[bool]) -> "Share":
+        happened = list(happened)
+        count, runs = sum(map(bool, happened)), len(happened)
+        return cls(count, runs, count / runs, *wilson(count, runs))
+
+
+@dataclass(frozen=True)
+class Success:
+    """Of one transfer and servo. ended, came: shares of runs by target and by how near, degrees, at the end and at some
+    time; claimed_falsely: FALSE_DEG from the transfer's own minimum or more. Motions, bias: median, 95th percentile."""
+
+    transfer: str
+    servo: str
+    runs: int
+    max_motions: int
+    ended: dict[str, dict[float, Share]]
+    came: dict[str, dict[float, Share]]
+    motions_median: float
+    motions_95: float
+    claimed: Share
+    claimed_falsely: Share
+    bias_deg_median: float
+    bias_deg_95: float
+
+
+def random_pairs(scene: Scene, runs: int, seed: int) -> list[Pair]:
+    """Start and demonstrator, each uniform over the range of all moving joints, degrees."""
+    low, high = np.transpose(scene.range_deg)
+    drawn = np.random.default_rng(seed).uniform(low, high, (runs, 2, len(low)))
+    return [(tuple(start), tuple(demonstrator)) for start, demonstrator in drawn.tolist()]
+
+
+def grid_pairs(scene: Scene, counts: Sequence[int]) -> list[Pair]:
+    """Starts on a grid over the range, `counts` a joint, and the scene's own demonstrator, degrees."""
+    axes = (np.linspace(*limits, count) for limits, count in zip(scene.range_deg, counts, strict=True))
+    starts = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(counts))
+    demonstrator = tuple(scene.posture_deg[joint] for joint in scene.moving)
+    return [(tuple(start), demonstrator) for start in starts.tolist()]
+
+
+def run(
+    settings: Settings,
+    pairs: Sequence[Pair],
+    transfers: Sequence[str],
+    servos: Sequence[str],
+    max_motions: int,
+    workers: int | None = None,
+    tell: Callable[[float], None] = lambda share: None,
+) -> list[Success]:
+    """Of every transfer and servo, from every pair. workers: processes, if None as many as processors.
+
+    tell(share done), as often as a pair is done with.
+    """
+    tasks = [
+        (msgspec.structs.replace(settings, transfer=name, start_deg=start, demonstrator_deg=demo), servos, max_motions)
+        for name in transfers
+        for start, demo in pairs
+    ]
+    results = []
+    for runs in processes.each(run_pair, tasks, workers):
+        results.append(runs)
+        tell(len(results) / len(tasks))
+    return [
+        summary(name, servo, max_motions, [runs[s] for runs in results[t * len(pairs) : (t + 1) * len(pairs)]])
+        for t, name in enumerate(transfers)
+        for s, servo in enumerate(servos)
+    ]
+
+
+def run_pair(settings: Settings, servos: Sequence[str], max_motions: int) -> list[Run]:
+    """A run of each servo, from the settings' start to their demonstrator."""
+    session = Session(settings)
+    targets = dict(zip(TARGETS, (own_minimum(session), session.snapshot.theta_demo)))
+    bias = _error_deg(*targets.values())
+    runs = []
+    for servo in servos:
+        session.begin(msgspec.structs.replace(settings, servo=servo))
+        while session.snapshot.motion < max_motions and session.step():
+            pass
+        visited = np.array([snapshot.theta for snapshot in session.history])
+        errors = {name: _error_deg(visited, target) for name, target in targets.items()}
+        ended, nearest = ({name: float(pick(e)) for name, e in errors.items()} for pick in (lambda e: e[-1], np.min))
+        last = session.snapshot
+        runs.append(Run(last.motion, last.status == "converged", ended, nearest, float(bias)))
+    return runs
+
+
+def own_minimum(session: Session) -> NDArray:
+    """(2,) rad: where the transfer's E is smallest for the demonstrator as now seen, whatever its posture."""
+    views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
+    seen = views.visible[:, :2]
+    coarse = landscape(session.world, fit, views.demo, seen, grid_axes(session.world)).minimum
+    around = np.radians(np.arange(-AROUND_DEG, AROUND_DEG + FINE_DEG / 2, FINE_DEG))
+    scene = session.scene
+    axes = tuple(np.unique(np.clip(c + around, low, high)) for c, low, high in zip(coarse, scene.lower, scene.upper))
+    return landscape(session.world, fit, views.demo, seen, axes).minimum
+
+
+def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) -> Success:
+    motions, bias = [run.motions for run in runs], [run.bias for run in runs]
+
+    def shares(errors: str) -> dict[str, dict[float, Share]]:
+        return {
+            target: {near: Share.of(getattr(run, errors)[target] <= near for run in runs) for near in WITHIN_DEG}
+            for target in TARGETS
+        }
+
+    return Success(
+        transfer,
+        servo,
+        len(runs),
+        max_motions,
+        ended=shares("ended"),
+        came=shares("nearest"),
+        motions_median=float(np.median(motions)),
+        motions_95=float(np.percentile(motions, 95)),
+        claimed=Share.of(run.claimed for run in runs),
+        claimed_falsely=Share.of(run.claimed and run.ended["own_minimum"] > FALSE_DEG for run in runs),
+        bias_deg_median=float(np.median(bias)),
+        bias_deg_95=float(np.percentile(bias, 95)),
+    )
+
+
+def wilson(count: int, runs: int) -> tuple[float, float]:
+    """Wilson's score interval (1927) of a share, for CONFIDENCE: low, high."""
+    z = NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
+    share, shrink = count / runs, 1 + z * z / runs
+    middle = (share + z * z / (2 * runs)) / shrink
+    half = z / shrink * math.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
+    return middle - half if count else 0.0, middle + half if count < runs else 1.0
+
+
+def _error_deg(theta: NDArray, target: NDArray) -> NDArray:
+    """Largest joint error. theta: (..., m) rad → (...) degrees."""
+    return np.degrees(np.abs(theta - target)).max(-1)

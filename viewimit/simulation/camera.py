@@ -1,0 +1,122 @@
+"""Pinhole cameras and the learner's stereo head."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..geometry.rigid import look_rotation, rigid_transform
+
+WORLD = np.eye(4)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera with square pixels and no distortion.
+
+    width, height, focal, centre: px; T_world_camera: (4, 4), metres, OpenCV axes.
+    """
+
+    width: int
+    height: int
+    focal: float
+    centre: tuple[float, float]
+    T_world_camera: NDArray
+
+    def project(self, points: NDArray, T_world_points: NDArray = WORLD) -> tuple[NDArray, NDArray]:
+        """points: (3, ...) m in a frame → image (2, ...) px and visible (...): in front and inside the image."""
+        R_camera_world = self.T_world_camera[:3, :3].T
+        rotation = R_camera_world @ T_world_points[:3, :3]
+        offset = R_camera_world @ (T_world_points[:3, 3] - self.T_world_camera[:3, 3])
+        in_camera = rotation @ points.reshape(3, -1)
+        in_camera += offset[:, None]
+        image, depth = in_camera[:2], in_camera[2]
+        visible = depth > 0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            image *= np.divide(self.focal, depth, out=depth)
+        for coordinate, centre, size in zip(image, self.centre, (self.width, self.height)):
+            coordinate += centre
+            visible &= coordinate >= 0
+            visible &= coordinate <= size
+        return image.reshape((2,) + points.shape[1:]), visible.reshape(points.shape[1:])
+
+    def ray(self, image: ArrayLike) -> NDArray:
+        """image: (..., 2) px → directions (..., 3) in the world, 1 long along the optical axis."""
+        R_world_camera = self.T_world_camera[:3, :3]
+        on_plane = (np.asarray(image, float) - self.centre) / self.focal
+        return on_plane @ R_world_camera[:, :2].T + R_world_camera[:, 2]
+
+
+class Cameras:
+    """Several cameras that take a few points at once: as Camera.project does for many, in fewer steps."""
+
+    def __init__(self, cameras: Sequence[Camera]):
+        self.cameras = tuple(cameras)
+        frames = np.array([camera.T_world_camera for camera in cameras])
+        self._rotations = frames[:, :3, :3]
+        self._offsets = -frames[:, None, :3, 3] @ self._rotations
+        self._focal = np.array([[camera.focal] for camera in cameras])
+        self._centres = np.array([[camera.centre] for camera in cameras])
+        self._sizes = np.array([[(camera.width, camera.height)] for camera in cameras])
+
+    def images(self, points: NDArray, nearest: float | None = None) -> tuple[NDArray, NDArray]:
+        """points: (N, 3) m in the world → images (cameras, N, 2) px, depths (cameras, N) m.
+
+        nearest: depth to which nearer points are set back, so that what stands behind a camera is drawn somewhere.
+        """
+        in_camera = points @ self._rotations + self._offsets
+        depth = in_camera[..., 2]
+        if nearest is not None:
+            depth = np.maximum(depth, nearest)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return in_camera[..., :2] * (self._focal / depth)[..., None] + self._centres, depth
+
+    def project(self, points: NDArray) -> tuple[NDArray, NDArray]:
+        """points: (N, 3) m in the world → images (cameras, N, 2) px, visible (cameras, N): in front and inside."""
+        images, depth = self.images(points)
+        return images, (depth > 0) & ((images >= 0) & (images <= self._sizes)).all(-1)
+
+
+@dataclass(frozen=True)
+class StereoHead:
+    """Two equal cameras on one rigid head that turns to look: the paper's [l],[r] and [L],[R].
+
+    position: midpoint of the two centres of projection, m. `verged` cameras each look at the
+    gaze point itself; otherwise the optical axes are parallel.
+    """
+
+    position: tuple[float, float, float]
+    baseline_m: float
+    width: int
+    height: int
+    focal: float
+    centre: tuple[float, float]
+    verged: bool = False
+
+    def gaze(self, target: ArrayLike) -> tuple[Camera, Camera]:
+        """Left and right camera of the head turned towards `target` (3,) m."""
+        target, position = np.asarray(target, float), np.asarray(self.position, float)
+        right = look_rotation(target - position)[:, 0]
+        cameras = []
+        for side in (-0.5, 0.5):
+            eye = position + side * self.baseline_m * right
+            direction = target - (eye if self.verged else position)
+            T_world_camera = rigid_transform(look_rotation(direction), eye)
+            cameras.append(Camera(self.width, self.height, self.focal, self.centre, T_world_camera))
+        return cameras[0], cameras[1]
+
+
+def triangulate(left: Camera, right: Camera, points: NDArray) -> NDArray:
+    """Midpoint of the two rays nearest to each other. points: (..., 4) px [left, right] → (..., 3) m.
+
+    For the viewer of the scene only: no estimator may know a camera. NaN where the rays are parallel.
+    """
+    a, b = left.ray(points[..., :2]), right.ray(points[..., 2:])
+    o_a, o_b = left.T_world_camera[:3, 3], right.T_world_camera[:3, 3]
+    base = o_b - o_a
+    aa, ab, bb = (a * a).sum(-1), (a * b).sum(-1), (b * b).sum(-1)
+    along_a, along_b = a @ base, b @ base
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s, t = np.stack([bb * along_a - ab * along_b, ab * along_a - aa * along_b]) / (aa * bb - ab * ab)
+    return 0.5 * (o_a + s[..., None] * a + o_b + t[..., None] * b)

@@ -1,0 +1,36 @@
+"""Image points as a camera's geometry has them, and arms without weight."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...snapshot import Settings
+from ..robot import Angles
+from ..scene import Scene
+from ..world import Actuator, World
+
+EXACT = Actuator()
+
+
+class ProjectedEyes:
+    """See the package."""
+
+    noise_px = 0.0
+
+    def __init__(self, scene: Scene, points: int):
+        self.world = World(scene, points)
+
+    def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+        return self.world.demo_images(theta)
+
+    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+        return self.world.own_images(theta)
+
+    def settle(self, theta: NDArray) -> NDArray:
+        return theta
+
+    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+        arm = Actuator(settings.gain_error, settings.quantum_deg)
+        if arm == EXACT:
+            return commanded
+        scene = self.world.scene
+        return np.clip(arm.move(theta, commanded - sent), scene.lower, scene.upper)

@@ -1,0 +1,222 @@
+"""Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..assets import ROOT
+from .camera import StereoHead
+from .robot import BodyPoints, Robot
+
+Vector = tuple[float, float, float]
+ROUNDING_DEG = 0.01  # URDFs round π
+
+
+class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The stereo head: position m, baseline m, image and focal length px, gaze points m."""
+
+    position: Vector
+    baseline: float
+    image: tuple[int, int]
+    focal: float
+    centre: tuple[float, float]
+    gaze_demonstrator: Vector
+    gaze_learner: Vector
+    verged: bool = False
+
+
+class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Where an arm stands: position m, yaw about the vertical in degrees."""
+
+    position: Vector
+    yaw_deg: float = 0.0
+
+
+class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A scene file. Joints are numbered from 1, angles are in degrees, lengths in metres.
+
+    robot: a robot of assets/robots or the path of a URDF, from the scene file; moving_joints: those that imitate;
+    range_deg: their limits here; posture_deg: all joints at rest, the moving ones as the
+    demonstrator starts; start_deg: the learner's moving joints at the start;
+    points: layouts by their number of points, each [link, x, y, z] on the body.
+    """
+
+    title: str
+    robot: str
+    moving_joints: tuple[int, ...]
+    range_deg: tuple[tuple[float, float], ...]
+    posture_deg: tuple[float, ...]
+    start_deg: tuple[float, ...]
+    head: Head
+    demonstrator: Base
+    learner: Base
+    points: dict[str, tuple[tuple[int, float, float, float], ...]]
+
+    @property
+    def moving(self) -> NDArray:
+        """(m,) indices of the moving joints, from 0"""
+        return np.array(self.moving_joints) - 1
+
+    @property
+    def lower(self) -> NDArray:
+        """(m,) rad"""
+        return np.radians([low for low, _ in self.range_deg])
+
+    @property
+    def upper(self) -> NDArray:
+        """(m,) rad"""
+        return np.radians([high for _, high in self.range_deg])
+
+    def stereo_head(self) -> StereoHead:
+        head = self.head
+        width, height = head.image
+        return StereoHead(head.position, head.baseline, width, height, head.focal, head.centre, head.verged)
+
+    def body_points(self, count: int) -> BodyPoints:
+        """The layout with `count` points. Raises ValueError naming the layouts there are."""
+        if str(count) not in self.points:
+            raise ValueError(f"no layout of {count} points in this scene; it has {', '.join(self.points)}")
+        rows = np.array(self.points[str(count)])
+        return BodyPoints(rows[:, 0].astype(int), rows[:, 1:])
+
+    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
+        """theta: (m,) rad, checked → a copy. Raises ValueError for a wrong count, NaN or beyond the limits."""
+        theta = np.array(theta, float)
+        if theta.shape != (len(self.moving_joints),):
+            raise ValueError(
+                f"{whose} posture needs {len(self.moving_joints)} angles, of joints "
+                f"{', '.join(map(str, self.moving_joints))}, got {theta.size}"
+            )
+        for joint, angle, (low, high) in zip(self.moving_joints, np.degrees(theta), self.range_deg):
+            if not low - 1e-6 <= angle <= high + 1e-6:  # NaN fails too
+                raise ValueError(f"{whose} joint {joint} at {angle:g}° is outside its limits {low:g}° … {high:g}°")
+        return np.clip(theta, self.lower, self.upper)
+
+
+def scene_names() -> list[str]:
+    """Names of the shipped scenes."""
+    return sorted(path.stem for path in (ROOT / "scenes").glob("*.toml"))
+
+
+def robot_names() -> list[str]:
+    """Names of the shipped robots."""
+    return sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir())
+
+
+def load_scene(
+    name: str | Path = "panda", robot: str | Path | None = None, joints: tuple[int, ...] | None = None
+) -> Scene:
+    """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
+    scene of that name beside the file, or else from the shipped one.
+
+    robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
+    joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
+    robot's limits and start at rest.
+    Raises ValueError that names the file and the field.
+    """
+    path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
+    if not path.is_file():
+        raise ValueError(f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml file")
+    if robot is not None:
+        load_robot(robot)  # its own faults are not the scene's
+    try:
+        scene = msgspec.convert(_read(path), Scene)
+        robot = str(robot) if robot is not None else _beside(path, scene.robot)
+        scene = msgspec.structs.replace(scene, robot=robot)
+        _check(scene)
+        scene = scene if joints is None else _freed(scene, joints)
+    except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
+        raise ValueError(f"{path}: {error}") from None
+    return scene
+
+
+def load_robot(name: str | Path) -> Robot:
+    """A shipped robot by name, or any URDF by path. Raises ValueError with what there is."""
+    path = Path(name)
+    if path.suffix.lower() != ".urdf":
+        path = ROOT / "robots" / str(name) / f"{name}.urdf"
+        if not path.is_file():
+            raise ValueError(
+                f"no robot {str(name)!r}; there are {', '.join(robot_names())}, or the path of a .urdf file"
+            )
+    return Robot.from_urdf(path)
+
+
+def _read(path: Path) -> dict:
+    fields = msgspec.toml.decode(path.read_bytes())
+    _require_finite(fields)
+    if "extends" not in fields:
+        return fields
+    parent = fields.pop("extends")
+    beside, shipped = (folder / f"{parent}.toml" for folder in (path.parent, ROOT / "scenes"))
+    if not (beside.is_file() or shipped.is_file()):
+        raise ValueError(f"extends {parent!r}, but there is no {beside}, nor a shipped scene of that name")
+    return _merge(_read(beside if beside.is_file() else shipped), fields)
+
+
+def _beside(path: Path, robot: str) -> str:
+    """A URDF is named relative to the scene file."""
+    return str(path.parent / robot) if robot.lower().endswith(".urdf") else robot
+
+
+def _require_finite(value, name: str = "") -> None:
+    """TOML can say nan and inf."""
+    if isinstance(value, float) and not np.isfinite(value):
+        raise ValueError(f"{name} is {value}, not a finite number")
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, item in items:
+        _require_finite(item, f"{name}.{key}".lstrip("."))
+
+
+def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
+    """The scene with other joints moving."""
+    robot = load_robot(scene.robot)
+    if not joints or list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
+        raise ValueError(f"joints {', '.join(map(str, joints))} must ascend, within 1 … {len(robot.joints)}")
+    known = dict(zip(scene.moving_joints, zip(scene.range_deg, scene.start_deg)))
+    rest = {}
+    for joint, posture in zip(joints, np.array(scene.posture_deg)[np.array(joints) - 1].tolist()):
+        limits = np.degrees((robot.joints[joint - 1].lower, robot.joints[joint - 1].upper))
+        rest[joint] = (tuple(limits.round(6).tolist()), posture)
+    ranges, starts = zip(*(known.get(joint, rest[joint]) for joint in joints))
+    return msgspec.structs.replace(scene, moving_joints=tuple(joints), range_deg=ranges, start_deg=starts)
+
+
+def _merge(below: dict, above: dict) -> dict:
+    merged = dict(below)
+    for key, value in above.items():
+        both = isinstance(value, dict) and isinstance(below.get(key), dict)
+        merged[key] = _merge(below[key], value) if both else value
+    return merged
+
+
+def _check(scene: Scene) -> None:
+    """What types cannot say: counts agree with the robot, limits are ordered, links exist."""
+    robot = load_robot(scene.robot)
+    n, m = len(robot.joints), len(scene.moving_joints)
+    if len(scene.posture_deg) != n:
+        raise ValueError(f"posture_deg has {len(scene.posture_deg)} angles, but {robot.name} has {n} joints")
+    if list(scene.moving_joints) != sorted(scene.moving_joints):
+        raise ValueError(f"moving_joints {list(scene.moving_joints)} must ascend, base to tip")
+    if not 0 < m == len(set(scene.moving_joints)) == len(scene.range_deg) == len(scene.start_deg):
+        raise ValueError("moving_joints, range_deg and start_deg must name the same joints once each")
+    for joint, (low, high) in zip(scene.moving_joints, scene.range_deg):
+        if not 1 <= joint <= n:
+            raise ValueError(f"{robot.name} has no joint {joint}; its joints are 1 … {n}")
+        if not low < high:
+            raise ValueError(f"joint {joint}: range_deg {low:g} … {high:g} is empty")
+        turns = np.degrees((robot.joints[joint - 1].lower, robot.joints[joint - 1].upper))
+        if low < turns[0] - ROUNDING_DEG or high > turns[1] + ROUNDING_DEG:
+            raise ValueError(
+                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot.name} turns, "
+                f"{turns[0]:.4g} … {turns[1]:.4g}"
+            )
+    for count, layout in scene.points.items():
+        if count != str(len(layout)):
+            raise ValueError(f"points.{count} has {len(layout)} points")
+        if any(not 0 <= link <= n for link, *_ in layout):
+            raise ValueError(f"points.{count}: links are 0 … {n}")
+    scene.require_posture(np.radians(scene.posture_deg)[scene.moving], "demonstrator's")
+    scene.require_posture(np.radians(scene.start_deg), "learner's start")

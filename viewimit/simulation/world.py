@@ -1,0 +1,134 @@
+"""Two arms of the same build and a stereo head: postures in, image points out.
+
+The simulated world. It knows the truth, so nothing in `transfer` or `servo` may import it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..geometry.rigid import rigid_transform, rotation_about_axis
+from ..views import FourViews
+from .camera import Camera, Cameras
+from .robot import BodyPoints, Robot
+from .scene import Base, Scene, load_robot
+
+GROSS_PX = 60.0  # a coordinate
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What spoils an image: Gaussian noise in px (standard deviation a coordinate), the share of points not found, and
+    the share found at a wrong place, anywhere within GROSS_PX."""
+
+    noise_px: float = 0.0
+    missing: float = 0.0
+    outliers: float = 0.0
+
+    def apply(self, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
+        """points: (N, 4) px, visible: (N, 2). The draws depend on the seed alone, so that turning one
+        disturbance up enlarges the same noise and loses the same points first."""
+        if not (self.noise_px or self.missing or self.outliers):
+            return points, visible
+        rng = np.random.default_rng(seed)
+        noise, luck = rng.standard_normal(points.shape), rng.random(visible.shape)
+        points, visible = points + self.noise_px * noise, visible & (luck >= self.missing)
+        if self.outliers:
+            wrong = np.repeat(rng.random(visible.shape) < self.outliers, 2, -1)
+            points = np.where(wrong, points + rng.uniform(-GROSS_PX, GROSS_PX, points.shape), points)
+        return points, visible
+
+    def frames(self, points: NDArray, visible: NDArray, seed: list[int], count: int) -> tuple[NDArray, NDArray]:
+        """Several looks at the same: (count, N, 4) px, (count, N, 2)."""
+        looks = [self.apply(points, visible, [*seed, k] if k else seed) for k in range(count)]
+        return tuple(map(np.array, zip(*looks)))
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """What an arm makes of a command: (1 + gain_error) of it, in steps of quantum_deg."""
+
+    gain_error: float = 0.0
+    quantum_deg: float = 0.0
+
+    def move(self, theta: NDArray, command: NDArray) -> NDArray:
+        """From theta by command, (m,) rad each → where it stands."""
+        after = theta + (1 + self.gain_error) * command
+        if self.quantum_deg:
+            quantum = np.radians(self.quantum_deg)
+            after = quantum * np.round(after / quantum)
+        return after
+
+
+class World:
+    """A scene set up: the two robots placed, the head's two gazes taken.
+
+    Postures are of the scene's moving joints: m arrays of angles in rad, broadcast against each
+    other, so that (θ2[:, None], θ4[None, :]) is a grid. Own images of a grid are (91, 181, N, 4).
+    """
+
+    def __init__(self, scene: Scene, points: int = 10, robot: Robot | None = None, body: BodyPoints | None = None):
+        self.scene = scene
+        self.robot = robot or load_robot(scene.robot)
+        self.body: BodyPoints = scene.body_points(points) if body is None else body
+        self._chain, self._chain_body = self.robot.held(np.radians(scene.posture_deg), scene.moving, self.body)
+        self._rest = np.radians(scene.posture_deg).tolist()
+        head = scene.stereo_head()
+        self.demo_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_demonstrator)
+        self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
+        self.demo_pair, self.own_pair = Cameras(self.demo_cameras), Cameras(self.own_cameras)
+        self._local = np.concatenate([self._chain_body.local, np.ones((len(self.body), 1))], 1)[:, :, None]
+        self.T_world_demo = _placed(scene.demonstrator)
+        self.T_world_own = _placed(scene.learner)
+
+    def joint_angles(self, theta: Sequence[ArrayLike] | NDArray) -> list:
+        """Angles of all n joints, rad: the moving ones from theta, the others at rest."""
+        angles = list(self._rest)
+        for joint, angle in zip(self.scene.moving, theta, strict=True):
+            angles[joint] = angle
+        return angles
+
+    def demo_images(self, theta) -> tuple[NDArray, NDArray]:
+        """The demonstrator in [l], [r] → points (..., N, 4) px, visible (..., N, 2)."""
+        return self._images(theta, self.T_world_demo, self.demo_pair)
+
+    def own_images(self, theta) -> tuple[NDArray, NDArray]:
+        """The learner in [L], [R] → points (..., N, 4) px, visible (..., N, 2)."""
+        return self._images(theta, self.T_world_own, self.own_pair)
+
+    def look(self, theta_demo, theta_own) -> FourViews:
+        """All four views, undisturbed, for one posture of each arm, (m,) rad."""
+        demo, demo_visible = self.demo_images(theta_demo)
+        own, own_visible = self.own_images(theta_own)
+        return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
+
+    def link_frames(self, theta, T_world_base: NDArray) -> NDArray:
+        """T_world_link of every link of an arm in one posture: (n + 1, 4, 4)."""
+        return self.robot.link_frames(self.joint_angles(theta), T_world_base)
+
+    def points_world(self, theta, T_world_base: NDArray) -> NDArray:
+        """Body points of an arm in one posture: (N, 3) m."""
+        frames = self._chain.link_frames(theta, T_world_base)
+        return (frames[self._chain_body.link] @ self._local)[:, :3, 0]
+
+    def _images(self, theta, T_world_base: NDArray, pair: Cameras) -> tuple[NDArray, NDArray]:
+        if all(np.ndim(angle) == 0 for angle in theta):  # one posture: few points, whose price is the number of steps
+            images, visible = pair.project(self.points_world(theta, T_world_base))
+            return images.swapaxes(0, 1).reshape(-1, 4), visible.T
+        shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
+        points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
+        visible = np.empty((2, len(self.body)) + shape, bool)
+        for index, xyz in self._chain.place_points(theta, self._chain_body):
+            for side, camera in enumerate(pair.cameras):
+                image, seen = camera.project(xyz, T_world_base)
+                for row, point in enumerate(index):
+                    points[2 * side, point], points[2 * side + 1, point] = image[:, row]
+                    visible[side, point] = seen[row]
+        return np.moveaxis(points, (1, 0), (-2, -1)), np.moveaxis(visible, (1, 0), (-2, -1))
+
+
+def _placed(base: Base) -> NDArray:
+    """T_world_base"""
+    return rigid_transform(rotation_about_axis([0, 0, 1], np.radians(base.yaw_deg)), base.position)

@@ -36,11 +36,11 @@ class FourViews:
         if len(set(counts)) > 1:
             found = ", ".join(f"{name}: {count}" for name, count in zip(VIEWS, counts))
             raise ValueError(f"the views hold different numbers of points ({found}); they are matched by index")
-        images = np.broadcast_arrays(*images)
+        together = np.broadcast_arrays(*images)
         return cls(
-            np.concatenate(images[:2], -1),
-            np.concatenate(images[2:], -1),
-            np.stack([np.isfinite(image).all(-1) for image in images], -1),
+            np.concatenate(together[:2], -1),
+            np.concatenate(together[2:], -1),
+            np.stack([np.isfinite(image).all(-1) for image in together], -1),
         )
 
     @property
@@ -66,7 +66,7 @@ class FourViews:
     @cached_property
     def usable(self) -> NDArray:
         """(..., N) bool: seen in all four views, as every transfer needs it."""
-        return self.visible.all(-1)
+        return np.asarray(self.visible.all(-1))
 
     @property
     def used(self) -> "FourViews":

@@ -9,6 +9,7 @@ import json
 import logging
 import socket
 from collections.abc import Callable, Iterable
+from typing import Any
 
 from viser import ViserServer
 from websockets.asyncio.server import ServerConnection
@@ -99,7 +100,8 @@ class Door:
         return None if self._server is None else viser_private.client_of(self._server, connection)
 
     def belongs_to_another(self, uuid: str) -> bool:
-        return any(viser_private.widget_of(client, uuid) for client in self._server.get_clients().values())
+        clients = {} if self._server is None else self._server.get_clients()
+        return any(viser_private.widget_of(client, uuid) for client in clients.values())
 
     @property
     def full(self) -> bool:
@@ -155,7 +157,8 @@ class GuardedConnection(ServerConnection):
 
     def __init__(self, door: Door, *args, **limits):
         super().__init__(*args, **limits)
-        self._door, self.token = door, None
+        self._door = door
+        self.token: str | None = None
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._gate: Gate | None = None
@@ -192,8 +195,8 @@ class GuardedConnection(ServerConnection):
             return
         super().process_event(event)
 
-    async def recv(self, decode: bool | None = None) -> bytes:
-        """The next message that passes the gate."""
+    async def recv(self, decode: bool | None = None) -> Any:
+        """The next message that passes the gate, as it came: bytes."""
         while True:
             try:
                 raw = await super().recv(decode)
@@ -220,7 +223,8 @@ class GuardedConnection(ServerConnection):
                     raise Hostile(f"{type(message).__name__} before the first view")
                 return
             self._gate = Gate(client, self._door.belongs_to_another)
-            self._starts.cancel()
+            if self._starts is not None:
+                self._starts.cancel()
         self._gate.admit(message)
 
     def _end_if_idle(self) -> None:

@@ -33,7 +33,7 @@ class Placing:
 
     def place(self, token: str | None) -> int:
         """The browser's own worker while it has a seat, else the one with fewest connections. token: None if new."""
-        worker = self._of.get(token)
+        worker = None if token is None else self._of.get(token)
         if worker is None or self._is_full(worker):
             open_at = [handed - row.ended for handed, row in zip(self.handed, self._tally.rows)]
             worker = min(range(len(open_at)), key=lambda k: (self._is_full(k), open_at[k]))
@@ -106,7 +106,12 @@ async def _head(connection: socket.socket) -> bytes:
 async def _readable(connection: socket.socket) -> None:
     loop = asyncio.get_running_loop()
     ready = loop.create_future()
-    loop.add_reader(connection, lambda: ready.done() or ready.set_result(None))
+
+    def tell() -> None:
+        if not ready.done():
+            ready.set_result(None)
+
+    loop.add_reader(connection, tell)
     try:
         await ready
     finally:

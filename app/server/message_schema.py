@@ -12,7 +12,9 @@ Real = Annotated[float, Meta(ge=-1e5, le=1e5)]
 Count = Annotated[int, Meta(ge=0, le=100_000)]
 Size = Annotated[int, Meta(ge=0, le=2**53)]
 Name = Annotated[str, Meta(max_length=200)]
-Pair, Triple, Quaternion = tuple[Real, Real], tuple[Real, Real, Real], tuple[Real, Real, Real, Real]
+Pair = tuple[Real, Real]
+Triple = tuple[Real, Real, Real]
+Quaternion = tuple[Real, Real, Real, Real]
 
 
 class Refused(ValueError):

@@ -25,7 +25,8 @@ def is_own_page(origin: str, host: str, allowed: Collection[str]) -> bool:
         same = page.hostname == asked.hostname and (page.port or scheme_port) == (asked.port or scheme_port)
     except (ValueError, KeyError):
         return False
-    return same and bool(page.hostname) and (_is_address(page.hostname) or page.hostname in own_names())
+    name = page.hostname
+    return same and name is not None and (_is_address(name) or name in own_names())
 
 
 def _is_address(name: str) -> bool:

@@ -2,7 +2,6 @@
 
 import asyncio
 import math
-import numbers
 from collections.abc import Callable
 
 from viser import (
@@ -141,7 +140,7 @@ class Uploads:
 
 
 def _check_number(widget, value) -> None:
-    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise Refused(f"{str(value)[:40]!r}, which is no number")
     low = -math.inf if widget.min is None else widget.min
     high = math.inf if widget.max is None else widget.max

@@ -43,7 +43,7 @@ class RedisStore:
                 return False
             if gone := [f"part:{name}" for name in gone_names]:
                 pipe.hdel(_name(key), *gone)
-            fields = {f"part:{name}": data for name, data in parts.items()}
+            fields: dict[str | bytes, str | bytes] = {f"part:{name}": data for name, data in parts.items()}
             pipe.hset(_name(key), mapping={WRITER: writer, **fields})
             pipe.expire(_name(key), KEPT_S)
             return True

@@ -1,6 +1,7 @@
 """Which kept session a new connection goes on with: its browser's, unless another tab of that browser has it open."""
 
 import threading
+from typing import Protocol, runtime_checkable
 
 from viser import ClientHandle, ViserServer
 
@@ -11,6 +12,13 @@ from .autosave import Keeper, Memory
 
 MOST_TABS = 8  # of a browser that are kept
 ANSWERS_WITHIN = 2.0  # s: an open tab answers a ping sooner
+
+
+@runtime_checkable
+class TokenConnection(Protocol):
+    """A connection that knows its browser. token: None without one."""
+
+    token: str | None
 
 
 class Seats:
@@ -24,14 +32,14 @@ class Seats:
     def take(self, client: ClientHandle) -> tuple[str | None, Memory | None]:
         """A key for what this client does, and what its browser left under it; (None, None) without a token."""
         connection = viser_private.connection_of(self._server, client.client_id)
-        token = connection and connection.token
+        token = connection.token if isinstance(connection, TokenConnection) else None
         if token is None:
             return None, None
         keys = [f"{token}.{tab}" for tab in range(MOST_TABS)]
         for key in keys:
             self._free_if_silent(key)
-        key = self._hold(keys, client.client_id)
-        return key, key and self._keeper.claim(key, self._begun)
+        held = self._hold(keys, client.client_id)
+        return held, None if held is None else self._keeper.claim(held, self._begun)
 
     def leave(self, key: str) -> None:
         with self._lock:

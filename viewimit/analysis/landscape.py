@@ -65,10 +65,10 @@ class Landscape:
             lower = shifted < best
             best[lower] = shifted[lower]
             target[lower] = (np.arange(self.E.size).reshape(rows, columns) + di * columns + dj)[lower]
-        target = target.ravel()
-        while not np.array_equal(target, target[target]):  # pointer jumping: twice as far each time
-            target = target[target]
-        return target
+        ends = target.ravel()
+        while not np.array_equal(ends, ends[ends]):  # pointer jumping: twice as far each time
+            ends = ends[ends]
+        return ends
 
 
 _NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
@@ -81,9 +81,10 @@ def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray, NDArray]:
         raise ValueError(f"a landscape needs two moving joints, this scene has {len(scene.moving_joints)}")
     if not 0 < step_deg <= 45:
         raise ValueError(f"step must be between 0° and 45°, got {step_deg:g}°")
-    return tuple(
+    first, second = (
         np.radians(np.linspace(low, high, round((high - low) / step_deg) + 1)) for low, high in scene.range_deg
     )
+    return first, second
 
 
 def landscape(

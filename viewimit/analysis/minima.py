@@ -14,7 +14,7 @@ LONG = 1_000  # steps at most
 DIRECTIONS = 8
 TURN = np.pi * (3 - np.sqrt(5))  # the golden angle: compasses turned by it again and again come to point everywhere
 
-Conflict = Callable[[Sequence[NDArray]], NDArray]
+Conflict = Callable[[Sequence[NDArray] | NDArray], NDArray]
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def _newton(E_at: Conflict, theta: NDArray, step: NDArray) -> NDArray:
     H = np.empty((len(theta), 2, 2))
     H[:, 0, 0], H[:, 1, 1] = ((both - 2 * E[:, 1, 1]) / (h * h) for both in straight)
     H[:, 0, 1] = H[:, 1, 0] = across
-    known = np.isfinite(H).all((1, 2)) & np.isfinite(gradient).all(1)
+    known = np.asarray(np.isfinite(H).all((1, 2)) & np.isfinite(gradient).all(1))
     values, vectors = np.linalg.eigh(np.where(known[:, None, None], H, np.eye(2)))
     bent = np.maximum(np.abs(values), 1e-12 * np.abs(values).max(1, keepdims=True) + 1e-300)
     way = -np.einsum(

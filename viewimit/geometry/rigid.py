@@ -11,13 +11,16 @@ def rotation_about_axis(axis: ArrayLike, angle: ArrayLike) -> NDArray:
 
     The matrix axes come first so that a grid of angles stays contiguous in memory.
     """
-    K, K_squared = _skew(*map(float, axis))
-    angle = np.asarray(angle, float)
+    x, y, z = np.asarray(axis, float).tolist()
+    K, K_squared = _skew(x, y, z)
+    angle, identity = np.asarray(angle, float), np.eye(3)
     if angle.ndim:
         shape = (3, 3) + (1,) * angle.ndim
-        K, K_squared, identity = K.reshape(shape), K_squared.reshape(shape), np.eye(3).reshape(shape)
-    else:
-        identity = np.eye(3)
+        return _turned(K.reshape(shape), K_squared.reshape(shape), identity.reshape(shape), angle)
+    return _turned(K, K_squared, identity, angle)
+
+
+def _turned(K: NDArray, K_squared: NDArray, identity: NDArray, angle: NDArray) -> NDArray:
     return identity + np.sin(angle) * K + (1 - np.cos(angle)) * K_squared
 
 
@@ -53,9 +56,9 @@ def look_rotation(direction: ArrayLike, up: ArrayLike = (0, 0, 1)) -> NDArray:
     Raises ValueError if the direction is zero or parallel to `up`.
     """
     forward = np.asarray(direction, float)
-    right = np.cross(forward, up)
-    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(forward), 1e-300):
-        raise ValueError(f"cannot look along {direction}: it is zero or parallel to up {up}")
+    right = np.cross(forward, np.asarray(up, float))
+    if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(forward)), 1e-300):
+        raise ValueError(f"cannot look along {direction!r}: it is zero or parallel to up {up!r}")
     right /= np.linalg.norm(right)
     forward = forward / np.linalg.norm(forward)
     return np.stack([right, np.cross(forward, right), forward], axis=1)

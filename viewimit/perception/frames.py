@@ -23,7 +23,7 @@ def merge(points: NDArray, visible: NDArray) -> tuple[NDArray, NDArray]:
         far = away > max(GROSS * noise(points, visible), LEAST_PX)
         visible = visible & ~far.reshape(visible.shape + (2,)).any(-1)
         shown = np.repeat(visible, 2, -1)
-    return np.where(shown, points, 0.0).sum(0) / np.maximum(shown.sum(0), 1), visible.any(0)
+    return np.where(shown, points, 0.0).sum(0) / np.maximum(shown.sum(0), 1), np.asarray(visible.any(0))
 
 
 def noise(points: NDArray, visible: NDArray) -> float:

@@ -119,7 +119,7 @@ def _deeplabcut_rows(path: Path) -> list[Row]:
     for column in range(1, len(parts), 3):
         if tuple(coordinates[column : column + 3]) != COORDINATES or len(set(parts[column : column + 3])) != 1:
             raise ValueError(f"{path}: line {line + 1}, column {column + 1}: needs x, y, likelihood of one body part")
-    rows = []
+    rows: list[Row] = []
     for line, cells in lines[3:]:
         if len(cells) != len(parts):
             raise ValueError(f"{path}: line {line}: {len(cells)} cells, but {len(parts)} columns")
@@ -130,7 +130,8 @@ def _deeplabcut_rows(path: Path) -> list[Row]:
                 for k in range(3)
             ]
             if np.isfinite(numbers).all():
-                rows.append((frame, parts[column], *numbers))
+                x, y, likelihood = numbers
+                rows.append((frame, parts[column], x, y, likelihood))
     if not rows:
         raise ValueError(f"{path}: no point in any frame")
     return rows

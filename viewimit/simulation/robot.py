@@ -76,7 +76,7 @@ class Robot:
             parts[:, k] = joint.T_parent_joint @ parts[:, k]
         return parts
 
-    def held(self, angles: ArrayLike, moving: ArrayLike, body: BodyPoints) -> tuple["Robot", BodyPoints]:
+    def held(self, angles: NDArray, moving: Sequence[int] | NDArray, body: BodyPoints) -> tuple["Robot", BodyPoints]:
         """The arm with all joints but `moving` (from 0) held at `angles` (n,) rad: a shorter chain, the same points."""
         joints: list[Joint] = []
         T_kept_link = np.eye(4)  # of the link at hand, in the frame of the last link that still moves
@@ -199,9 +199,10 @@ def _read_joint(path: Path, element: ElementTree.Element) -> dict:
 
     def link(tag: str) -> str:
         child = element.find(tag)
-        if child is None or not child.get("link"):
+        named = None if child is None else child.get("link")
+        if not named:
             raise ValueError(f"{path}: joint {name!r} has no <{tag} link=…>")
-        return child.get("link")
+        return named
 
     kind = element.get("type", "")
     endless = kind == "continuous"

@@ -37,7 +37,7 @@ def run(scene: str, pairs: int, seed: int = 0, tell: Callable[[float], None] = l
     """pairs of postures, demonstrator and learner, four pictures each. tell(share done)."""
     eyes, rng = RenderedEyes(load_scene(scene)), np.random.default_rng(seed)
     low, high = eyes.world.scene.lower, eyes.world.scene.upper
-    errors, sighted, found, usable = [], [], [], []
+    offsets, sights, finds, usable = [], [], [], []
     for k in range(pairs):
         demo, own = rng.uniform(low, high, (2, len(low)))
         eyes.demo_images(demo)
@@ -45,15 +45,17 @@ def run(scene: str, pairs: int, seed: int = 0, tell: Callable[[float], None] = l
         for view in VIEWS:
             eyes.look(view)  # anew: both arms stand now where they are to
             image, in_sight = eyes.truth(view)
-            errors.append(eyes.detections[view].points - image)
-            sighted.append(in_sight)
-            found.append(eyes.detections[view].found)
-        usable.append(int(np.all(found[-len(VIEWS) :], 0).sum()))
+            offsets.append(eyes.detections[view].points - image)
+            sights.append(in_sight)
+            finds.append(eyes.detections[view].found)
+        usable.append(int(np.all(finds[-len(VIEWS) :], 0).sum()))
         tell((k + 1) / pairs)
-    errors, sighted, found = np.array(errors), np.array(sighted), np.array(found)
+    errors, sighted, found = np.array(offsets), np.array(sights), np.array(finds)
     away = errors[found]
     distance = np.linalg.norm(away, axis=-1)
     right = away[distance <= FALSE_PX]
+    median, most, nearly_all = np.percentile(distance, (50, 95, 99)).tolist()
+    bias_x, bias_y = right.mean(0).tolist()
     return Detection(
         scene=scene,
         pictures=len(VIEWS) * pairs,
@@ -61,9 +63,9 @@ def run(scene: str, pairs: int, seed: int = 0, tell: Callable[[float], None] = l
         in_sight=float(sighted.mean()),
         found=float(found.mean()),
         found_in_sight=float(found[sighted].mean()),
-        error_px=(*map(float, np.percentile(distance, (50, 95, 99))), float(distance.max())),
+        error_px=(median, most, nearly_all, float(distance.max())),
         rms_px=float(np.sqrt((right**2).mean())),
-        bias_px=tuple(right.mean(0).tolist()),
+        bias_px=(bias_x, bias_y),
         false=int((distance > FALSE_PX).sum()),
         detections=int(found.sum()),
         usable=(min(usable), float(np.median(usable))),

@@ -67,7 +67,7 @@ def run(
             scene, points = draw(rng)
             path = write(scene, Path(folder), f"random-{k}")
             asked = msgspec.structs.replace(settings, scene=str(path), points=points)
-            tasks += [_task(asked, pair, max_motions) for pair in rng.uniform(*_range(scene), (pairs, 2, 2)).tolist()]
+            tasks += [_task(asked, pair, max_motions) for pair in _pairs(rng, scene, pairs)]
         runs = []
         for found in processes.each(success.run_pair, tasks, workers):
             runs += found
@@ -116,8 +116,10 @@ def _all_seen(world: World, rng: np.random.Generator) -> bool:
     return bool(world.demo_images(theta)[1].all() and world.own_images(theta)[1].all())
 
 
-def _range(scene: Scene) -> NDArray:
-    return np.transpose(scene.range_deg)
+def _pairs(rng: np.random.Generator, scene: Scene, count: int) -> list[list[list[float]]]:
+    """Starts and demonstrators, count x 2 x 2 degrees."""
+    low, high = np.transpose(scene.range_deg)
+    return rng.uniform(low, high, (count, 2, 2)).tolist()
 
 
 def _moved(position: Sequence[float], shift: NDArray) -> tuple[float, ...]:

@@ -113,6 +113,7 @@ def run(
     found = over_grid("epipolar", True)
     batch_E, batch_condition = baselines.batch(world, demo, postures, True)
     tell(1.0)
+    assert found.condition is not None and batch_condition is not None  # both were asked for
     return Benchmark(
         scene=scene,
         points=points,

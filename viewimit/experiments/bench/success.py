@@ -147,8 +147,10 @@ def own_minimum(session: Session) -> NDArray:
     coarse = landscape(session.world, fit, views.demo, seen, grid_axes(session.world)).minimum
     around = np.radians(np.arange(-AROUND_DEG, AROUND_DEG + FINE_DEG / 2, FINE_DEG))
     scene = session.scene
-    axes = tuple(np.unique(np.clip(c + around, low, high)) for c, low, high in zip(coarse, scene.lower, scene.upper))
-    return landscape(session.world, fit, views.demo, seen, axes).minimum
+    first, second = (
+        np.unique(np.clip(c + around, low, high)) for c, low, high in zip(coarse, scene.lower, scene.upper)
+    )
+    return landscape(session.world, fit, views.demo, seen, (first, second)).minimum
 
 
 def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) -> Success:

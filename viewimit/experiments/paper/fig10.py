@@ -70,19 +70,18 @@ def run(
     last = session.snapshot
     there = session.observe(last.theta_demo, last)
     recorded = not isinstance(motion, str)
-    if not recorded:
-        motion = MOTIONS[motion](session.world, last.theta_demo)
+    played = MOTIONS[motion](session.world, last.theta_demo) if isinstance(motion, str) else motion
     hand, everything = hand_points(session), np.ones(len(last.views.own), bool)
     asked = {CONVERGED: (last, hand), BODY: (last, everything), BEFORE: (first, hand), SAME: (there, hand)}
     if any(moment.transfer is None for moment, _ in asked.values()):
         raise ValueError("too few points are seen in all four images to fit a transfer")
     fitted = {name: np.degrees(moment.theta) for name, (moment, _) in asked.items()}
     scene = session.scene
-    made = (session.settings, scene.moving_joints, scene.head.image, motion, recorded, last.motion, last.status)
+    made = (session.settings, scene.moving_joints, scene.head.image, played, recorded, last.motion, last.status)
     found = Fig10(*made, fitted, {})
     for k, (name, (moment, wanted)) in enumerate(asked.items()):
         share = SEEN_SHARE + (1 - SEEN_SHARE) * np.array([k, k + 1]) / len(asked)
-        followed = follow(session, moment.transfer, motion, wanted, _within(tell, *share))
+        followed = follow(session, moment.transfer, played, wanted, _within(tell, *share))
         found = replace(found, runs={**found.runs, name: followed})
         tell(float(share[1]), found)
     return found

@@ -150,13 +150,12 @@ def _claims(found: Fig7) -> Claims:
     claims.add(
         "Fig. 7: descents that reach it", "all", f"{surface.basin:.1%}", f"≥ {least:.0%}", surface.basin >= least
     )
-    curved = surface.convexity
-    low, high = curved.eigenvalues
-    claims.add(
-        "Eq. (11): Q positive definite", "yes", f"{low:.4f}, {high:.4f} px²/°²", "both > 0", curved.positive_definite
-    )
-    claims.add("Eq. (11): E ≈ δθᵀQδθ within 25 %", "nearby", f"to {curved.holds_to_deg:g}° around")
-    claims.add("Eq. (11): E convex", "nearby", f"to {curved.convex_radius_deg:g}° around")
+    if (curved := surface.convexity) is not None:
+        low, high = curved.eigenvalues
+        definite = curved.positive_definite
+        claims.add("Eq. (11): Q positive definite", "yes", f"{low:.4f}, {high:.4f} px²/°²", "both > 0", definite)
+        claims.add("Eq. (11): E ≈ δθᵀQδθ within 25 %", "nearby", f"to {curved.holds_to_deg:g}° around")
+        claims.add("Eq. (11): E convex", "nearby", f"to {curved.convex_radius_deg:g}° around")
     study = found.studies.get(found.settings.transfer)
     if study is not None:
         inside = study.minima - study.on_limit

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .client import connect, quiet
 
@@ -28,7 +28,7 @@ class Arm:
         self._joints = [info[0] for info in infos]
         self._effort, self._speed = [info[10] for info in infos], [info[11] for info in infos]
 
-    def drive(self, theta: ArrayLike, command: ArrayLike) -> NDArray:
+    def drive(self, theta: NDArray, command: NDArray) -> NDArray:
         """From rest at theta to where it comes to rest once told to go to `command`; (m,) rad each."""
         for joint, angle in zip(self._joints, theta, strict=True):
             self._client.resetJointState(self._body, joint, float(angle))

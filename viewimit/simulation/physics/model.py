@@ -25,8 +25,8 @@ def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
     """
     source = ROOT / "robots" / scene.robot
     root = ElementTree.parse(source / f"{scene.robot}.urdf").getroot()
-    shapes = trimesh.load(source / f"{scene.robot}.glb")
-    joint_to = {joint.find("child").get("link"): joint for joint in root.iter("joint")}
+    shapes = trimesh.load_scene(source / f"{scene.robot}.glb")
+    joint_to = {child.get("link"): joint for joint in root.iter("joint") for child in joint.iter("child")}
     robot, revolute = load_robot(scene.robot), 0
     for link in root.findall("link"):
         joint = joint_to.get(link.get("name"))
@@ -56,6 +56,8 @@ def _brake(joint: ElementTree.Element, geometry, angle: float) -> None:
     T = geometry.T_parent_joint @ rigid_transform(rotation_about_axis(geometry.axis, angle))
     joint.set("type", "fixed")
     origin = joint.find("origin")
+    if origin is None:
+        origin = ElementTree.SubElement(joint, "origin")
     origin.set("xyz", _text(T[:3, 3]))
     origin.set("rpy", _text(trimesh.transformations.euler_from_matrix(T, "sxyz")))
 
@@ -74,7 +76,7 @@ def _add_visual(link: ElementTree.Element, shape: ElementTree.Element, colour, c
     ElementTree.SubElement(visual, "geometry").append(copy.copy(shape))
     name = f"{link.get('name')}-{len(link)}"  # one name is one colour throughout the file
     material = ElementTree.SubElement(visual, "material", name=name)
-    ElementTree.SubElement(material, "color", rgba=_text([*colour, 1.0]))
+    ElementTree.SubElement(material, "color", rgba=_text(np.array([*colour, 1.0])))
 
 
 def _add_stem(link: ElementTree.Element, centre: NDArray, vertices: NDArray) -> None:

@@ -1,9 +1,10 @@
 """Both arms on their pedestals in a plain room, and pictures of them by PyBullet's software renderer."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..camera import Camera
 from ..scene import Base, Scene
@@ -39,7 +40,7 @@ class Studio:
         self._build_room(scene)
         self._empty: dict[bytes, tuple[NDArray, NDArray, NDArray]] = {}  # of the room: rays, their depth, picture
 
-    def pose(self, theta_demo: ArrayLike, theta_own: ArrayLike) -> None:
+    def pose(self, theta_demo: NDArray, theta_own: NDArray) -> None:
         """(m,) rad each"""
         for body, theta in zip(self._bodies, (theta_demo, theta_own)):
             for joint, angle in zip(self._joints, theta, strict=True):
@@ -54,7 +55,7 @@ class Studio:
         (arms, depth), (room, room_depth, empty) = _render(self._arms, camera), self._empty[key]
         nearer, picture = depth < room_depth, empty.copy()
         if nearer.any():  # only there the picture is not that of the empty room
-            rows, columns = (_pixels(nearer.any(axis)) for axis in (1, 0))
+            rows, columns = (_pixels(np.asarray(nearer.any(axis))) for axis in (1, 0))
             rays = tuple(slice(SAMPLES * part.start, SAMPLES * part.stop) for part in (rows, columns))
             picture[rows, columns] = _mean(np.where(nearer[rays], arms[rays], room[rays]))
         return picture
@@ -84,10 +85,11 @@ class Studio:
             if height > 0:
                 self._box((x, y, height / 2), (PEDESTAL_M, PEDESTAL_M, height / 2), PEDESTAL_GREY)
 
-    def _box(self, centre: ArrayLike, half: ArrayLike, grey: float) -> None:
-        half = [float(m) for m in half]
+    def _box(self, centre: Sequence[float], half: Sequence[float], grey: float) -> None:
         colour = (grey, grey, grey, 1)
-        shape = self._room.createVisualShape(self._room.GEOM_BOX, halfExtents=half, rgbaColor=colour)
+        shape = self._room.createVisualShape(
+            self._room.GEOM_BOX, halfExtents=[float(m) for m in half], rgbaColor=colour
+        )
         self._room.createMultiBody(0, -1, shape, [float(m) for m in centre])
 
 

@@ -13,7 +13,7 @@ from viewimit.session import Session
 from .server.address import address, invite, listen, require_free
 from .server.options import ServerOptions
 from .server.origins import is_loopback
-from .server.seat_counts import Tally
+from .server.seat_counts import SeatCounts
 from .server.worker import LOG_FORMAT
 from .server.workers import working
 
@@ -47,7 +47,7 @@ def serve(
         else:
             from .server.pages import serving  # what only hands over connections need not load viser
 
-            port = stack.enter_context(serving(options, Tally(), host=host, port=port))
+            port = stack.enter_context(serving(options, SeatCounts(), host=host, port=port))
         url = address(host, port)
         print(f"viewimit is listening on {url}", flush=True)
         if not is_loopback(host):

@@ -18,7 +18,7 @@ import pytest
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.jobs.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
 from viewimit.app.jobs.experiments import ExperimentWorker, Wish
-from viewimit.app.server.seat_counts import Tally
+from viewimit.app.server.seat_counts import SeatCounts
 
 from viewimit.experiments.paper import fig9
 from viewimit.snapshot import Settings
@@ -195,7 +195,7 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
         def tick(self, now):
             ticks.append(time.monotonic())
 
-    scheduler, told = Scheduler(Tally().rows[0]), Told()
+    scheduler, told = Scheduler(SeatCounts().rows[0]), Told()
     scheduler.add(Page())
     scheduler.start(event_loop)
     worker.ask(1, LONG, told)

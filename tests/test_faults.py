@@ -16,10 +16,10 @@ from protocol import Client, Server, wait_until
 from viewimit.app import viser_private
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.page import KEPT_EVERY
-from viewimit.app.server.connection import Door
+from viewimit.app.server import access, connection
+from viewimit.app.server.access import AccessControl
 from viewimit.app.server.pages import App
-from viewimit.app.server.pages import connection as door_module
-from viewimit.app.server.seat_counts import Tally
+from viewimit.app.server.seat_counts import SeatCounts
 from viewimit.app.sessions.autosave import Keeper
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
@@ -37,13 +37,13 @@ class Here:
     """The server in this process, so that a test can break it."""
 
     def __init__(self, folder):
-        tally = Tally()
-        scheduler = Scheduler(tally.rows[0])
-        self.door = Door(40, (), tally, tally.rows[0])
-        with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.door.serve):
+        counts = SeatCounts()
+        scheduler = Scheduler(counts.rows[0])
+        self.access = AccessControl(40, (), counts, counts.rows[0])
+        with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.app = App(self.viser, Settings(), scheduler, Keeper(SqliteStore(folder)))
-        self.door.guard(self.viser)
+        self.access.guard(self.viser)
         self.url = f"http://127.0.0.1:{self.viser.get_port()}"
 
     def stop(self) -> None:
@@ -236,8 +236,8 @@ def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(her
 
 
 def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, monkeypatch):
-    monkeypatch.setattr(door_module, "PING_EVERY", 1.0)
-    monkeypatch.setattr(door_module, "PONG_WITHIN", 1.0)
+    monkeypatch.setattr(access, "PING_EVERY", 1.0)
+    monkeypatch.setattr(access, "PONG_WITHIN", 1.0)
     here = Here(tmp_path)
     relay = Relay(here.url)
     with Client(relay.url).ready() as slow, Client(here.url).ready() as other:
@@ -246,7 +246,7 @@ def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, mon
             client.press("Play or pause")
         relay.silent.set()
         before = len(other.received)
-        wait_until(lambda: len(here.door.seats) == 1, 10)
+        wait_until(lambda: len(here.access.seats) == 1, 10)
         wait_until(lambda: len(other.received) > before + 10)
         wait_until(lambda: len(here.app._pages) == 1, 5)
     relay.close()
@@ -254,7 +254,7 @@ def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, mon
 
 
 def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(door_module, "PAGE_WITHIN", 0.3)
+    monkeypatch.setattr(connection, "PAGE_WITHIN", 0.3)
     here = Here(tmp_path)
     with Client(here.url, view=False) as nobody, Client(here.url) as somebody:
         assert nobody.closed()[0] == 1008

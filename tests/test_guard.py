@@ -9,10 +9,10 @@ import urllib.request
 
 import pytest
 from protocol import VIEW, Client, Server, wait_until
+from viewimit.app.server import message_schema
 from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
 from viewimit.app.server.content_policy import content_policy
 from viewimit.app.server.origins import is_own_page
-from viewimit.app.server.pages import message_schema
 from viewimit.app.server.rate_limits import QuietLog, TokenBucket
 from viewimit.app.server.validation import MOST_BYTES, PART
 from websockets.exceptions import InvalidStatus

@@ -7,7 +7,7 @@ from protocol import wait_until
 from viewimit.app.control.player import Pace
 from viewimit.app.control.scheduler import TICK, Scheduler
 from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, Load
-from viewimit.app.server.seat_counts import Tally
+from viewimit.app.server.seat_counts import SeatCounts
 
 from viewimit.session import Session
 from viewimit.snapshot import Settings
@@ -72,8 +72,8 @@ class Slow:
 
 
 def test_poses_recover_their_pace_by_slower_panels(event_loop):
-    tally = Tally()
-    scheduler = Scheduler(tally.rows[0])
+    counts = SeatCounts()
+    scheduler = Scheduler(counts.rows[0])
     pages = [Slow(scheduler.load) for _ in range(4)]  # 1.6 of the time there is
     for page in pages:
         scheduler.add(page)
@@ -86,6 +86,6 @@ def test_poses_recover_their_pace_by_slower_panels(event_loop):
 
     wait_until(poses_prevail, 30)
     assert scheduler.load.panels > 1.5
-    assert tally.well
+    assert counts.well
     scheduler.stop()
-    assert not tally.well
+    assert not counts.well

@@ -5,7 +5,7 @@ import time
 
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.jobs.landscapes import LandscapeWorker
-from viewimit.app.server.seat_counts import Tally
+from viewimit.app.server.seat_counts import SeatCounts
 
 
 class Counting:
@@ -30,7 +30,7 @@ def wait_until(condition, seconds=5.0):
 
 
 def test_a_failing_page_is_told_and_the_others_go_on(capsys, event_loop):
-    scheduler = Scheduler(Tally().rows[0])
+    scheduler = Scheduler(SeatCounts().rows[0])
     good, bad, fault = Counting(), Counting(RuntimeError("broken")), None
     scheduler.add(bad)
     scheduler.add(good)
@@ -67,7 +67,7 @@ def test_a_failing_landscape_does_not_end_the_worker(capsys):
 
 
 def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(capsys, event_loop):
-    scheduler, good, bad = Scheduler(Tally().rows[0]), Counting(), Counting(RuntimeError("broken"))
+    scheduler, good, bad = Scheduler(SeatCounts().rows[0]), Counting(), Counting(RuntimeError("broken"))
     bad.fail = lambda error: 1 / 0
     scheduler.add(bad)
     scheduler.add(good)

@@ -16,7 +16,7 @@ from viewimit.app.server.address import listen
 from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
 from viewimit.app.server.pages import dispatcher as dispatcher_module
-from viewimit.app.server.seat_counts import WELL_FOR, Tally
+from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
 from viewimit.app.server.workers import MOST_ENDS, working
 from websockets.exceptions import InvalidStatus
 
@@ -29,30 +29,30 @@ def token(name: str) -> str:
 
 
 def test_a_browser_stays_with_its_worker_and_new_ones_go_where_fewest_are():
-    tally = Tally(3)
-    placing = Placing(ServerOptions(workers=3), tally)
+    counts = SeatCounts(3)
+    placing = Placing(ServerOptions(workers=3), counts)
     for k in range(12):
         placing.handed[placing.place(token(str(k)))] += 1
     assert placing.handed == [4, 4, 4]
     before = [placing.place(token(str(k))) for k in range(12)]
-    tally.rows[1].ended = 3  # three of the second worker's have gone
+    counts.rows[1].ended = 3  # three of the second worker's have gone
     assert placing.place(None) == 1
     assert [placing.place(token(str(k))) for k in range(12)] == before
 
 
 def test_a_worker_without_a_free_seat_gets_nobody_new_and_no_more_seats_are_given_than_there_are():
-    options, tally = ServerOptions(max_clients=7, workers=3), Tally(3)
+    options, counts = ServerOptions(max_clients=7, workers=3), SeatCounts(3)
     assert [options.clients_of(k) for k in range(3)] == [3, 2, 2]
-    placing = Placing(options, tally)
+    placing = Placing(options, counts)
     assert placing.place(token("one")) == 0
     placing.handed = [0, 9, 9]
-    tally.rows[0].seats = 3
+    counts.rows[0].seats = 3
     assert placing.place(token("one")) in (1, 2)
     assert placing.place(token("one")) == placing.place(token("one"))
 
 
 def test_only_so_many_browsers_are_remembered():
-    placing = Placing(ServerOptions(workers=2), Tally(2))
+    placing = Placing(ServerOptions(workers=2), SeatCounts(2))
     for k in range(KNOWN + 5):
         placing.place(token(str(k)))
     assert len(placing._of) == KNOWN and token("0") not in placing._of and token(str(KNOWN)) in placing._of
@@ -61,18 +61,18 @@ def test_only_so_many_browsers_are_remembered():
 def test_a_server_is_well_while_all_its_processes_give_signs_of_life(monkeypatch):
     now = 1000.0
     monkeypatch.setattr(time, "monotonic", lambda: now)
-    tally = Tally(2)
-    tally.rows[0].live()
-    assert not tally.well and not tally.rows[1].began
-    tally.rows[1].live()
-    assert tally.well
+    counts = SeatCounts(2)
+    counts.rows[0].live()
+    assert not counts.well and not counts.rows[1].began
+    counts.rows[1].live()
+    assert counts.well
     now += WELL_FOR + 1
-    tally.rows[0].live()
-    assert not tally.well
-    tally.rows[0].seats, tally.rows[1].seats = 3, 4
-    assert tally.seats == 7
-    tally.rows[1].clear()
-    assert tally.seats == 3 and not tally.rows[1].began
+    counts.rows[0].live()
+    assert not counts.well
+    counts.rows[0].seats, counts.rows[1].seats = 3, 4
+    assert counts.seats == 7
+    counts.rows[1].clear()
+    assert counts.seats == 3 and not counts.rows[1].began
 
 
 class Dispatching:
@@ -86,7 +86,7 @@ class Dispatching:
         (listener,) = listen("127.0.0.1", 0)
         self.place = listener.getsockname()
         self._dispatcher = Dispatcher(
-            Placing(ServerOptions(workers=workers), Tally(workers)), [ours for ours, _ in pairs]
+            Placing(ServerOptions(workers=workers), SeatCounts(workers)), [ours for ours, _ in pairs]
         )
         self._listener, self._stopped = listener, asyncio.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), daemon=True)

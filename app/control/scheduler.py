@@ -9,7 +9,7 @@ import threading
 import time
 import traceback
 
-from ..server.seat_counts import Row
+from ..server.seat_counts import WorkerCounts
 from .shedding import Load
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
@@ -18,7 +18,7 @@ TICK = 0.05  # s: poses are drawn at 20 Hz
 class Scheduler:
     """Pages are added when they are built and removed when their tab is gone. row: gets a sign of life every tick."""
 
-    def __init__(self, row: Row):
+    def __init__(self, row: WorkerCounts):
         self._row = row
         self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list = []

@@ -14,7 +14,7 @@ from http.client import HTTPException, parse_headers
 from .cookie import token_of
 from .options import ServerOptions
 from .rate_limits import QuietLog, TokenBucket
-from .seat_counts import Tally
+from .seat_counts import SeatCounts
 
 MOST_HEAD = 1 << 14  # bytes
 HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
@@ -26,8 +26,8 @@ log = logging.getLogger(__name__)
 class Placing:
     """Which worker a browser's connections go to."""
 
-    def __init__(self, options: ServerOptions, tally: Tally):
-        self._options, self._tally = options, tally
+    def __init__(self, options: ServerOptions, counts: SeatCounts):
+        self._options, self._counts = options, counts
         self._of: OrderedDict[str, int] = OrderedDict()
         self.handed = [0] * options.workers
 
@@ -35,7 +35,7 @@ class Placing:
         """The browser's own worker while it has a seat, else the one with fewest connections. token: None if new."""
         worker = None if token is None else self._of.get(token)
         if worker is None or self._is_full(worker):
-            open_at = [handed - row.ended for handed, row in zip(self.handed, self._tally.rows)]
+            open_at = [handed - row.ended for handed, row in zip(self.handed, self._counts.rows)]
             worker = min(range(len(open_at)), key=lambda k: (self._is_full(k), open_at[k]))
         if token is not None:
             self._of[token] = worker
@@ -45,7 +45,7 @@ class Placing:
         return worker
 
     def _is_full(self, worker: int) -> bool:
-        return self._tally.rows[worker].seats >= self._options.clients_of(worker)
+        return self._counts.rows[worker].seats >= self._options.clients_of(worker)
 
 
 class Dispatcher:

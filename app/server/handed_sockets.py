@@ -4,7 +4,7 @@ import asyncio
 import socket
 from collections.abc import Callable
 
-from .seat_counts import Row
+from .seat_counts import WorkerCounts
 
 
 class HandedConnections(socket.socket):
@@ -14,7 +14,7 @@ class HandedConnections(socket.socket):
     were gone already; left(): the other process has ended.
     """
 
-    def __init__(self, handed: socket.socket, port: int, row: Row, left: Callable[[], None]):
+    def __init__(self, handed: socket.socket, port: int, row: WorkerCounts, left: Callable[[], None]):
         super().__init__(fileno=handed.detach())
         self._port, self._row, self._left = port, row, left
 

@@ -26,15 +26,15 @@ from ..scene.scene3d import share_scene
 from ..sessions.autosave import Keeper
 from ..sessions.resume import Seats
 from ..sessions.stores import open_store
-from .connection import Door
+from .access import AccessControl
 from .options import ServerOptions
-from .seat_counts import Tally
+from .seat_counts import SeatCounts
 
 
 @contextlib.contextmanager
 def serving(
     options: ServerOptions,
-    tally: Tally,
+    counts: SeatCounts,
     worker: int = 0,
     listening: socket.socket | None = None,
     host: str = "127.0.0.1",
@@ -46,15 +46,15 @@ def serving(
     Raises OSError for a store that cannot be used.
     """
     keeper = Keeper(open_store(options.store))
-    scheduler = Scheduler(tally.rows[worker])
-    door = Door(options.clients_of(worker), options.origins, tally, tally.rows[worker], listening)
+    scheduler = Scheduler(counts.rows[worker])
+    access = AccessControl(options.clients_of(worker), options.origins, counts, counts.rows[worker], listening)
     with (
         contextlib.redirect_stdout(io.StringIO()),
-        viser_private.serving_with(door.serve),
+        viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
     app = App(server, options.settings, scheduler, keeper, max(MOST_SESSIONS // options.workers, 1))
-    door.guard(server)
+    access.guard(server)
     try:
         yield server.get_port()
     finally:

@@ -1,6 +1,6 @@
 """What the processes of one server know of each other: a few numbers each, in memory that they share.
 
-A row has one writer, so that nothing needs a lock. A server of one process has a tally of one row.
+Each process writes its own row alone, so that nothing needs a lock. A server of one process has one row.
 """
 
 import ctypes
@@ -10,7 +10,7 @@ import time
 WELL_FOR = 10.0  # s after a sign of life
 
 
-class Row(ctypes.Structure):
+class WorkerCounts(ctypes.Structure):
     """Of one process. seats: its clients; ended: its connections of any kind that there were; seen: s, its last sign
     of life, 0 before the first."""
 
@@ -34,11 +34,11 @@ class Row(ctypes.Structure):
         self.seats, self.ended, self.seen = 0, 0, 0.0
 
 
-class Tally:
+class SeatCounts:
     """May be handed to a process that is just begun."""
 
     def __init__(self, processes: int = 1):
-        self.rows = multiprocessing.get_context("spawn").RawArray(Row, processes)
+        self.rows = multiprocessing.get_context("spawn").RawArray(WorkerCounts, processes)
 
     @property
     def seats(self) -> int:

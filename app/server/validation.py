@@ -28,7 +28,7 @@ MOST_TEXT = 2_000  # characters
 SLACK = 1e-6  # of a range: rounding in the browser
 
 
-class Gate:
+class MessageValidator:
     """`admit(raw)` raises Refused or Hostile for what must not reach viser.
 
     belongs_to_another(uuid): whether some other client has such a widget.

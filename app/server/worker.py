@@ -7,12 +7,12 @@ import threading
 
 from ..jobs.child import stand_back
 from .options import ServerOptions
-from .seat_counts import Tally
+from .seat_counts import SeatCounts
 
 LOG_FORMAT = "%(asctime)s %(message)s"
 
 
-def work(handed: socket.socket, port: int, tally: Tally, worker: int, options: ServerOptions) -> None:
+def work(handed: socket.socket, port: int, counts: SeatCounts, worker: int, options: ServerOptions) -> None:
     """Serve the connections that are handed over until SIGTERM, or until the process that hands them over is gone."""
     stand_back(0)
     stopped = threading.Event()
@@ -22,6 +22,6 @@ def work(handed: socket.socket, port: int, tally: Tally, worker: int, options: S
     from .handed_sockets import HandedConnections
     from .pages import serving  # numpy is loaded here
 
-    with serving(options, tally, worker, HandedConnections(handed, port, tally.rows[worker], stopped.set)):
+    with serving(options, counts, worker, HandedConnections(handed, port, counts.rows[worker], stopped.set)):
         while not stopped.wait(0.5):  # a signal that the system hands to another thread is seen at the next turn
             pass

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from .dispatcher import Dispatcher, Placing
 from .options import ServerOptions
-from .seat_counts import Tally
+from .seat_counts import SeatCounts
 from .worker import work
 
 READY_WITHIN = 60.0  # s
@@ -37,7 +37,7 @@ def working(options: ServerOptions, listeners: Sequence[socket.socket], failed: 
 
 
 class Workers:
-    """Processes that share the visitors, in the order of the tally's rows; one that ends is begun again.
+    """Processes that share the visitors, in the order of the rows of the counts; one that ends is begun again.
 
     The sockets through which connections are handed over outlive them: who comes meanwhile waits for the next one.
     """
@@ -45,8 +45,8 @@ class Workers:
     def __init__(self, options: ServerOptions, listeners: Sequence[socket.socket], failed: Callable[[], None]):
         self._options, self._listeners, self._failed = options, listeners, failed
         self._port = listeners[0].getsockname()[1]
-        self._tally = Tally(options.workers)
-        self._placing = Placing(options, self._tally)
+        self._counts = SeatCounts(options.workers)
+        self._placing = Placing(options, self._counts)
         self._pairs = [socket.socketpair() for _ in range(options.workers)]
         self._ends: deque[float] = deque(maxlen=MOST_ENDS)
         self._stopping = self._hopeless = False
@@ -59,7 +59,7 @@ class Workers:
 
     def wait_until_ready(self) -> None:
         until = time.monotonic() + READY_WITHIN
-        while not all(row.began for row in self._tally.rows):
+        while not all(row.began for row in self._counts.rows):
             self.require_hope()
             if time.monotonic() > until:
                 raise RuntimeError(f"the server's processes take more than {READY_WITHIN:g} s to begin")
@@ -87,12 +87,12 @@ class Workers:
             one.close()
 
     def _begin(self, worker: int) -> multiprocessing.process.BaseProcess:
-        row = self._tally.rows[worker]
+        row = self._counts.rows[worker]
         row.clear()
         self._placing.handed[worker] = 0
         process = multiprocessing.get_context("spawn").Process(
             target=work,
-            args=(self._pairs[worker][1], self._port, self._tally, worker, self._options),
+            args=(self._pairs[worker][1], self._port, self._counts, worker, self._options),
             name=f"viewimit-worker-{worker}",
         )
         process.start()

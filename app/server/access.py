@@ -1,0 +1,158 @@
+"""Who may connect, and what each answer says about itself.
+
+viser opens a websocket server that takes anybody, from any page, and any message; this stands around it.
+"""
+
+import asyncio
+import http
+import json
+import logging
+import socket
+from collections.abc import Callable, Iterable
+
+from viser import ClientHandle, ViserServer
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+from websockets.typing import Origin
+
+from .. import viser_private
+from .connection import MOST_MESSAGE, GuardedConnection
+from .content_policy import content_policy
+from .cookie import cookie_for, token_of
+from .origins import is_own_page
+from .rate_limits import QuietLog, TokenBucket
+from .seat_counts import SeatCounts, WorkerCounts
+
+PING_EVERY, PONG_WITHIN = 15.0, 15.0  # s: one that does not take what is sent does not answer either
+CLOSED_WITHIN = 2.0  # s that a client is given to say goodbye
+log = logging.getLogger(__name__)
+
+FULL = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
+<title>viewimit: all seats are taken</title>
+<body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
+<h1>All seats are taken</h1><p>{count} tabs are open here, which is as many as there is room for. This page tries again
+every few seconds; close a tab elsewhere to make room.</p></body></html>"""
+
+
+class AccessControl:
+    """`serve` stands for websockets' own. max_clients: tabs at a time; origins: pages elsewhere that may connect, as
+    scheme://host:port; counts: of all processes; own: this one's; listening: a socket in place of a port of its own.
+    """
+
+    def __init__(
+        self,
+        max_clients: int,
+        origins: Iterable[str],
+        counts: SeatCounts,
+        own: WorkerCounts,
+        listening: socket.socket | None = None,
+    ):
+        self._max_clients, self._origins = max_clients, frozenset(origins)
+        self._counts, self._own, self._listening = counts, own, listening
+        self._server: ViserServer | None = None
+        self._guarded = asyncio.Event()
+        self.seats: set[GuardedConnection] = set()
+        self.opened = 0  # connections that have no seat yet
+        self._log = QuietLog(log, TokenBucket(2, 30))
+
+    def guard(self, server: ViserServer) -> None:
+        """Whose clients pass it; nobody gets a seat before."""
+        self._server = server
+        viser_private.loop_of(server).call_soon_threadsafe(self._guarded.set)
+
+    def serve(self, plain: Callable, handler, host, port, *, process_request, **options):
+        def connect(protocol, websockets_server, **limits) -> GuardedConnection:
+            return GuardedConnection(self, protocol, websockets_server, **limits)
+
+        place = {"host": host, "port": port} if self._listening is None else {"sock": self._listening}
+        return plain(
+            handler,
+            **place,
+            **options
+            | {
+                "process_request": lambda connection, request: self._answer(connection, request, process_request),
+                "create_connection": connect,
+                "max_size": MOST_MESSAGE,
+                "ping_interval": PING_EVERY,
+                "ping_timeout": PONG_WITHIN,
+                "close_timeout": CLOSED_WITHIN,
+                "server_header": None,
+            },
+        )
+
+    def note(self, connection: GuardedConnection, what: str) -> None:
+        self._log.warn(f"{connection.name}: refused {what}")
+
+    def client_of(self, connection: GuardedConnection) -> ClientHandle | None:
+        return None if self._server is None else viser_private.client_of(self._server, connection)
+
+    def belongs_to_another(self, uuid: str) -> bool:
+        clients = {} if self._server is None else self._server.get_clients()
+        return any(viser_private.widget_of(client, uuid) for client in clients.values())
+
+    @property
+    def full(self) -> bool:
+        return len(self.seats) >= self._max_clients
+
+    async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
+        """A response, or None: take the websocket. Who comes before all is ready waits."""
+        await self._guarded.wait()
+        if connection.transport.is_closing():  # it did not
+            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
+        path = request.path.partition("?")[0]
+        if path == "/health":
+            return self._tell_health()
+        response = viser_answers(connection, request)
+        if response is None:
+            return self._refuse_seat(connection, request)
+        is_page = response.headers.get("Content-Type", "").startswith("text/html")
+        if is_page and self.full:
+            response = _response(
+                http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=self._counts.seats), "text/html"
+            )
+        elif is_page and token_of(request.headers) is None:
+            response.headers["Set-Cookie"] = cookie_for(request.headers)
+        _describe(response.headers, request.headers.get("Host", ""))
+        return response
+
+    def _refuse_seat(self, connection: GuardedConnection, request: Request) -> Response | None:
+        origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
+        if origin is not None and not is_own_page(Origin(origin), host, self._origins):
+            self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
+            return _response(http.HTTPStatus.FORBIDDEN, "not from there")
+        if self.full:
+            self.note(connection, f"a seat: all {self._max_clients} are taken")
+            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
+        self.seats.add(connection)
+        self._own.seats = len(self.seats)
+        connection.take_seat(token_of(request.headers))
+        return None
+
+    def leave(self, connection: GuardedConnection) -> None:
+        """It has ended."""
+        self.seats.discard(connection)
+        self._own.seats = len(self.seats)
+        self._own.ended += 1
+
+    def _tell_health(self) -> Response:
+        well = self._counts.well
+        status = http.HTTPStatus.OK if well else http.HTTPStatus.SERVICE_UNAVAILABLE
+        told = {"status": "ok" if well else "failing", "clients": self._counts.seats, "workers": len(self._counts.rows)}
+        return _response(status, json.dumps(told) + "\n", "application/json")
+
+
+def _response(status: http.HTTPStatus, text: str, kind: str = "text/plain") -> Response:
+    body = text.encode()
+    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body))})
+    headers["Connection"] = "close"
+    headers["Cache-Control"] = "no-store"
+    return Response(status.value, status.phrase, headers, body)
+
+
+def _describe(headers: Headers, host: str) -> None:
+    """What a browser must know of an answer: where it may connect to, and that it is what it says."""
+    headers["Content-Security-Policy"] = content_policy(host)
+    headers["X-Content-Type-Options"] = "nosniff"
+    headers["Referrer-Policy"] = "no-referrer"
+    headers["Cross-Origin-Opener-Policy"] = "same-origin"
+    headers["Cache-Control"] = "no-cache"

@@ -15,7 +15,7 @@ from viewimit.app.page import KEPT_EVERY
 from viewimit.app.server.address import listen
 from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
-from viewimit.app.server.pages import dispatcher as dispatcher_module
+from viewimit.app.server import dispatcher as dispatcher_module
 from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
 from viewimit.app.server.workers import MOST_ENDS, working
 from websockets.exceptions import InvalidStatus

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.session import Session
-from viewimit.snapshot import Settings, Snapshot
+from viewimit.settings import Settings
+from viewimit.snapshot import Snapshot
 
 from .control.inbox import Inbox
 from .control.player import DENSE, Pace

@@ -19,7 +19,7 @@ from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.session import Session
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 

@@ -19,6 +19,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "transfer",
     "servo",
     "perception",
+    "settings",
     "snapshot",
     "simulation",
     "session",
@@ -72,7 +73,7 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "evaluation", "geometry", "perception", "servo", "simulation", "snapshot", "transfer", "views",
+        "evaluation", "geometry", "perception", "servo", "settings", "simulation", "snapshot", "transfer", "views",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

@@ -18,9 +18,9 @@ from viewimit.analysis.landscape import landscape
 from viewimit.experiments.bench import speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()

@@ -11,7 +11,7 @@ from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.servo import SERVOS
 from viewimit.session import STRIDE, Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 
 

@@ -9,7 +9,7 @@ from viewimit.evaluation import conflict
 from viewimit.experiments.paper import claims, fig7, fig9, fig10
 from viewimit.experiments.paper.claims import Claims
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 
 def by_name(result):

@@ -9,7 +9,7 @@ import pytest
 from viewimit.experiments.bench import following
 from viewimit.experiments.bench.following import Case, path, run
 from viewimit.session import Session
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 NOISY = Case("noise", msgspec.structs.replace(BEST, noise_px=0.5), 1.0)
 SETTINGS = [Settings(), Settings(joints=(2, 4, 6), points=16), Settings(scene="iiwa")]

@@ -5,8 +5,8 @@ import pytest
 
 from viewimit.perception.latency import MOST_LAG, lag_of
 from viewimit.session import Session
+from viewimit.settings import BEST, Settings
 from viewimit.simulation.world import Disturbance
-from viewimit.snapshot import BEST, Settings
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
 SEEN = np.ones((10, 2), bool)

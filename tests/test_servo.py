@@ -10,9 +10,9 @@ from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import Disturbance, World
-from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 

@@ -7,7 +7,8 @@ from viewimit.assets import ROOT
 from viewimit.experiments.bench import baselines
 from viewimit.servo import SERVOS
 from viewimit.session import RECENT, STRIDE, Session
-from viewimit.snapshot import DERIVED, Settings
+from viewimit.settings import Settings
+from viewimit.snapshot import DERIVED
 from viewimit.transfer import TRANSFERS
 
 DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)

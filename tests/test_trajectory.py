@@ -8,8 +8,8 @@ import pytest
 from viewimit.analysis import motion
 from viewimit.analysis.trajectory import follow, hand_points, learned_images
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.kinematics import hand_position
-from viewimit.snapshot import Settings
 
 QUICK = {"start_deg": (30, -70)}
 

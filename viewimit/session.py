@@ -17,10 +17,11 @@ from .geometry.affine import MIN_POINTS
 from .perception import frames
 from .perception.latency import MOST_LAG, lag_of
 from .servo import SERVOS, Observation
+from .settings import Settings
 from .simulation.eyes import open_eyes
 from .simulation.scene import Scene, load_scene
 from .simulation.world import Disturbance, World
-from .snapshot import Settings, Snapshot, derived
+from .snapshot import Snapshot, derived
 from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
 from .views import FourViews

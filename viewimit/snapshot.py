@@ -1,66 +1,18 @@
-"""What a run depends on, and what one pass of its loop leaves behind: plain data, read by everything else."""
+"""What one pass of the loop leaves behind: plain data, read by everything else."""
 
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
-from .perception.latency import MOST_LAG
-from .servo import SERVOS
+from .settings import Settings
 from .transfer import TRANSFERS
 from .views import FourViews
 
-CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
-MOST_SEED = 2**32 - 1
-MOST_FRAMES = 1_000
 DERIVED = ("usable", "transfer", "flatness", "recovered", "e")  # what follows from views and settings alone
-
-
-class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """All that a run depends on: with equal settings it repeats itself to the last bit.
-
-    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
-    gain_error, quantum_deg: of the arm; delay: looks after a motion that still show the posture before it. The learner
-    is told of none of them.
-    frames: how many images are averaged at each posture, of both bodies.
-    robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
-    camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers.
-    """
-
-    scene: str = "panda"
-    robot: str | None = None
-    joints: tuple[int, ...] | None = None
-    points: int = 10
-    demonstrator_deg: tuple[float, ...] | None = None
-    start_deg: tuple[float, ...] | None = None
-    transfer: str = "epipolar"
-    servo: str = "broyden"
-    noise_px: float = 0.0
-    missing: float = 0.0
-    outliers: float = 0.0
-    frames: int = 1
-    gain_error: float = 0.0
-    quantum_deg: float = 0.0
-    delay: int = 0
-    seed: int = 7
-    camera: str = "points"
-
-    def __post_init__(self):
-        _require_choice("transfer", self.transfer, TRANSFERS)
-        _require_choice("servo", self.servo, SERVOS)
-        _require_choice("camera", self.camera, CAMERAS)
-        _require_range("noise_px", self.noise_px, 0, 20)
-        _require_range("missing", self.missing, 0, 1)
-        _require_range("outliers", self.outliers, 0, 1)
-        _require_range("gain_error", self.gain_error, -0.5, 0.5)
-        _require_range("quantum_deg", self.quantum_deg, 0, 5)
-        _require_range("delay", self.delay, 0, MOST_LAG)
-        _require_range("frames", self.frames, 1, MOST_FRAMES)
-        _require_range("seed", self.seed, 0, MOST_SEED)
 
 
 @dataclass(frozen=True)
@@ -133,17 +85,3 @@ def derived(views: FourViews, transfer: str) -> dict[str, Any]:
 @lru_cache(64)  # the demonstrator mostly stands still while the learner moves
 def _flatness(demo: bytes) -> float:
     return flatness(np.frombuffer(demo).reshape(-1, 4))
-
-
-def _require_choice(name: str, value: str, choices) -> None:
-    if value not in choices:
-        raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
-
-
-def _require_range(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
-
-
-# What the page and `imitate` begin with; 25 images at each posture are a second of video
-BEST = Settings(transfer="projective", servo="trust-region", frames=25)

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import msgspec
 
 from viewimit import __version__
-from viewimit.snapshot import Settings, Snapshot
+from viewimit.settings import Settings
+from viewimit.snapshot import Snapshot
 
 from . import codec
 from .store import Store

@@ -14,7 +14,8 @@ from viewimit.servo.broyden import BroydenState
 from viewimit.servo.gradient import GradientState
 from viewimit.servo.image_model import ImageModel, Visit
 from viewimit.servo.trust_region import TrustState
-from viewimit.snapshot import DERIVED, Settings, Snapshot, derived
+from viewimit.settings import Settings
+from viewimit.snapshot import DERIVED, Snapshot, derived
 from viewimit.transfer.affine_map import AffineTransfer
 from viewimit.transfer.projective import ProjectiveTransfer
 from viewimit.transfer.rank3 import Rank3Transfer

@@ -4,7 +4,7 @@ import threading
 
 from viser import ClientHandle, ViserServer
 
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 from .. import viser_private
 from .autosave import Keeper, Memory

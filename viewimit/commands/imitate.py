@@ -6,7 +6,7 @@ import sys
 import numpy as np
 
 from ..session import MAX_HISTORY, Session
-from ..snapshot import BEST
+from ..settings import BEST
 from .options import (
     DONE,
     MISSED,

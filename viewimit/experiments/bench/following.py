@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...session import Session
-from ...snapshot import BEST, Settings
+from ...settings import BEST, Settings
 from .. import processes
 
 SWING_DEG, TURNS = 25.0, (1.0, 0.7)  # of the path, each joint; rounds a joint, repeated for more joints

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
 from .. import processes
 from .success import Share
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ...analysis.landscape import grid_axes, landscape
 from ...session import Session
+from ...settings import Settings
 from ...simulation.scene import Scene
-from ...snapshot import Settings
 from ...transfer import TRANSFERS
 from .. import processes
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...analysis.motion import MOTIONS, Motion
 from ...analysis.trajectory import Trajectory, follow, hand_points
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims
 

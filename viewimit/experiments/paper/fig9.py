@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims
 

@@ -18,7 +18,7 @@ NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras th
 
 
 def open_eyes(camera: str, scene: Scene, points: int):
-    """camera: of `snapshot.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
+    """camera: of `settings.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
 
     Raises ValueError as `require_eyes`.
     """

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...snapshot import Settings
+from ...settings import Settings
 from ..robot import Angles
 from ..scene import Scene
 from ..world import Actuator, World

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...perception.detection import Detections, detect
-from ...snapshot import Settings
+from ...settings import Settings
 from ...views import VIEWS
 from ..markers import load_markers
 from ..physics.arm import Arm

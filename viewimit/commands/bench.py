@@ -12,8 +12,8 @@ from tqdm import tqdm
 from ..analysis.landscape import grid_axes
 from ..experiments.bench import following, random_scenes, robustness, speed, success
 from ..geometry.affine import require_points
+from ..history import MAX_HISTORY
 from ..servo import SERVOS
-from ..session import MAX_HISTORY
 from ..settings import BEST, CAMERAS, Settings
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene, load_scene

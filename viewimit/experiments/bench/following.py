@@ -84,8 +84,7 @@ def run_once(settings: Settings, deg_a_step: float, seed: list[int]) -> NDArray:
             demonstrator_deg=tuple(np.degrees(demonstrator[0])),
         )
     )
-    while session.snapshot.motion < MOST_BEFORE and session.step():
-        pass
+    session.run(MOST_BEFORE, patience=1)
     errors = []
     for theta in demonstrator[1:]:
         session.step()

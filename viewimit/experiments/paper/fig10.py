@@ -65,9 +65,7 @@ def run(
     """
     session = Session(settings)
     first = session.snapshot
-    while session.snapshot.motion < max_motions and session.step():
-        tell(SEEN_SHARE * session.snapshot.motion / max_motions, None)
-    last = session.snapshot
+    last = session.run(max_motions, patience=1, each=lambda now: tell(SEEN_SHARE * now.motion / max_motions, None))
     there = session.observe(last.theta_demo, last)
     recorded = not isinstance(motion, str)
     if not recorded:

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 from .control.inbox import Inbox
 from .control.visitor import View

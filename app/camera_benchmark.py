@@ -10,7 +10,7 @@ import time
 import msgspec
 import numpy as np
 
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 from .benchmark import QuietClient, QuietHandle
 from .control.scheduler import Scheduler

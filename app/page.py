@@ -5,7 +5,6 @@ A session that looks with pictures takes its turns beside the scheduler; the pag
 
 import threading
 from collections.abc import Callable
-from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -13,7 +12,8 @@ from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.session import Session
-from viewimit.snapshot import Settings, Snapshot
+from viewimit.settings import Settings
+from viewimit.snapshot import Snapshot
 
 from .control.inbox import Inbox
 from .control.player import DENSE, Pace
@@ -274,7 +274,7 @@ class Page:
         elif left is not None:
             if left is not present:  # a motion has begun; the arm may have rested too shortly to be drawn there
                 self._looked = left
-            return self._looked, replace(self._looked, theta=theta, theta_demo=present.theta_demo)
+            return self._looked, self._looked.with_fields(theta=theta, theta_demo=present.theta_demo)
         else:
             self._looked = present
         return self._looked, self._looked

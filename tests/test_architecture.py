@@ -19,8 +19,12 @@ ORDER = (  # each imports only what stands above it, or itself
     "transfer",
     "servo",
     "perception",
+    "settings",
     "snapshot",
+    "history",
     "simulation",
+    "looking",
+    "prediction",
     "session",
     "analysis",
     "drawing",
@@ -72,7 +76,7 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "evaluation", "geometry", "perception", "servo", "simulation", "snapshot", "transfer", "views",
+        "history", "looking", "prediction", "servo", "settings", "simulation", "snapshot", "views",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

@@ -174,7 +174,7 @@ import sys
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.session_eyes import SessionEyes
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 if __name__ == "__main__":
     camera = CameraProcess()
@@ -198,7 +198,7 @@ def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
     from viewimit.app.jobs.session_eyes import SessionEyes
 
     from viewimit.session import Session
-    from viewimit.snapshot import BEST, Settings
+    from viewimit.settings import BEST, Settings
 
     pictured = {name: getattr(BEST, name) for name in ("transfer", "servo")} | {"camera": "rendered"}
     alone = Session(Settings(**pictured))

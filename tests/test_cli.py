@@ -18,9 +18,9 @@ from viewimit.analysis.landscape import landscape
 from viewimit.experiments.bench import speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
@@ -31,9 +31,7 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
         "imitate", "--demonstrator", "40,-80", "--start", "60,-130", "--transfer", "linear", "--servo", "broyden"
     )
     session = Session(Settings(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
-    while session.step():
-        pass
-    last = session.snapshot
+    last = session.run()
     assert status == 0 and told["converged"] is True
     assert told["demonstrator_deg"] == pytest.approx([40, -80])
     assert told["final_deg"] == np.degrees(last.theta).tolist()

@@ -10,7 +10,7 @@ from viewimit.app.panels.comparison import Comparison
 from viewimit.drawing.small_landscape import study
 from viewimit.drawing.transfers import draw_quarter, draw_together
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 
 

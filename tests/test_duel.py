@@ -11,7 +11,7 @@ from viewimit.app.control.visitor import View, Visitor
 from viewimit.analysis.joint_errors import RECENT, ErrorTrace, recent_errors_deg
 from viewimit.drawing.curves import following
 from viewimit.session import Session
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 
 class QuietControls:

@@ -15,7 +15,7 @@ from viewimit.drawing import duel as duel_drawing
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.small_landscape import WIDTH, small_plane, study
 from viewimit.session import Session
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 from viewimit.transfer import TRANSFERS
 
 PAGE_CSS = theme.CSS + plots.CSS + learner_bars.CSS

@@ -9,9 +9,10 @@ import pytest
 import zstandard
 from viewimit.app.sessions.codec import decode, encode
 
+from viewimit.history import STRIDE
 from viewimit.servo import SERVOS
-from viewimit.session import STRIDE, Session
-from viewimit.snapshot import Settings
+from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 
 

@@ -16,8 +16,8 @@ from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.experiments.paper import fig7, fig7_figure, fig9, fig9_figure, fig10, fig10_figure
 from viewimit.experiments.paper.claims import Claim
 from viewimit.experiments.paper.figures import VIEWS, draw, draw_empty
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
-from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 MINUS = "−"

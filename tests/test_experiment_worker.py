@@ -21,7 +21,7 @@ from viewimit.app.jobs.experiments import ExperimentWorker, Wish
 from viewimit.app.server.seat_counts import SeatCounts
 
 from viewimit.experiments.paper import fig9
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 SHORT = Wish("fig9", Settings(), {"starts": (1, 1), "max_motions": 20})
 LONG = Wish("fig9", Settings(), {"starts": (9, 9)})

@@ -9,7 +9,7 @@ from viewimit.evaluation import conflict
 from viewimit.experiments.paper import claims, fig7, fig9, fig10
 from viewimit.experiments.paper.claims import Claims
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 
 def by_name(result):
@@ -78,8 +78,7 @@ def test_fig9_the_law_as_printed_does_not_arrive_the_others_do(ninth):
 def test_fig9_a_run_is_the_sessions_own(ninth):
     run = ninth[0].of("broyden")[0]
     session = Session(Settings(transfer="epipolar", servo="broyden", start_deg=run.start_deg))
-    while session.step():
-        pass
+    session.run()
     np.testing.assert_array_equal(run.E, [moment.E for moment in session.history])
     errors = [np.abs(np.degrees(moment.theta) - (45, -90)).max() for moment in session.history]
     np.testing.assert_allclose(run.error_deg, errors)
@@ -142,8 +141,7 @@ def test_fig10_freezes_the_transfers_that_it_says(tenth):
     result = tenth["sinusoid"]
     session = Session(claims.PAPER)
     first = session.snapshot
-    while session.step():
-        pass
+    session.run()
     np.testing.assert_allclose(result.fitted_deg[fig10.BEFORE], np.degrees(first.theta))
     np.testing.assert_allclose(result.fitted_deg[fig10.CONVERGED], np.degrees(session.snapshot.theta))
     np.testing.assert_allclose(result.fitted_deg[fig10.SAME], (45, -90))

@@ -24,7 +24,7 @@ from viewimit.app.sessions.autosave import Keeper
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
 from viewimit.session import Session
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 
 def browser_of(url: str) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from viewimit.experiments import files
 from viewimit.experiments.paper import fig7, fig9, fig10
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 COARSE = {
     "fig7": lambda: fig7.run(Settings(), step_deg=15.0, study=(2, 2)),

@@ -1,7 +1,5 @@
 """Following: a path of one speed, errors against where the demonstrator then is, and what is asked of the best."""
 
-from dataclasses import replace
-
 import msgspec
 import numpy as np
 import pytest
@@ -9,7 +7,7 @@ import pytest
 from viewimit.experiments.bench import following
 from viewimit.experiments.bench.following import Case, path, run
 from viewimit.session import Session
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 NOISY = Case("noise", msgspec.structs.replace(BEST, noise_px=0.5), 1.0)
 SETTINGS = [Settings(), Settings(joints=(2, 4, 6), points=16), Settings(scene="iiwa")]
@@ -39,7 +37,7 @@ def test_behind_a_moving_demonstrator_seen_with_noise_the_transfer_is_kept(monke
     class Forgetful(Session):
         def step(self):
             moved = super().step()
-            self._replace(replace(self.snapshot, frozen=None))
+            self.history.replace(self.snapshot.with_fields(frozen=None))
             return moved
 
     monkeypatch.setattr(following, "Session", Forgetful)

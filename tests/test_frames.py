@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from viewimit.perception.disturbance import Disturbance
 from viewimit.perception.frames import merge, noise
-from viewimit.simulation.world import Disturbance
 
 TRUE = np.random.default_rng(0).uniform(0, 240, (200, 4))
 SEEN = np.ones((200, 2), bool)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from viewimit.perception.disturbance import Disturbance
 from viewimit.perception.latency import MOST_LAG, lag_of
 from viewimit.session import Session
-from viewimit.simulation.world import Disturbance
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
 SEEN = np.ones((10, 2), bool)
@@ -39,8 +39,7 @@ def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
     for late_by in (0, delay):
         session = Session(settings)
         session.change(delay=late_by)
-        while session.step():
-            pass
+        session.run()
         assert session.snapshot.lag == late_by and session.snapshot.status == "converged"
         runs.append([moment.theta for moment in session.history])
     np.testing.assert_array_equal(*runs)

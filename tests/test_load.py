@@ -10,7 +10,7 @@ from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, Load
 from viewimit.app.server.seat_counts import SeatCounts
 
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 
 def after(load: Load, ticks: int, busy: float) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, uncertainty, weak_joints
 from viewimit.evaluation import residual
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 

@@ -13,7 +13,7 @@ from viewimit.drawing.image_planes import image_windows
 from viewimit.drawing.images import draw_images
 from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.session import Session
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 from viewimit.views import VIEWS
 
 PICTURES = {view: f"picture of {view}".encode() for view in VIEWS}

@@ -11,6 +11,7 @@ pytest.importorskip("cv2")
 
 from viewimit.geometry.rigid import look_rotation, rigid_transform  # noqa: E402
 from viewimit.session import Session  # noqa: E402
+from viewimit.settings import BEST, Settings  # noqa: E402
 from viewimit.simulation.camera import Camera  # noqa: E402
 from viewimit.simulation.eyes.rendered import RenderedEyes  # noqa: E402
 from viewimit.simulation.markers import load_markers  # noqa: E402
@@ -19,7 +20,6 @@ from viewimit.simulation.physics.client import connect  # noqa: E402
 from viewimit.simulation.physics.model import write_urdf  # noqa: E402
 from viewimit.simulation.physics.studio import LIGHT, SAMPLES, matrices  # noqa: E402
 from viewimit.simulation.scene import load_scene  # noqa: E402
-from viewimit.snapshot import BEST, Settings  # noqa: E402
 from viewimit.views import VIEWS  # noqa: E402
 
 

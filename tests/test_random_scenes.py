@@ -6,9 +6,9 @@ import pytest
 from viewimit.evaluation import conflict, residual
 from viewimit.experiments.bench import random_scenes
 from viewimit.experiments.bench.random_scenes import draw, run, write
+from viewimit.settings import BEST
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.snapshot import BEST
 from viewimit.transfer import projective
 
 

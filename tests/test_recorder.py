@@ -10,8 +10,8 @@ from viewimit.app.control.recorder import Playback, Recorder
 
 from viewimit.analysis.motion import FRAMES, MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
-from viewimit.snapshot import Settings
 
 SCENE = load_scene("panda")
 START = np.radians([45.0, -90.0])

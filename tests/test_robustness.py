@@ -6,7 +6,7 @@ import pytest
 from viewimit.experiments.bench import robustness
 from viewimit.experiments.bench.robustness import CASES, Case, run, run_once
 from viewimit.session import Session
-from viewimit.snapshot import BEST
+from viewimit.settings import BEST
 
 
 def test_every_case_can_be_set():

@@ -7,12 +7,13 @@ import pytest
 
 from viewimit import evaluation
 from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.perception.disturbance import Disturbance
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
-from viewimit.simulation.world import Disturbance, World
-from viewimit.snapshot import Settings
+from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
 
 
@@ -137,7 +138,7 @@ def hide_truth(session):
     """Only the images of the demonstrator stay; its posture becomes NaN."""
     images = session.world.demo_images(session.snapshot.theta_demo)
     session.world.demo_images = lambda theta: images
-    session.history = [replace(session.snapshot, theta_demo=np.full(2, np.nan))]
+    session.history.replace(replace(session.snapshot, theta_demo=np.full(2, np.nan)))
 
 
 @pytest.mark.parametrize("transfer", TRANSFERS)
@@ -233,8 +234,7 @@ def test_broyden_reaches_the_minimum_of_the_linear_transfer_from_a_grid_of_start
     for first in np.linspace(0, 90, grid[0]):
         for second in np.linspace(-180, 0, grid[1]):
             session = Session(Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(first, second)))
-            while session.step() and session.snapshot.motion < 100:
-                pass
+            session.run(100)
             offsets.append(np.abs(np.degrees(session.snapshot.theta) - target).max())
             motions.append(session.snapshot.motion)
     assert np.mean(np.array(offsets) <= 1) >= 0.97

@@ -1,24 +1,27 @@
 """The loop: it repeats itself, can be walked back and forth, follows the demonstrator, and survives bad input."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from viewimit.assets import ROOT
 
 from viewimit.experiments.bench import baselines
+from viewimit.history import RECENT, STRIDE
+from viewimit.prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from viewimit.servo import SERVOS
-from viewimit.session import RECENT, STRIDE, Session
-from viewimit.snapshot import DERIVED, Settings
+from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 
 DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
 RESTLESS = Settings(servo="gradient-retuned", noise_px=0.2, start_deg=(25, -45))  # it never rests
+DERIVED = ("usable", "transfer", "flatness", "recovered", "e")
 CALM = Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))
 
 
 def run(session, motions=200):
-    """Step until the servo rests."""
-    while session.snapshot.motion < motions and session.step():
-        pass
+    session.run(motions, patience=1)
     return session
 
 
@@ -26,6 +29,10 @@ def walked(session, motions):
     for _ in range(motions):
         session.step()
     return session
+
+
+def drift_of(session):
+    return demo_drift(session.history.recent(DRIFT_MOMENTS))
 
 
 def same(a, b):
@@ -130,17 +137,48 @@ def test_old_moments_let_go_of_what_follows_from_the_rest_and_find_the_same_agai
     session = Session(Settings(servo="gradient-retuned", transfer=transfer, noise_px=0.3, missing=0.1))
     first = session.snapshot
     before = {name: getattr(first, name) for name in DERIVED}
-    while session.snapshot.motion < RECENT:
-        assert vars(first).keys() > set(DERIVED)
+    while session.snapshot.motion < RECENT + STRIDE:
+        assert session.history[0] is first and vars(first).keys() > set(DERIVED)
         session.step()
-    assert vars(first).keys().isdisjoint(DERIVED)
+    old = session.history[0]
+    assert old is not first and vars(old).keys().isdisjoint(DERIVED)
+    assert old.keeps_the_same(first) and vars(first).keys() > set(DERIVED)  # who holds it loses nothing
     for name, value in before.items():
         if name != "transfer":
-            np.testing.assert_array_equal(getattr(first, name), value)
-    demo = first.views.demo
+            np.testing.assert_array_equal(getattr(old, name), value)
+    demo = old.views.demo
     np.testing.assert_array_equal(
-        first.transfer.recover(demo[:, :2], demo[:, 2:]), before["transfer"].recover(demo[:, :2], demo[:, 2:])
+        old.transfer.recover(demo[:, :2], demo[:, 2:]), before["transfer"].recover(demo[:, :2], demo[:, 2:])
     )
+
+
+def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_stay():
+    now = Session(CALM).snapshot
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        now.E = 0.0
+    assert not hasattr(now, "nothing_of_the_kind")
+    other = now.with_fields(status="stalled", E=1.0)
+    assert other.transfer is now.transfer and other.E == 1.0 and now.status == "ready"
+    for changes in ({"views": dataclasses.replace(now.views)}, {"settings": Settings(transfer="rank3")}):
+        other = now.with_fields(**changes)
+        assert other.transfer is not now.transfer and now.with_fields(**changes).e is not now.e
+
+
+def test_run_steps_until_the_servo_rests_or_the_motions_are_made_and_tells_of_each():
+    seen, session = [], Session(CALM)
+    last = session.run(each=seen.append)
+    assert last is session.snapshot and last.status == "converged" and not session.step()
+    assert [moment.motion for moment in seen] == list(range(1, last.motion + 1))
+    assert Session(CALM).run(3).motion == 3
+    assert session.run() is session.snapshot
+
+
+def test_run_gives_up_when_too_few_points_are_seen_for_long_and_goes_on_when_they_come_back():
+    blind = Session(Settings(missing=1.0))
+    assert blind.run(patience=5).look == 5 and blind.snapshot.status == "stopped"
+    now_and_then = Settings(transfer="linear", servo="gradient-retuned", points=20, missing=0.25, seed=0)
+    impatient, patient = Session(now_and_then).run(30, patience=1), Session(now_and_then).run(30)
+    assert impatient.status == "stopped" and impatient.motion < patient.motion == 30 < patient.look
 
 
 def test_motions_lead_from_one_posture_to_the_next():
@@ -297,7 +335,7 @@ def test_averaged_frames_bring_the_demonstrators_images_nearer_to_the_truth():
 def test_a_servo_may_ask_another_transfer_and_for_weights():
     session = Session(Settings(transfer="epipolar"))
     now = session.snapshot
-    ask, own = session._conflict(now), now.views.own
+    ask, own = predicted_conflict(now), now.views.own
     np.testing.assert_allclose(ask(own), now.e)
     other = Session(Settings(transfer="linear")).snapshot
     np.testing.assert_allclose(ask(own, "linear"), other.e)
@@ -323,17 +361,17 @@ def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
 def test_one_jump_of_the_demonstrator_is_no_drift():
     session = walked(Session(Settings(transfer="linear")), 4)
     session.pose(np.radians([70, -40]))
-    assert not session._demo_drift().any()
+    assert not drift_of(session).any()
     session.step()
-    assert not session._demo_drift().any()
+    assert not drift_of(session).any()
     for angle in (71, 72):
         session.pose(np.radians([angle, -40]))
-        drift = session._demo_drift().any()
+        drift = drift_of(session).any()
         session.step()
     assert drift  # it has moved twice
     session.step()
     session.step()
-    assert not session._demo_drift().any()
+    assert not drift_of(session).any()
 
 
 def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arrives():

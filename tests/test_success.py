@@ -16,8 +16,8 @@ from viewimit.commands import bench_tables as tables
 from viewimit.experiments.bench import baselines, success
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
-from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 
@@ -185,7 +185,7 @@ def test_ctrl_c_ends_the_processes_too():
     code = (
         "from viewimit.experiments import success\n"
         "from viewimit.simulation.scene import load_scene\n"
-        "from viewimit.snapshot import Settings\n"
+        "from viewimit.settings import Settings\n"
         "pairs = success.random_pairs(load_scene('panda'), 5000, 0)\n"
         "success.run(Settings(), pairs, ['linear'], ['gradient'], 100, 2,\n"
         "            tell=lambda share: print(share, flush=True))\n"

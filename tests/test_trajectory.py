@@ -7,17 +7,17 @@ import pytest
 
 from viewimit.analysis import motion
 from viewimit.analysis.trajectory import follow, hand_points, learned_images
+from viewimit.history import History
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.kinematics import hand_position
-from viewimit.snapshot import Settings
 
 QUICK = {"start_deg": (30, -70)}
 
 
 def converged(**settings):
     session = Session(Settings(**{**QUICK, **settings}))
-    while session.snapshot.motion < 60 and session.step():
-        pass
+    session.run(60, patience=1)
     return session
 
 
@@ -78,8 +78,8 @@ def test_the_learner_sees_no_truth(session, monkeypatch):
     moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=10)
     honest = follow(session, session.snapshot.transfer, moves, np.ones(10, bool))
     poisoned = Session(Settings(**QUICK))
-    poisoned.history = [replace(moment, theta_demo=moment.theta_demo * np.nan) for moment in session.history]
-    poisoned.cursor = session.cursor
+    moments = [replace(moment, theta_demo=moment.theta_demo * np.nan) for moment in session.history]
+    poisoned.history = History(moments, session.cursor)
     monkeypatch.setattr("viewimit.analysis.trajectory.hand_position", lambda *_: np.full(3, np.nan))
     blind = follow(poisoned, session.snapshot.transfer, moves, np.ones(10, bool))
     np.testing.assert_array_equal(blind.theta, honest.theta)

@@ -8,10 +8,11 @@ import pytest
 from viewimit import evaluation
 from viewimit.evaluation import residual
 from viewimit.geometry.affine import MIN_POINTS
+from viewimit.perception.disturbance import Disturbance
 from viewimit.servo import Observation
 from viewimit.servo.trust_region import LONGEST, TrustRegion
 from viewimit.simulation.scene import load_scene
-from viewimit.simulation.world import Disturbance, World
+from viewimit.simulation.world import World
 from viewimit.transfer import linear_combination, projective
 from viewimit.transfer.noise import noise_weight
 from viewimit.views import FourViews

@@ -17,9 +17,9 @@ from viewimit.app.jobs.landscapes import LandscapeWorker
 from viewimit.app.page import Page
 from viewimit.app.sessions.autosave import Memory
 
+from viewimit.settings import BEST, Settings
 from viewimit.simulation.markers import load_markers
 from viewimit.simulation.world import World
-from viewimit.snapshot import BEST, Settings
 
 VIEWS = ["L", "R", "l", "r"]
 

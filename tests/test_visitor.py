@@ -18,8 +18,8 @@ from viewimit.analysis.motion import motion
 from viewimit.experiments import EXPERIMENTS
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.kinematics import hand_position
-from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
 

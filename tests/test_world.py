@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench.baselines import own_image
+from viewimit.perception.disturbance import Disturbance
+from viewimit.simulation.actuator import Actuator
 from viewimit.simulation.scene import load_scene
-from viewimit.simulation.world import Actuator, Disturbance, World
+from viewimit.simulation.world import World
 
 
 @pytest.fixture(scope="module")

@@ -24,9 +24,10 @@ if TYPE_CHECKING:
     from .geometry.affine import fit_affine_fundamental
     from .servo import SERVOS
     from .session import Session
+    from .settings import Settings
     from .simulation.scene import load_scene
     from .simulation.world import World
-    from .snapshot import Settings, Snapshot
+    from .snapshot import Snapshot
     from .transfer import TRANSFERS
     from .views import FourViews
 
@@ -35,7 +36,7 @@ _MODULES = {
     "Landscape": ".analysis.landscape",
     "SERVOS": ".servo",
     "Session": ".session",
-    "Settings": ".snapshot",
+    "Settings": ".settings",
     "Snapshot": ".snapshot",
     "TRANSFERS": ".transfer",
     "World": ".simulation.world",

@@ -1,56 +1,60 @@
 """The loop of the paper as a session that can be posed, stepped, undone and scrubbed. No page in here.
 
-    posture → four views → transfer → recovered points → residual e → E → servo → next posture
+    posture → body points → four views → transfer → recovered points → residual e → E → servo → next posture
 
 Every pass leaves one immutable Snapshot, which panels, plots, exports and tests all read.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .evaluation import residual
-from .geometry.affine import MIN_POINTS
-from .perception import frames
-from .perception.latency import MOST_LAG, lag_of
+from .history import MAX_HISTORY, History
+from .looking import Observer
+from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .servo import SERVOS, Observation
-from .simulation.eyes import open_eyes
+from .servo.observation import Conflict
+from .settings import Settings
+from .simulation.eyes import Eyes, open_eyes
 from .simulation.scene import Scene, load_scene
-from .simulation.world import Disturbance, World
-from .snapshot import Settings, Snapshot, derived
-from .transfer import TRANSFERS
-from .transfer.noise import noise_weight
+from .simulation.world import World
+from .snapshot import Snapshot
 from .views import FourViews
 
-DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
-REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
 BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "camera", "delay")  # what changes body or camera
-UNDISTURBED = Disturbance()
-MAX_HISTORY, RECENT = 100_000, 64  # motions a session makes; and keeps with all that follows from them
-STRIDE = 32  # of motions long past one in so many is kept, if not all are
+PATIENCE = 100  # looks in a row with too few points, after which a run is given up
+OpenEyes = Callable[[str, Scene, int], Eyes]
+NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
 class Session:
     """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
 
-    open_eyes(camera, scene, points): what it looks with and moves by, as `simulation.eyes` has it; dense: how many of
-    the last motions are kept, None for all. Of older ones every STRIDE-th is, and stands in place of those after it.
-    Raises ValueError, with the session as it was, for settings that cannot be.
+    open_eyes(camera, scene, points): what it looks with and moves by; dense: how many of the last motions its history
+    keeps all of, None for all. Raises ValueError, with the session as it was, for settings that cannot be.
     """
 
-    def __init__(self, settings: Settings | None = None, open_eyes: Callable = open_eyes, dense: int | None = None):
-        self._open_eyes, self._built, self._dense = open_eyes, None, dense
-        self.history: list[Snapshot]
-        self.cursor: int
+    eyes: Eyes
+    observer: Observer
+    history: History
+
+    def __init__(self, settings: Settings | None = None, open_eyes: OpenEyes = open_eyes, dense: int | None = None):
+        self._open_eyes, self._dense = open_eyes, dense
+        self._built: tuple[str, Scene, int] | None = None
         self.begin(settings or Settings())
 
     @property
     def snapshot(self) -> Snapshot:
         """The present, or the moment of history that the cursor is on."""
-        return self.history[self.cursor]
+        return self.history.present
+
+    @property
+    def cursor(self) -> int:
+        """How many motions lie before the moment shown."""
+        return self.history.cursor
 
     @property
     def settings(self) -> Settings:
@@ -65,57 +69,64 @@ class Session:
     def scene(self) -> Scene:
         return self.world.scene
 
+    def run(
+        self,
+        max_motions: int = MAX_HISTORY,
+        patience: int = PATIENCE,
+        each: Callable[[Snapshot], None] = lambda moment: None,
+    ) -> Snapshot:
+        """Step until the servo rests, that many motions lie behind, or too few points were seen in `patience` looks in
+        a row → the last moment. each: called with the moment after each motion."""
+        in_vain = 0
+        while self.snapshot.motion < max_motions and in_vain < patience:
+            if self.step():
+                in_vain = 0
+                each(self.snapshot)
+            elif self.snapshot.status == "stopped":
+                in_vain += 1
+            else:
+                break
+        return self.snapshot
+
     def step(self) -> bool:
         """One pass: ask the servo, move, look. False if the servo rests or the arm must hold still.
 
         From a moment in the past the later history is dropped.
         """
-        now = self.snapshot
-        if now.transfer is None:  # too few points: hold still and look again
-            now = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
-            self._replace(now)
-            if now.transfer is None:
-                return False
+        now = self._with_points()
+        if now.transfer is None:
+            return False
         if now.motion >= MAX_HISTORY:
-            self._replace(replace(now, status="stopped"))
+            self.history.replace(now.with_fields(status="stopped"))
             return False
-        servo, seen = SERVOS[now.settings.servo], self.observation(now)
-        state = servo.start(seen) if now.servo_state is None else now.servo_state
-        state, displacement = servo.step(state, seen, self._conflict(now))
+        state, displacement = self._ask(now)  # residual e → E → servo
         if not np.any(displacement):
-            status = "stalled" if state.status == "moving" else state.status
-            frozen = now.transfer if status == "converged" else now.frozen
-            self._replace(replace(now, servo_state=state, status=status, frozen=frozen))
+            self.history.replace(_resting(now, state))
             return False
-        commanded = np.clip(now.commanded + displacement, self.scene.lower, self.scene.upper)
-        theta = self.eyes.drive(now.settings, now.theta, now.commanded, commanded)
-        waited, lag = self._wait(theta, now)
-        look = now.look + 1 + waited
-        after = self.observe(theta, now, motion=now.motion + 1, look=look, status=state.status, lag=lag)
-        moved = theta - now.theta
-        after = replace(after, commanded=commanded, moved=moved, probe=state.probe, servo_state=state)
-        self.history[self.cursor + 1 :] = [after]
-        self.cursor += 1
-        if self.cursor >= RECENT:
-            self.history[self.cursor - RECENT].fade()
-        if self._dense is not None and (self.cursor - self._dense) % STRIDE == 0:
-            self._thin(self.cursor - self._dense - STRIDE)
+        commanded, theta = self._drive(now, displacement)  # → next posture
+        waited, lag = self.observer.wait(now, theta)
+        after = self.observe(  # → four views → transfer → recovered points → e → E
+            theta, now, motion=now.motion + 1, look=now.look + 1 + waited, lag=lag, commanded=commanded,
+            moved=theta - now.theta, probe=state.probe, status=state.status, servo_state=state,
+        )  # fmt: skip
+        self.history.append(after)
         return True
 
-    def observe(self, theta: NDArray, like: Snapshot, settings: Settings | None = None, **changes) -> Snapshot:
-        """What would be seen, recovered and evaluated at `theta`, (m,) rad: nothing moves, nothing is kept."""
-        settings = settings or like.settings
-        views = self._look(theta, like.theta_demo, settings, changes.get("look", like.look))
-        found, E = derived(views, settings.transfer), np.nan
-        if found["transfer"] is None:
-            changes["status"] = "stopped"
-        else:
-            E = float(found["transfer"].conflict(views.used))
-        return replace(like, settings=settings, theta=theta, views=views, E=E, **found, **changes)
+    def observe(self, theta: NDArray, like: Snapshot, **changes) -> Snapshot:
+        """What would be seen, recovered and evaluated at `theta`, (m,) rad: nothing moves, nothing is kept.
+
+        like: what it is in all else but `changes`, fields by name.
+        """
+        like = like.with_fields(theta=theta, **changes)
+        views = self.observer.four_views(like.settings, theta, like.theta_demo, like.look)  # posture → four views
+        seen = like.with_fields(views=views)
+        if seen.transfer is None:  # → transfer
+            return seen.with_fields(E=np.nan, status="stopped")
+        return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E
 
     def observation(self, now: Snapshot) -> Observation:
         """What a servo is told of a moment of the history."""
-        start = np.radians(now.settings.start_deg)
+        start = np.radians(np.array(now.settings.start_deg, float))
         return Observation(
             own=now.views.own,
             seen=now.views.visible[:, 2:],
@@ -124,182 +135,126 @@ class Session:
             lower=self.scene.lower - start,
             upper=self.scene.upper - start,
             motion=now.motion,
-            noise_px=self._noise_at_rest(now.settings),
+            noise_px=self.observer.noise_at_rest(now.settings),
         )
+
+    def predicted_conflict(self, now: Snapshot) -> Conflict:
+        """What a servo may ask at a moment, the present one, about images that it predicts: `predicted_conflict`."""
+        drift = demo_drift(self.history.recent(DRIFT_MOMENTS))
+        return predicted_conflict(now, drift, self.observer.noise_at_rest(now.settings))
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout or start begins anew; all else re-observes the present.
 
-        A new servo starts learning afresh, where the arm now stands.
+        A new servo starts learning afresh, where the arm now stands. Raises ValueError, with the session as it was.
         """
         settings = msgspec.structs.replace(self.settings, **fields)
         if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):
             self.begin(settings)
             return
-        now = replace(self.snapshot, frozen=None)
+        now = self.snapshot.with_fields(frozen=None)
         if settings.servo != now.settings.servo:
-            now = replace(now, servo_state=None)
-        rest = np.array(self.scene.posture_deg)[self.scene.moving]
-        self.pose(np.radians(_given(settings.demonstrator_deg, rest)), settings, now)
+            now = now.with_fields(servo_state=None)
+        self._pose(_demonstrator(settings, self.scene), settings, now)
 
-    def pose(self, theta_demo: ArrayLike, settings: Settings | None = None, now: Snapshot | None = None) -> None:
-        """Move the demonstrator to theta_demo, (m,) rad, at any time; the learner looks again."""
-        now, settings = now or self.snapshot, settings or self.settings
-        theta_demo = self.scene.require_posture(theta_demo, "demonstrator's")
-        settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(theta_demo))
-        now = replace(now, theta_demo=self.eyes.settle(theta_demo))
-        now = self.observe(now.theta, now, settings, status=_awake(now))
-        if now.servo_state is not None:
-            state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
-            now = replace(now, servo_state=state)
-        self._replace(now)
+    def pose(self, theta_demo: ArrayLike) -> None:
+        """Move the demonstrator to theta_demo, (m,) rad, at any time; the learner looks again.
+
+        Raises ValueError, with the session as it was, for a posture out of its limits.
+        """
+        self._pose(self.scene.require_posture(theta_demo, "demonstrator's"), self.settings, self.snapshot)
 
     def undo(self) -> bool:
-        """One motion back; the later ones stay until the next step."""
-        return self.scrub(self.cursor - 1)
+        """One motion back; the later ones stay until the next step. False at the start."""
+        return self.history.undo()
 
     def scrub(self, motion: int) -> bool:
         """Show the moment after that many motions, or the one that stands in its place. False if there is none."""
-        if not 0 <= motion < len(self.history):
-            return False
-        self.cursor = self.history[motion].motion
-        return True
+        return self.history.scrub(motion)
 
     def reset(self) -> None:
         """Back to the start, with the settings as they are now."""
         self.begin(self.settings)
 
     def resume(self, history: Sequence[Snapshot], cursor: int) -> None:
-        """Go on from what another session has left: its history, and the motion that it showed."""
-        self.begin(history[cursor].settings)
-        self.history, self.cursor = list(history), cursor
-        for moment in self.history[: max(cursor - RECENT, 0)]:
-            moment.fade()
-        if self._dense is not None:
-            for first in range(0, cursor - self._dense - STRIDE + 1, STRIDE):
-                self._thin(first)
+        """Go on from what another session has left: its history, and the motion that it showed.
 
-    def _thin(self, first: int) -> None:
-        """Let the moment after so many motions stand for those until the next one that is kept."""
-        if first >= 0:
-            self.history[first + 1 : first + STRIDE] = [self.history[first]] * (STRIDE - 1)
+        Raises ValueError, with the session as it was, if its settings cannot be here.
+        """
+        self.begin(history[cursor].settings)
+        self.observer = Observer(self.eyes, history[0].theta)
+        self.history = History(history, cursor, self._dense)
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
         scene = load_scene(settings.scene, settings.robot, settings.joints)
-        rest = np.array(scene.posture_deg)[scene.moving]
-        demo = scene.require_posture(np.radians(_given(settings.demonstrator_deg, rest)), "demonstrator's")
-        start = scene.require_posture(np.radians(_given(settings.start_deg, scene.start_deg)), "learner's start")
+        demo = _demonstrator(settings, scene)
+        start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
+        start = scene.require_posture(np.radians(start_deg), "learner's start")
         settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(demo), start_deg=_degrees(start))
         build = settings.camera, scene, settings.points
         if build != self._built:
             self.eyes, self._built = self._open_eyes(*build), build
-        demo, standing, empty = self.eyes.settle(demo), self.eyes.settle(start), np.empty((0, 4))
-        nothing = FourViews(empty, empty, np.empty((0, 4), bool))
+        demo, standing = self.eyes.settle(demo), self.eyes.settle(start)
+        self.observer = Observer(self.eyes, standing)
         blank = Snapshot(
-            settings, 0, 0, standing, demo, nothing, np.empty(0, bool), None, np.inf, empty, empty, np.nan,
-            start, np.zeros_like(start), False, "ready", None, None, None,
+            settings=settings, motion=0, look=0, theta=standing, theta_demo=demo, views=NOTHING_SEEN, E=np.nan,
+            commanded=start, moved=np.zeros_like(start), probe=False, status="ready", servo_state=None, lag=None,
+            frozen=None,
         )  # fmt: skip
-        self._demo_look, self._rest = None, None
-        self.history, self.cursor = [self.observe(standing, blank)], 0
+        self.history = History([self.observe(standing, blank)], dense=self._dense)
 
-    def _demo_drift(self) -> NDArray:
-        """(N, 4) px: how far the demonstrator's points go in the next motion, if they have gone on during the last two.
+    def _with_points(self) -> Snapshot:
+        """The present; looked at again, with the arm held still, if too few points were seen."""
+        now = self.snapshot
+        if now.transfer is None:
+            now = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
+            self.history.replace(now)
+        return now
 
-        One jump is no drift: both displacements must point the same way.
-        """
-        recent = [moment.views.demo for moment in self.history[max(self.cursor - 2, 0) : self.cursor + 1]]
-        if len(recent) < 3 or recent[1] is recent[2]:  # it was not even looked at again
-            return np.zeros(())
-        before, last = np.nan_to_num(np.diff(recent, axis=0))  # NaN: not seen
-        return last if np.vdot(before, last) > 0 else np.zeros(())
+    def _ask(self, now: Snapshot) -> tuple[Any, NDArray]:
+        """The servo's next state, and the displacement that it wants, (m,) rad."""
+        servo, seen = SERVOS[now.settings.servo], self.observation(now)
+        state = servo.start(seen) if now.servo_state is None else now.servo_state
+        return servo.step(state, seen, self.predicted_conflict(now))
 
-    def _wait(self, theta: NDArray, now: Snapshot) -> tuple[int, int | None]:
-        """After a motion to theta: for how many looks to wait until the picture shows it, and what is known of the lag.
+    def _drive(self, now: Snapshot, displacement: NDArray) -> tuple[NDArray, NDArray]:
+        """Where the arm is sent within its limits, and where it then stands: (m,) rad each."""
+        commanded = np.clip(now.commanded + displacement, self.scene.lower, self.scene.upper)
+        return commanded, self.eyes.drive(now.settings, now.theta, now.commanded, commanded)
 
-        Nobody tells how late pictures come: the first motion that shows does.
-        """
-        if now.lag is not None:
-            return now.lag, now.lag
-
-        def own(after: int) -> tuple[NDArray, NDArray]:
-            pictured = theta if after >= now.settings.delay else now.theta
-            return merged_look(now.settings, self.eyes.own_images(pictured), OWN_LOOK, now.look + 1 + after)
-
-        lag = lag_of((now.views.own, now.views.visible[:, 2:]), own, self._noise_at_rest(now.settings))
-        return MOST_LAG if lag is None else lag, lag
-
-    def _look(self, theta: NDArray, theta_demo: NDArray, settings: Settings, look: int) -> FourViews:
-        """The own body is looked at anew; the demonstrator only when it or its disturbance has changed."""
-        key = theta_demo.tobytes(), disturbance(settings), settings.frames, settings.seed
-        if self._demo_look is None or self._demo_look[0] != key:
-            images = self.eyes.demo_images(theta_demo)
-            self._demo_look = key, merged_look(settings, images, DEMO_LOOK)
-        demo, demo_visible = self._demo_look[1]
-        own, own_visible = merged_look(settings, self.eyes.own_images(theta), OWN_LOOK, look)
-        return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
-
-    def _noise_at_rest(self, settings: Settings) -> float:
-        """Standard deviation of a coordinate, as averaged, from single images of the own body at the start, px."""
-        key = disturbance(settings), settings.seed, settings.frames
-        if self._rest is None or self._rest[0] != key:
-            measured = 0.0
-            if key[0] != UNDISTURBED:
-                images = self.eyes.own_images(self.history[0].theta)
-                looks = key[0].frames(*images, [settings.seed, REST_LOOK], REST_LOOKS)
-                measured = frames.noise(*looks) / np.sqrt(settings.frames)
-            self._rest = key, float(np.hypot(measured, self.eyes.noise_px))
-        return self._rest[1]
-
-    def _replace(self, snapshot: Snapshot) -> None:
-        self.history[self.cursor :] = [snapshot]
-
-    def _conflict(self, now: Snapshot) -> Callable[[NDArray], NDArray]:
-        """Residuals that own images (..., N, 4) would have against the demonstrator as now seen.
-
-        Of the points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
-        images (N, 4) are given as `like`, as the noise of the demonstrator's would spread over those. Behind a moving
-        demonstrator seen with noise the transfer of the last convergence serves (Section 5.4): fitted anew at postures
-        apart it would add its own noise to theirs.
-        """
-        drift = self._demo_drift()
-        demo, demo_seen = now.views.demo + drift, now.views.visible[:, :2].all(-1)
-        frozen = now.frozen if drift.any() and self._noise_at_rest(now.settings) > 0 else None
-
-        def predicted(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
-            known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
-            if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
-                return np.full((*own.shape[:-2], 1, 4), np.inf)
-            imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
-            transfer = TRANSFERS[by or now.settings.transfer](imagined) if by or frozen is None else frozen
-            e = residual(transfer, imagined)
-            if like is None or transfer.weighs_noise:
-                return e
-            return e @ noise_weight(imagined.with_own(like[known]))
-
-        return predicted
+    def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot) -> None:
+        """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad."""
+        settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(theta_demo))
+        theta_demo = self.eyes.settle(theta_demo)
+        now = self.observe(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))
+        if now.servo_state is not None:
+            state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
+            now = now.with_fields(servo_state=state)
+        self.history.replace(now)
 
 
-def disturbance(settings: Settings) -> Disturbance:
-    return Disturbance(settings.noise_px, settings.missing, settings.outliers)
-
-
-def merged_look(settings: Settings, images: tuple[NDArray, NDArray], *stream: int) -> tuple[NDArray, NDArray]:
-    """What is seen of images (N, 4) px, (N, 2): as many frames as are set, disturbed and merged."""
-    seed = [settings.seed, *stream]
-    spoilt = disturbance(settings)
-    if settings.frames == 1 or spoilt == UNDISTURBED:
-        return spoilt.apply(*images, seed)
-    return frames.merge(*spoilt.frames(*images, seed, settings.frames))
+def _resting(now: Snapshot, state: Any) -> Snapshot:
+    """The moment at which a servo, now in this state, wants no motion any more."""
+    status = "stalled" if state.status == "moving" else state.status
+    frozen = now.transfer if status == "converged" else now.frozen
+    return now.with_fields(servo_state=state, status=status, frozen=frozen)
 
 
 def _awake(now: Snapshot) -> str:
+    """The status of a moment at which the servo has to be asked again."""
     return "ready" if now.motion == 0 else "moving"
 
 
-def _given(value, default):
-    return default if value is None else value
+def _demonstrator(settings: Settings, scene: Scene) -> NDArray:
+    """(m,) rad, of the settings or else the scene's own. Raises ValueError if it is out of limits."""
+    if settings.demonstrator_deg is None:
+        posture_deg = np.array(scene.posture_deg)[scene.moving]
+    else:
+        posture_deg = np.array(settings.demonstrator_deg, float)
+    return scene.require_posture(np.radians(posture_deg), "demonstrator's")
 
 
 def _degrees(theta: NDArray) -> tuple[float, ...]:
+    """rad → degrees, without what conversion adds."""
     return tuple(float(angle) for angle in np.round(np.degrees(theta), 9))

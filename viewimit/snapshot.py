@@ -1,82 +1,30 @@
-"""What a run depends on, and what one pass of its loop leaves behind: plain data, read by everything else."""
+"""One pass of the loop: what it leaves behind, and what follows from that."""
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
-from .perception.latency import MOST_LAG
-from .servo import SERVOS
+from .settings import Settings
 from .transfer import TRANSFERS
+from .transfer.transfer import Transfer
 from .views import FourViews
 
-CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
-MOST_SEED = 2**32 - 1
-MOST_FRAMES = 1_000
-DERIVED = ("usable", "transfer", "flatness", "recovered", "e")  # what follows from views and settings alone
 
-
-class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """All that a run depends on: with equal settings it repeats itself to the last bit.
-
-    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
-    gain_error, quantum_deg: of the arm; delay: looks after a motion that still show the posture before it. The learner
-    is told of none of them.
-    frames: how many images are averaged at each posture, of both bodies.
-    robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
-    camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers.
-    """
-
-    scene: str = "panda"
-    robot: str | None = None
-    joints: tuple[int, ...] | None = None
-    points: int = 10
-    demonstrator_deg: tuple[float, ...] | None = None
-    start_deg: tuple[float, ...] | None = None
-    transfer: str = "epipolar"
-    servo: str = "broyden"
-    noise_px: float = 0.0
-    missing: float = 0.0
-    outliers: float = 0.0
-    frames: int = 1
-    gain_error: float = 0.0
-    quantum_deg: float = 0.0
-    delay: int = 0
-    seed: int = 7
-    camera: str = "points"
-
-    def __post_init__(self):
-        _require_choice("transfer", self.transfer, TRANSFERS)
-        _require_choice("servo", self.servo, SERVOS)
-        _require_choice("camera", self.camera, CAMERAS)
-        _require_range("noise_px", self.noise_px, 0, 20)
-        _require_range("missing", self.missing, 0, 1)
-        _require_range("outliers", self.outliers, 0, 1)
-        _require_range("gain_error", self.gain_error, -0.5, 0.5)
-        _require_range("quantum_deg", self.quantum_deg, 0, 5)
-        _require_range("delay", self.delay, 0, MOST_LAG)
-        _require_range("frames", self.frames, 1, MOST_FRAMES)
-        _require_range("seed", self.seed, 0, MOST_SEED)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Snapshot:
-    """One pass of the loop. Arrays are of all N points; those not usable are NaN in recovered and residual.
+    """One moment of a session: its fields are what is kept; all else follows from `views` and `settings`.
 
-    theta, theta_demo: (m,) rad, the truth, for viewers only; views: what the learner saw;
-    usable: (N,) bool, seen in all four views; transfer: None with too few of them, E then NaN;
-    flatness: σ1/σ3 of the demonstrator's usable points in [l, r]; recovered, e: (N, 4) px in [L, R];
+    motion, look: how many were made until then; theta, theta_demo: (m,) rad, the truth, for viewers only;
+    views: what the learner saw, of all N points; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: ready, moving, converged, stalled, stopped; lag: looks that pictures come late, None until a motion has
-    shown it; frozen: the transfer as it was fitted at the last convergence, None before.
-
-    A long history keeps of its older moments what does not follow from the rest: `fade` lets go of DERIVED, which are
-    found again when they are asked for.
+    status: ready, moving, converged, stalled, stopped; servo_state: None before the servo was asked;
+    lag: looks that images come late, None until a motion has shown it;
+    frozen: the transfer as it was fitted at the last convergence, None before.
     """
 
     settings: Settings
@@ -85,11 +33,6 @@ class Snapshot:
     theta: NDArray
     theta_demo: NDArray
     views: FourViews
-    usable: NDArray
-    transfer: Any
-    flatness: float
-    recovered: NDArray
-    e: NDArray
     E: float
     commanded: NDArray
     moved: NDArray
@@ -97,7 +40,38 @@ class Snapshot:
     status: str
     servo_state: Any
     lag: int | None
-    frozen: Any
+    frozen: Transfer | None
+
+    @cached_property
+    def usable(self) -> NDArray:
+        """(N,) bool: seen in all four views."""
+        return self.views.usable
+
+    @cached_property
+    def transfer(self) -> Transfer | None:
+        """Fitted to the usable points; None with too few of them."""
+        if self.usable.sum() < MIN_POINTS:
+            return None
+        return TRANSFERS[self.settings.transfer](self.views.used)
+
+    @cached_property
+    def flatness(self) -> float:
+        """σ1/σ3 of the demonstrator's usable points in [l, r]; inf with too few of them."""
+        return np.inf if self.transfer is None else _flatness(self.views.used.demo.tobytes())
+
+    @cached_property
+    def recovered(self) -> NDArray:
+        """(N, 4) px: the demonstrator's points as the transfer expects them in [L, R]; NaN if not usable."""
+        recovered = np.full_like(self.views.own, np.nan)
+        if self.transfer is not None:
+            seen = self.views.used
+            recovered[self.usable] = self.transfer.recover(seen.demo_left, seen.demo_right)
+        return recovered
+
+    @cached_property
+    def e(self) -> NDArray:
+        """(N, 4) px: residuals in [L, R], from the recovered points to the learner's own; NaN if not usable."""
+        return self.views.own - self.recovered
 
     @property
     def expected_error(self) -> float | None:
@@ -105,45 +79,25 @@ class Snapshot:
         None if it gives none."""
         return getattr(self.servo_state, "expected", None)
 
-    def fade(self) -> None:
-        for name in DERIVED:
-            vars(self).pop(name, None)
+    def with_fields(self, **changes) -> "Snapshot":
+        """As dataclasses.replace; a fit made already is not made again if the views and the transfer stay."""
+        other = replace(self, **changes)
+        if other.views is self.views and other.settings.transfer == self.settings.transfer:
+            vars(other).update({name: value for name, value in vars(self).items() if name not in FIELDS})
+        return other
 
-    def __getattr__(self, name: str):
-        """Only asked for what the moment does not have: DERIVED, after `fade`."""
-        if name not in DERIVED:
-            raise AttributeError(f"'Snapshot' object has no attribute '{name}'")
-        vars(self).update(derived(self.views, self.settings.transfer))
-        return vars(self)[name]
+    def without_cache(self) -> "Snapshot":
+        """A moment that holds its fields only: this one, if nothing that follows from them has been asked for yet."""
+        return self if vars(self).keys() <= FIELDS else replace(self)
+
+    def keeps_the_same(self, other: "Snapshot") -> bool:
+        """Whether the fields of both are the very same objects."""
+        return all(getattr(self, name) is getattr(other, name) for name in FIELDS)
 
 
-def derived(views: FourViews, transfer: str) -> dict[str, Any]:
-    """What `Snapshot` says of DERIVED. transfer: by name."""
-    usable = views.usable
-    recovered = np.full_like(views.own, np.nan)
-    fitted, shape = None, np.inf
-    if usable.sum() >= MIN_POINTS:
-        seen = views.used
-        fitted = TRANSFERS[transfer](seen)
-        recovered[usable] = fitted.recover(seen.demo_left, seen.demo_right)
-        shape = _flatness(seen.demo.tobytes())
-    return dict(zip(DERIVED, (usable, fitted, shape, recovered, views.own - recovered)))
+FIELDS = frozenset(field.name for field in fields(Snapshot))
 
 
 @lru_cache(64)  # the demonstrator mostly stands still while the learner moves
 def _flatness(demo: bytes) -> float:
     return flatness(np.frombuffer(demo).reshape(-1, 4))
-
-
-def _require_choice(name: str, value: str, choices) -> None:
-    if value not in choices:
-        raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
-
-
-def _require_range(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
-
-
-# What the page and `imitate` begin with; 25 images at each posture are a second of video
-BEST = Settings(transfer="projective", servo="trust-region", frames=25)

@@ -10,7 +10,7 @@ from viewimit.analysis.joint_errors import ErrorTrace
 from viewimit.drawing.duel import ARRIVED_DEG, Standing
 from viewimit.drawing.methods import SERVO_NOTES, TRANSFER_NOTES
 from viewimit.session import Session
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 from ..jobs.camera_images import CameraProcess
 from ..jobs.session_eyes import SessionEyes

@@ -1,8 +1,8 @@
 """Which joints imitate: those of the scene, as the paper's two, or all of the robot's."""
 
 from viewimit.drawing import svg
+from viewimit.settings import Settings
 from viewimit.simulation.scene import Scene, load_robot, load_scene
-from viewimit.snapshot import Settings
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
 WORDS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")

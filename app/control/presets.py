@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import msgspec
 
-from viewimit.snapshot import BEST, Settings
+from viewimit.settings import BEST, Settings
 
 replace = msgspec.structs.replace
 

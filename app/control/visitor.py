@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.kinematics import pose_for_hand
-from viewimit.snapshot import Settings
 
 from ..panels.controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
 from .checks import choice, number, switch

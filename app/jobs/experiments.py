@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 
 from viewimit.experiments.paper.claims import Claim
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 from . import experiment_child
 

@@ -7,8 +7,8 @@ from viewimit.drawing.learner_bars import draw_learner
 from viewimit.drawing.methods import SERVO_NOTES, TRANSFER_NOTES
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.settings import MOST_SEED, Settings
 from viewimit.simulation.scene import Scene
-from viewimit.snapshot import MOST_SEED, Settings
 from viewimit.transfer import TRANSFERS
 
 from ..control.disturbances import DISTURBANCES

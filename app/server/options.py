@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 
 @dataclass(frozen=True)

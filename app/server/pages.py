@@ -12,7 +12,7 @@ from functools import cache
 import viser
 
 from viewimit.drawing import learner_bars, plots, theme
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 from .. import viser_private
 from ..control.scheduler import Scheduler

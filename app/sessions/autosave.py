@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import msgspec
 
 from viewimit import __version__
-from viewimit.snapshot import Settings, Snapshot
+from viewimit.settings import Settings
+from viewimit.snapshot import Snapshot
 
 from . import codec
 from .store import Store
@@ -136,7 +137,7 @@ class Keeper:
         history, before = memory.history, written.history
         for first in range(0, len(history), CHUNK):
             chunk, known = history[first : first + CHUNK], before[first : first + CHUNK]
-            if len(chunk) != len(known) or any(one is not other for one, other in zip(chunk, known)):
+            if len(chunk) != len(known) or not all(map(_same, chunk, known)):
                 parts[str(first // CHUNK)] = codec.encode(chunk)
         if memory.head != written.head:
             parts[HEAD] = msgspec.msgpack.encode(memory.head)
@@ -164,6 +165,10 @@ def _decoded(parts: dict[str, bytes], begun: Settings) -> Memory | None:
     if len(history) != head.length or not 0 <= head.cursor < head.length:
         raise ValueError("its parts are of different moments")
     return Memory(head, history)
+
+
+def _same(one: Snapshot, other: Snapshot) -> bool:
+    return one is other or one.keeps_the_same(other)
 
 
 def _chunks(length: int) -> int:

@@ -1,7 +1,7 @@
 """A session's history as bytes and back, to the last bit. Nothing in the bytes is ever run.
 
 Objects are listed once, children first, however many snapshots share them; a value is a scalar, or the index of an
-object in a list of one. What of a snapshot follows from the rest is found anew instead.
+object in a list of one.
 """
 
 import dataclasses
@@ -14,7 +14,8 @@ from viewimit.servo.broyden import BroydenState
 from viewimit.servo.gradient import GradientState
 from viewimit.servo.image_model import ImageModel, Visit
 from viewimit.servo.trust_region import TrustState
-from viewimit.snapshot import DERIVED, Settings, Snapshot, derived
+from viewimit.settings import Settings
+from viewimit.snapshot import Snapshot
 from viewimit.transfer.affine_map import AffineTransfer
 from viewimit.transfer.projective import ProjectiveTransfer
 from viewimit.transfer.rank3 import Rank3Transfer
@@ -86,8 +87,7 @@ class _Packer:
 
 def _fields(one) -> dict:
     """What of an object is kept."""
-    left_out = DERIVED if isinstance(one, Snapshot) else ()
-    fields = {field.name: getattr(one, field.name) for field in dataclasses.fields(one) if field.name not in left_out}
+    fields = {field.name: getattr(one, field.name) for field in dataclasses.fields(one)}
     if isinstance(one, AffineTransfer):
         fields["measure_condition"] = one.condition
     return fields
@@ -111,8 +111,6 @@ def _object(listed: list, objects: list):
     if kind == AffineTransfer.__name__:
         condition = fields["measure_condition"]
         fields["measure_condition"] = lambda: condition
-    if kind == Snapshot.__name__:
-        fields |= derived(fields["views"], fields["settings"].transfer)
     return CLASSES[kind](**fields)
 
 

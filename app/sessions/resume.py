@@ -5,7 +5,7 @@ from typing import Protocol, runtime_checkable
 
 from viser import ClientHandle, ViserServer
 
-from viewimit.snapshot import Settings
+from viewimit.settings import Settings
 
 from .. import viser_private
 from .autosave import Keeper, Memory

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..looking import merged_look
 from ..servo import Observation
 from ..servo.image_based import towards
 from ..servo.image_model import ImageModel
-from ..session import Session, merged_look
+from ..session import Session
 from ..simulation.kinematics import hand_position
 from .motion import Motion
 

@@ -12,12 +12,12 @@ from tqdm import tqdm
 from ..analysis.landscape import grid_axes
 from ..experiments.bench import following, random_scenes, robustness, speed, success
 from ..geometry.affine import require_points
+from ..history import MAX_HISTORY
 from ..servo import SERVOS
-from ..session import MAX_HISTORY
+from ..settings import BEST, CAMERAS, Settings
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene, load_scene
 from ..simulation.world import World
-from ..snapshot import BEST, CAMERAS, Settings
 from ..transfer import TRANSFERS
 from . import bench_tables as tables
 from .options import DONE, add_json_option, between, naming, print_json

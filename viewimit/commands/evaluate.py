@@ -10,7 +10,7 @@ import numpy as np
 from ..evaluation import conflict
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental, flatness
 from ..perception.tracked import TrackedPoints, read_deeplabcut, read_tidy
-from ..snapshot import Settings
+from ..settings import Settings
 from ..transfer import TRANSFERS
 from ..views import VIEWS, FourViews
 from . import BadInput, evaluate_report

@@ -5,8 +5,9 @@ import sys
 
 import numpy as np
 
-from ..session import MAX_HISTORY, Session
-from ..snapshot import BEST
+from ..history import MAX_HISTORY
+from ..session import Session
+from ..settings import BEST
 from .options import (
     DONE,
     MISSED,
@@ -20,8 +21,6 @@ from .options import (
     settings_from,
 )
 
-PATIENCE = 100  # looks in a row with too few points, after which the learner is given up
-
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_setting_options(parser, BEST)
@@ -34,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     session = Session(settings_from(args, BEST))
-    imitate(session, args.max_motions)
+    session.run(args.max_motions)
     result = outcome(session)
     if args.json:
         print_json(result)
@@ -55,16 +54,6 @@ def run(args: argparse.Namespace) -> int:
 def _at_least(value: float, least: float, form: str) -> str:
     """Digits below `least` are the machine's, not the method's."""
     return f"below {least:g}" if value < least else f"{value:{form}}"
-
-
-def imitate(session: Session, max_motions: int) -> None:
-    """Step until the servo rests, the motions are used up, or too few points are seen for long."""
-    looks = 0
-    while session.snapshot.motion < max_motions and looks < PATIENCE:
-        moved = session.step()
-        looks = 0 if moved else looks + 1
-        if not moved and session.snapshot.status != "stopped":
-            return
 
 
 def outcome(session: Session) -> dict:

@@ -10,9 +10,9 @@ import msgspec
 import numpy as np
 
 from ..servo import SERVOS
+from ..settings import CAMERAS, Settings
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import load_scene, robot_names, scene_names
-from ..snapshot import CAMERAS, Settings
 from ..transfer import TRANSFERS
 from . import BadInput
 

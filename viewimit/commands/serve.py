@@ -3,7 +3,7 @@
 import argparse
 import sys
 
-from ..snapshot import BEST
+from ..settings import BEST
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..snapshot import Settings
+from ..settings import Settings
 from . import svg
 from .labels import CHARACTER
 

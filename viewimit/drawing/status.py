@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..geometry.affine import MIN_POINTS
+from ..history import MAX_HISTORY
 from ..servo.gradient import GradientState
 from ..servo.trust_region import CERTAIN
-from ..session import MAX_HISTORY
 from ..snapshot import Snapshot
 from . import svg
 from .metrics import AMBER, CONDITION, FLATNESS, RED

@@ -4,7 +4,6 @@ The simulated world. It knows the truth, so nothing in `transfer` or `servo` may
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,52 +13,6 @@ from ..views import FourViews
 from .camera import Camera, Cameras
 from .robot import BodyPoints, Robot
 from .scene import Base, Scene, load_robot
-
-GROSS_PX = 60.0  # a coordinate
-
-
-@dataclass(frozen=True)
-class Disturbance:
-    """What spoils an image: Gaussian noise in px (standard deviation a coordinate), the share of points not found, and
-    the share found at a wrong place, anywhere within GROSS_PX."""
-
-    noise_px: float = 0.0
-    missing: float = 0.0
-    outliers: float = 0.0
-
-    def apply(self, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
-        """points: (N, 4) px, visible: (N, 2). The draws depend on the seed alone, so that turning one
-        disturbance up enlarges the same noise and loses the same points first."""
-        if not (self.noise_px or self.missing or self.outliers):
-            return points, visible
-        rng = np.random.default_rng(seed)
-        noise, luck = rng.standard_normal(points.shape), rng.random(visible.shape)
-        points, visible = points + self.noise_px * noise, visible & (luck >= self.missing)
-        if self.outliers:
-            wrong = np.repeat(rng.random(visible.shape) < self.outliers, 2, -1)
-            points = np.where(wrong, points + rng.uniform(-GROSS_PX, GROSS_PX, points.shape), points)
-        return points, visible
-
-    def frames(self, points: NDArray, visible: NDArray, seed: list[int], count: int) -> tuple[NDArray, NDArray]:
-        """Several looks at the same: (count, N, 4) px, (count, N, 2)."""
-        looks = [self.apply(points, visible, [*seed, k] if k else seed) for k in range(count)]
-        return tuple(map(np.array, zip(*looks)))
-
-
-@dataclass(frozen=True)
-class Actuator:
-    """What an arm makes of a command: (1 + gain_error) of it, in steps of quantum_deg."""
-
-    gain_error: float = 0.0
-    quantum_deg: float = 0.0
-
-    def move(self, theta: NDArray, command: NDArray) -> NDArray:
-        """From theta by command, (m,) rad each → where it stands."""
-        after = theta + (1 + self.gain_error) * command
-        if self.quantum_deg:
-            quantum = np.radians(self.quantum_deg)
-            after = quantum * np.round(after / quantum)
-        return after
 
 
 class World:

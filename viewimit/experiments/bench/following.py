@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...session import Session
-from ...snapshot import BEST, Settings
+from ...settings import BEST, Settings
 from .. import processes
 
 SWING_DEG, TURNS = 25.0, (1.0, 0.7)  # of the path, each joint; rounds a joint, repeated for more joints
@@ -84,8 +84,7 @@ def run_once(settings: Settings, deg_a_step: float, seed: list[int]) -> NDArray:
             demonstrator_deg=tuple(np.degrees(demonstrator[0])),
         )
     )
-    while session.snapshot.motion < MOST_BEFORE and session.step():
-        pass
+    session.run(MOST_BEFORE, patience=1)
     errors = []
     for theta in demonstrator[1:]:
         session.step()

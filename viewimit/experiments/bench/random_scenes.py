@@ -11,9 +11,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ...settings import Settings
 from ...simulation.scene import Scene, load_scene
 from ...simulation.world import World
-from ...snapshot import Settings
 from .. import processes
 from . import success
 

@@ -10,14 +10,14 @@ import msgspec
 import numpy as np
 
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
 from .. import processes
 from .success import Share
 
 DEMO_DEG = 20.0
 NEAR_DEG = (0.5, 1.0, 3.0)
 SURELY = 3.0  # standard deviations
-PATIENCE = 20  # looks in a row without a motion
+PATIENCE = 20  # looks in a row with too few points, after which a learner is given up
 SEVEN = tuple(range(1, 8))
 
 
@@ -103,12 +103,7 @@ def run_once(
     noise_seed = int(rng.integers(2**32))
     postures = {"demonstrator_deg": tuple(demo.tolist()), "start_deg": tuple(start.tolist())}
     session.begin(msgspec.structs.replace(settings, seed=noise_seed, **postures))
-    looks = 0
-    while session.snapshot.motion < max_motions and looks < PATIENCE:
-        looks = 0 if session.step() else looks + 1
-        if looks and session.snapshot.status in ("converged", "stalled"):
-            break
-    last = session.snapshot
+    last = session.run(max_motions, PATIENCE)
     error = np.degrees(np.abs(last.theta - last.theta_demo)).max()
     expected = np.degrees(last.expected_error or 0.0)
     return float(error), float(expected), last.motion, last.status == "converged"

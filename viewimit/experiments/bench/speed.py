@@ -15,9 +15,9 @@ from ...analysis.landscape import grid_axes, landscape
 from ...evaluation import conflict, residual
 from ...servo import SERVOS
 from ...session import Session
+from ...settings import Settings
 from ...simulation.scene import load_scene
 from ...simulation.world import World
-from ...snapshot import Settings
 from ...transfer import TRANSFERS
 from ...views import FourViews
 from . import baselines, opencv_baseline

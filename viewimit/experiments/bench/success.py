@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ...analysis.landscape import grid_axes, landscape
 from ...session import Session
+from ...settings import Settings
 from ...simulation.scene import Scene
-from ...snapshot import Settings
 from ...transfer import TRANSFERS
 from .. import processes
 
@@ -130,12 +130,10 @@ def run_pair(settings: Settings, servos: Sequence[str], max_motions: int) -> lis
     runs = []
     for servo in servos:
         session.begin(msgspec.structs.replace(settings, servo=servo))
-        while session.snapshot.motion < max_motions and session.step():
-            pass
+        last = session.run(max_motions, patience=1)
         visited = np.array([snapshot.theta for snapshot in session.history])
         errors = {name: _error_deg(visited, target) for name, target in targets.items()}
         ended, nearest = ({name: float(pick(e)) for name, e in errors.items()} for pick in (lambda e: e[-1], np.min))
-        last = session.snapshot
         runs.append(Run(last.motion, last.status == "converged", ended, nearest, float(bias)))
     return runs
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ...snapshot import Settings
+from ...settings import Settings
 
 PAPER = Settings()  # the scene and transfer that the tolerances are about
 PAPER_DEMONSTRATOR_DEG = (45.0, -90.0)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...analysis.motion import MOTIONS, Motion
 from ...analysis.trajectory import Trajectory, follow, hand_points
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims
 
@@ -65,9 +65,7 @@ def run(
     """
     session = Session(settings)
     first = session.snapshot
-    while session.snapshot.motion < max_motions and session.step():
-        tell(SEEN_SHARE * session.snapshot.motion / max_motions, None)
-    last = session.snapshot
+    last = session.run(max_motions, patience=1, each=lambda now: tell(SEEN_SHARE * now.motion / max_motions, None))
     there = session.observe(last.theta_demo, last)
     recorded = not isinstance(motion, str)
     played = MOTIONS[motion](session.world, last.theta_demo) if isinstance(motion, str) else motion

@@ -10,7 +10,7 @@ from ...analysis.convexity import Convexity, convexity
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape
 from ...analysis.minima import Conflict, Minima, local_minima
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
 from ...transfer import TRANSFERS
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims, in_degrees

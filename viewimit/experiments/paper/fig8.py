@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_of_images
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
 from ...transfer import TRANSFERS
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims, in_degrees

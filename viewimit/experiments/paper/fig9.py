@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...session import Session
-from ...snapshot import Settings
+from ...settings import Settings
+from ...snapshot import Snapshot
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims
 
@@ -96,9 +97,12 @@ def run(
         for law in laws:
             done = len(found.runs)
             session.begin(msgspec.structs.replace(settings, servo=law, start_deg=start))
-            while session.snapshot.motion < max_motions and session.step():
-                if session.snapshot.motion % 100 == 0:
-                    tell((done + session.snapshot.motion / max_motions) / total, None)
+
+            def tell_now_and_then(moment: Snapshot, done: int = done) -> None:
+                if moment.motion % 100 == 0:
+                    tell((done + moment.motion / max_motions) / total, None)
+
+            session.run(max_motions, patience=1, each=tell_now_and_then)
             found = replace(found, runs=(*found.runs, _run(session)))
             tell((done + 1) / total, found)
     return found

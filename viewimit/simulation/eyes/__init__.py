@@ -1,24 +1,19 @@
-"""What a session looks with and moves arms by: projected points, or pictures of arms that have weight.
-
-world                                   the truth that they look at
-noise_px                                standard deviation of a coordinate, as their maker states it
-demo_images(theta), own_images(theta)   points (..., N, 4) px, visible (..., N, 2), as `World` has them
-settle(theta)                           where an arm comes to rest that is told to stand at theta, (m,) rad
-drive(settings, theta, sent, commanded) where one at theta, last sent to `sent`, comes to rest once sent to
-                                        `commanded`; (m,) rad each
-"""
+"""What a session looks with and moves arms by, `Eyes`: projected points, or pictures of arms that have weight."""
 
 import importlib.util
 
 from ..markers import marker_names
 from ..scene import Scene
 from .projected import ProjectedEyes
+from .protocol import Eyes
+
+__all__ = ["Eyes", "ProjectedEyes", "open_eyes", "require_eyes"]
 
 NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras that bring them
 
 
-def open_eyes(camera: str, scene: Scene, points: int):
-    """camera: of `snapshot.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
+def open_eyes(camera: str, scene: Scene, points: int) -> Eyes:
+    """camera: of `settings.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
 
     Raises ValueError as `require_eyes`.
     """

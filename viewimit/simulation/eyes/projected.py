@@ -3,16 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...snapshot import Settings
+from ...settings import Settings
+from ..actuator import Actuator
 from ..robot import Angles
 from ..scene import Scene
-from ..world import Actuator, World
+from ..world import World
 
 EXACT = Actuator()
 
 
 class ProjectedEyes:
-    """See the package."""
+    """See `protocol.Eyes`."""
 
     noise_px = 0.0
 

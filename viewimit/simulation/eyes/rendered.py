@@ -7,15 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...perception.detection import Detections, detect
-from ...snapshot import Settings
+from ...settings import Settings
 from ...views import VIEWS
+from ..actuator import Actuator
 from ..markers import load_markers
 from ..physics.arm import Arm
 from ..physics.model import write_urdf
 from ..physics.studio import SAMPLES, Studio
 from ..robot import Angles
 from ..scene import Scene
-from ..world import Actuator, World
+from ..world import World
 
 MIDDLE = 0.56  # of a picture's width: the head turns to the body that it watches, so that the other one is beyond
 FACE = 1.2  # times its radius, from a ball's middle to the nearest of its surface in sight, at most
@@ -23,7 +24,7 @@ NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench pictur
 
 
 class RenderedEyes:
-    """See the package. pictures: (height, width, 3) uint8 of the views l, r, L, R, as last taken, and what was
+    """See `protocol.Eyes`. pictures: (height, width, 3) uint8 of the views l, r, L, R, as last taken, and what was
     detected in them, `detections`; theta: by pair of views, the posture (m,) rad in which its arm was last looked at,
     all that one look leaves to the next, at first `rest`."""
 

@@ -1,0 +1,102 @@
+"""A history walked back and forth, dropped from its cursor on, thinned and let go of, without a session."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from viewimit.history import RECENT, STRIDE, History
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+BEGUN = Session(Settings(transfer="linear")).snapshot
+
+
+def moment(motion, **changes):
+    """Without anything that follows from its fields."""
+    return dataclasses.replace(BEGUN, motion=motion, **changes)
+
+
+def heavy(motion):
+    """With all that follows from them."""
+    made = moment(motion)
+    assert made.e.shape == made.recovered.shape
+    return made
+
+
+def written(motions, dense=None, make=moment):
+    history = History([make(0)], dense=dense)
+    for motion in range(1, motions + 1):
+        history.append(make(motion))
+    return history
+
+
+def heavy_ones(history):
+    return [k for k, one in enumerate(history) if one.without_cache() is not one]
+
+
+def test_a_moment_is_found_by_its_motion_and_the_cursor_is_on_the_last():
+    history = written(5)
+    assert len(history) == 6 and history.cursor == 5 and history.present is history[-1]
+    assert [one.motion for one in history] == [one.motion for one in history[:]] == list(range(6))
+    assert [one.motion for one in history.recent(3)] == [3, 4, 5]
+    assert history.scrub(1) and [one.motion for one in history.recent(3)] == [0, 1]
+
+
+def test_undo_and_scrub_stay_within_the_history_and_drop_nothing():
+    history = written(3)
+    assert history.undo() and history.undo() and history.undo() and not history.undo() and history.cursor == 0
+    assert not history.scrub(-1) and not history.scrub(4) and history.cursor == 0
+    assert history.scrub(3) and history.present.motion == 3 and len(history) == 4
+
+
+@pytest.mark.parametrize("act, length", [("append", 3), ("replace", 2)])
+def test_a_motion_or_another_present_drops_what_came_later(act, length):
+    history = written(5)
+    before = history[0]
+    history.scrub(1)
+    new = moment(length - 1)
+    getattr(history, act)(new)
+    assert len(history) == length and history.present is new and history[0] is before
+
+
+@pytest.mark.parametrize("dense", [None, STRIDE + 8, RECENT + 5 * STRIDE])
+def test_of_a_long_run_only_recent_moments_hold_more_than_their_fields(dense):
+    history = written(0, dense, heavy)
+    for motion in range(1, 10 * STRIDE):
+        history.append(heavy(motion))
+        held = heavy_ones(history)
+        assert len(held) <= RECENT + STRIDE
+        assert held[-RECENT:] == list(range(max(motion + 1 - RECENT, 0), motion + 1)) or dense is not None
+    assert not heavy_ones(history)[: -RECENT - STRIDE]
+
+
+def test_what_another_holds_of_an_old_moment_stays_as_it_was():
+    first = heavy(0)
+    history = History([first])
+    for motion in range(1, RECENT + STRIDE + 1):
+        history.append(moment(motion))
+    assert history[0] is not first and history[0].keeps_the_same(first)
+    assert first.without_cache() is not first
+    np.testing.assert_array_equal(history[0].e, first.e)
+
+
+@pytest.mark.parametrize("dense", [0, 8, STRIDE + 8, RECENT, 5 * STRIDE])
+def test_of_old_motions_every_stride_th_stands_for_those_after_it(dense):
+    motions = 8 * STRIDE + 5
+    history = written(motions, dense, heavy)
+    thinned = (motions - dense) // STRIDE * STRIDE
+    stands = [k // STRIDE * STRIDE if k < thinned else k for k in range(motions + 1)]
+    assert [one.motion for one in history] == stands
+    assert len(set(map(id, history))) == len(set(stands))
+    assert history.scrub(STRIDE + 3) and history.cursor == STRIDE and history.undo() and history.cursor == 0
+
+
+@pytest.mark.parametrize("dense", [None, 8, RECENT, 5 * STRIDE])
+def test_a_history_taken_over_is_as_one_written_here(dense):
+    motions = 8 * STRIDE + 5
+    here, there = written(motions, dense, heavy), History(written(motions, make=heavy), motions, dense)
+    assert [one.motion for one in there] == [one.motion for one in here]
+    assert heavy_ones(there) == heavy_ones(here)
+    bare = [moment(motion) for motion in range(motions + 1)]
+    assert all(one is other for one, other in zip(History(bare, motions), bare))  # nothing to let go of

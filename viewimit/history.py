@@ -1,0 +1,86 @@
+"""The moments of a session in order of their motions, and the one of them that it is at."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import overload
+
+from .snapshot import Snapshot
+
+MAX_HISTORY = 100_000  # motions a session makes
+RECENT = 64  # of the last motions, transfer and residuals stay as they were computed; those of older ones are let go
+STRIDE = 32  # of motions long past one in so many is kept, if not all are
+
+
+class History(Sequence[Snapshot]):
+    """moments: by motion, from 0 on; cursor: the motion that the session is at.
+
+    dense: how many of the last motions are kept, None for all. Of older ones every STRIDE-th is, and stands in place
+    of those after it.
+    """
+
+    def __init__(self, moments: Iterable[Snapshot], cursor: int = 0, dense: int | None = None):
+        self._moments, self.cursor, self._dense = list(moments), cursor, dense
+        for first in range(0, cursor - RECENT - STRIDE + 1, STRIDE):
+            self._let_go(first)
+        if dense is not None:
+            for first in range(0, cursor - dense - STRIDE + 1, STRIDE):
+                self._thin(first)
+
+    def __len__(self) -> int:
+        return len(self._moments)
+
+    def __iter__(self) -> Iterator[Snapshot]:
+        return iter(self._moments)
+
+    @overload
+    def __getitem__(self, index: int) -> Snapshot: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Snapshot]: ...
+    def __getitem__(self, index: int | slice) -> Snapshot | list[Snapshot]:
+        return self._moments[index]
+
+    @property
+    def present(self) -> Snapshot:
+        """The moment that the cursor is on."""
+        return self._moments[self.cursor]
+
+    def recent(self, count: int) -> list[Snapshot]:
+        """The last moments up to the present, at most `count`, the present one last."""
+        return self._moments[max(self.cursor + 1 - count, 0) : self.cursor + 1]
+
+    def append(self, moment: Snapshot) -> None:
+        """One motion on from the present; what came later is dropped."""
+        self.cursor += 1
+        self._moments[self.cursor :] = [moment]
+        if self.cursor % STRIDE == 0:
+            self._let_go(self.cursor - RECENT - STRIDE)
+        if self._dense is not None and (self.cursor - self._dense) % STRIDE == 0:
+            self._thin(self.cursor - self._dense - STRIDE)
+
+    def replace(self, moment: Snapshot) -> None:
+        """Put a moment in place of the present; what came later is dropped."""
+        self._moments[self.cursor :] = [moment]
+
+    def undo(self) -> bool:
+        """One motion back; the later ones stay. False at the start."""
+        return self.scrub(self.cursor - 1)
+
+    def scrub(self, motion: int) -> bool:
+        """To the moment after that many motions, or the one that stands in its place. False if there is none."""
+        if not 0 <= motion < len(self._moments):
+            return False
+        self.cursor = self._moments[motion].motion
+        return True
+
+    def _let_go(self, first: int) -> None:
+        """Of STRIDE motions from `first` on, keep what does not follow from the rest. Who holds one keeps all of it."""
+        if first < 0:
+            return
+        for motion in range(first, first + STRIDE):
+            moment = self._moments[motion]
+            stands_for_another = moment.motion != motion
+            self._moments[motion] = self._moments[moment.motion] if stands_for_another else moment.without_cache()
+
+    def _thin(self, first: int) -> None:
+        """Let the moment after so many motions stand for those until the next one that is kept."""
+        if first >= 0:
+            self._moments[first + 1 : first + STRIDE] = [self._moments[first]] * (STRIDE - 1)

@@ -1,0 +1,87 @@
+"""What a learner gets to see of two bodies: so many frames of each as are set, disturbed, merged, and perhaps late.
+
+With equal seeds it sees the same to the last bit. Every look has a stream of the seed for itself.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .perception import frames
+from .perception.disturbance import UNDISTURBED, Disturbance
+from .perception.latency import MOST_LAG, lag_of
+from .settings import Settings
+from .simulation.eyes import Eyes
+from .snapshot import Snapshot
+from .views import FourViews
+
+DEMO_LOOK, OWN_LOOK, REST_LOOK = 0, 1, 4  # streams of the seed: demonstrator, once; own body, at every motion, at rest
+REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
+
+Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4) px, visible (N, 2) bool
+
+
+class Observer:
+    """Looks with `eyes`. theta_rest: (m,) rad, the learner's start, where it measures the noise of its images."""
+
+    def __init__(self, eyes: Eyes, theta_rest: NDArray):
+        self._eyes, self._theta_rest = eyes, theta_rest
+        self._demo: tuple[tuple, Images] | None = None  # what it depends on, what was seen
+        self._noise: tuple[tuple, float] | None = None
+
+    def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
+        """theta, theta_demo: (m,) rad; look: which one it is, of the own body."""
+        demo, demo_visible = self.demo(settings, theta_demo)
+        own, own_visible = self.own(settings, theta, look)
+        return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
+
+    def own(self, settings: Settings, theta: NDArray, look: int) -> Images:
+        """The own body, looked at anew. theta: (m,) rad."""
+        return merged_look(settings, self._eyes.own_images(theta), OWN_LOOK, look)
+
+    def demo(self, settings: Settings, theta_demo: NDArray) -> Images:
+        """The demonstrator, looked at anew only when it, or its disturbance, has changed. theta_demo: (m,) rad."""
+        key = theta_demo.tobytes(), disturbance(settings), settings.frames, settings.seed
+        if self._demo is None or self._demo[0] != key:
+            self._demo = key, merged_look(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
+        return self._demo[1]
+
+    def noise_at_rest(self, settings: Settings) -> float:
+        """Standard deviation of a coordinate, as averaged, from single images of the own body at the start, px."""
+        key = disturbance(settings), settings.seed, settings.frames
+        if self._noise is None or self._noise[0] != key:
+            measured = 0.0
+            if key[0] != UNDISTURBED:
+                images = self._eyes.own_images(self._theta_rest)
+                looks = key[0].frames(*images, [settings.seed, REST_LOOK], REST_LOOKS)
+                measured = frames.noise(*looks) / np.sqrt(settings.frames)
+            self._noise = key, float(np.hypot(measured, self._eyes.noise_px))
+        return self._noise[1]
+
+    def wait(self, now: Snapshot, theta: NDArray) -> tuple[int, int | None]:
+        """After a motion from `now` to theta, (m,) rad → for how many looks to wait until an image shows it, and what
+        is known of the lag, in looks: None if the motion does not show.
+
+        Nobody tells how late images come: the first motion that shows does.
+        """
+        if now.lag is not None:
+            return now.lag, now.lag
+
+        def look(after: int) -> Images:
+            return self.own(now.settings, theta if after >= now.settings.delay else now.theta, now.look + 1 + after)
+
+        lag = lag_of((now.views.own, now.views.visible[:, 2:]), look, self.noise_at_rest(now.settings))
+        return MOST_LAG if lag is None else lag, lag
+
+
+def disturbance(settings: Settings) -> Disturbance:
+    """What spoils the images of a run with these settings."""
+    return Disturbance(settings.noise_px, settings.missing, settings.outliers)
+
+
+def merged_look(settings: Settings, images: Images, *stream: int) -> Images:
+    """What is seen of images: as many frames as are set, disturbed and merged. stream: of the seed."""
+    seed = [settings.seed, *stream]
+    spoilt = disturbance(settings)
+    if settings.frames == 1 or spoilt == UNDISTURBED:
+        return spoilt.apply(*images, seed)
+    return frames.merge(*spoilt.frames(*images, seed, settings.frames))

@@ -1,0 +1,55 @@
+"""The conflict that images would have which a servo predicts: no motion is made for it, and no posture is known."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .geometry.affine import MIN_POINTS
+from .servo.observation import Conflict
+from .snapshot import Snapshot
+from .transfer import TRANSFERS
+from .transfer.noise import noise_weight
+from .views import FourViews
+
+DRIFT_MOMENTS = 3  # two displacements
+NO_DRIFT = np.zeros(())
+
+
+def demo_drift(moments: Sequence[Snapshot]) -> NDArray:
+    """(N, 4) px, or () for 0: how far the demonstrator's points go in the next motion, if they have gone on during the
+    last two. moments: the last DRIFT_MOMENTS, the present one last.
+
+    One jump is no drift: both displacements must point the same way.
+    """
+    recent = [moment.views.demo for moment in moments]
+    if len(recent) < DRIFT_MOMENTS or recent[1] is recent[2]:  # it was not even looked at again
+        return NO_DRIFT
+    before, last = np.nan_to_num(np.diff(recent, axis=0))  # NaN: not seen
+    return last if np.vdot(before, last) > 0 else NO_DRIFT
+
+
+def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float = 0.0) -> Conflict:
+    """What a servo may ask: residuals (..., n, C) px that own images (..., N, 4) px would have against the
+    demonstrator as now seen, and displaced by `drift`, (N, 4) px.
+
+    Of the n points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
+    images (N, 4) px are given as `like`, as the noise of the demonstrator's would spread over those. With fewer points
+    than a transfer needs they are infinite. Behind a moving demonstrator seen with noise, noise_px > 0, the transfer of
+    the last convergence serves (Section 5.4): fitted anew at postures apart it would add its own noise to theirs.
+    """
+    demo, demo_seen = now.views.demo + drift, now.views.visible[:, :2].all(-1)
+    frozen = now.frozen if drift.any() and noise_px > 0 else None
+
+    def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
+        known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
+        if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
+            return np.full((*own.shape[:-2], 1, 4), np.inf)
+        imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
+        transfer = TRANSFERS[by or now.settings.transfer](imagined) if by or frozen is None else frozen
+        e = transfer.residual(imagined)
+        if like is None or transfer.weighs_noise:
+            return e
+        return e @ noise_weight(imagined.with_own(like[known]))
+
+    return conflict

@@ -1,0 +1,70 @@
+"""All that a run depends on: plain data, made to be kept and shared."""
+
+from collections.abc import Collection
+
+import msgspec
+
+from .perception.latency import MOST_LAG
+from .servo import SERVOS
+from .transfer import TRANSFERS
+
+CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
+MOST_SEED = 2**32 - 1
+MOST_FRAMES = 1_000
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """With equal settings a run repeats itself to the last bit. Raises ValueError that names the field and its bounds.
+
+    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    gain_error, quantum_deg: of the arm; delay: looks after a motion that still show the posture before it. The learner
+    is told of none of them.
+    frames: how many images are averaged at each posture, of both bodies.
+    robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
+    camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers.
+    """
+
+    scene: str = "panda"
+    robot: str | None = None
+    joints: tuple[int, ...] | None = None
+    points: int = 10
+    demonstrator_deg: tuple[float, ...] | None = None
+    start_deg: tuple[float, ...] | None = None
+    transfer: str = "epipolar"
+    servo: str = "broyden"
+    noise_px: float = 0.0
+    missing: float = 0.0
+    outliers: float = 0.0
+    frames: int = 1
+    gain_error: float = 0.0
+    quantum_deg: float = 0.0
+    delay: int = 0
+    seed: int = 7
+    camera: str = "points"
+
+    def __post_init__(self) -> None:
+        _require_choice("transfer", self.transfer, TRANSFERS)
+        _require_choice("servo", self.servo, SERVOS)
+        _require_choice("camera", self.camera, CAMERAS)
+        _require_range("noise_px", self.noise_px, 0, 20)
+        _require_range("missing", self.missing, 0, 1)
+        _require_range("outliers", self.outliers, 0, 1)
+        _require_range("gain_error", self.gain_error, -0.5, 0.5)
+        _require_range("quantum_deg", self.quantum_deg, 0, 5)
+        _require_range("delay", self.delay, 0, MOST_LAG)
+        _require_range("frames", self.frames, 1, MOST_FRAMES)
+        _require_range("seed", self.seed, 0, MOST_SEED)
+
+
+def _require_choice(name: str, value: str, choices: Collection[str]) -> None:
+    if value not in choices:
+        raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
+
+
+def _require_range(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
+
+
+# What the page and `imitate` begin with; 25 images at each posture are a second of video
+BEST = Settings(transfer="projective", servo="trust-region", frames=25)

@@ -12,7 +12,6 @@ from viewimit.app.control.player import Pace
 from viewimit.app.control.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.control.visitor import View, Visitor
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.panels.controls import SERVO_NAMES, TRANSFER_NAMES
 
 from viewimit.analysis.motion import motion
 from viewimit.experiments import EXPERIMENTS
@@ -85,8 +84,12 @@ def test_values_out_of_range_are_refused_and_change_nothing(page, name, value):
     assert session.snapshot is before
 
 
-def test_every_transfer_and_servo_has_a_name_on_the_page():
-    assert list(TRANSFER_NAMES) == list(TRANSFERS) and list(SERVO_NAMES) == list(SERVOS)
+def test_every_transfer_and_servo_has_a_title_of_its_own_by_which_it_is_chosen(page):
+    session, _, _, visitor, _ = page
+    for what, methods in (("transfer", TRANSFERS), ("servo", SERVOS)):
+        for name, method in methods.items():
+            visitor.set(what, method.title)
+            assert getattr(session.settings, what) == name
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)

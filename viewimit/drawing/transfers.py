@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..simulation.scene import Scene
+from ..transfer import TRANSFERS
 from . import svg
-from .methods import TRANSFER_NOTES
 from .observability import draw_bars
 from .small_landscape import WIDTH, Studied, draw_small, small_plane
 
@@ -42,7 +42,7 @@ def draw_together(quarters: Sequence[str]) -> str:
 def _quarter(transfer: str, drawing: str, words: str, box: tuple[float, float, float, float]) -> str:
     """box: px of the drawing's plot."""
     return (
-        f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFER_NOTES[transfer].name)}</text>'
+        f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFERS[transfer].title)}</text>'
         f'<g transform="translate(0 {TOP})">{drawing}</g>{svg.text(4, TOP + box[3] + 25, words, "vi-2nd")}'
     )
 

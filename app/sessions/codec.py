@@ -23,9 +23,14 @@ ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
 
 
 def encode(snapshots: list[Snapshot]) -> bytes:
-    """Raises TypeError for what a snapshot has not had so far."""
+    """Raises TypeError for what nobody has said how to store."""
     packer = _Packer()
-    return zstandard.compress(msgspec.msgpack.encode((packer.objects, [packer.value(one) for one in snapshots])), 3)
+    values = [packer.value(one) for one in snapshots]
+    try:
+        packed = msgspec.msgpack.encode((packer.objects, values))
+    except (OverflowError, msgspec.MsgspecError) as error:  # an integer beyond 64 bits, say
+        raise TypeError(f"cannot keep it: {error}") from None
+    return zstandard.compress(packed, 3)
 
 
 def decode(data: bytes) -> list[Snapshot]:

@@ -45,6 +45,9 @@ class Gui(QuietHandle):
         options = tuple(options)
         return self._add(label, options=options, value=initial_value or options[0], visible=visible)
 
+    def add_button_group(self, label, options, **_):
+        return self._add(label, options=tuple(options), value=options[0])
+
     def add_button(self, label, icon=None, disabled=False, **_):
         return self._add(label, icon=icon, disabled=disabled)
 

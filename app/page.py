@@ -55,7 +55,7 @@ class Page:
         camera: CameraProcess,
         share_opponent: Callable[[], None],
         settings: Settings,
-        keep: Callable[[Memory], None],
+        keep: Callable[[Memory], str | None],
         load: Load,
         resumed: Memory | None = None,
     ):
@@ -74,6 +74,7 @@ class Page:
             self._session.resume(resumed.history, resumed.head.cursor)
         self._pace = Pace(self._session)
         self._message: tuple[str, float] | None = None
+        self._unsaved: str | None = None  # why the session is not kept, as `keep` has told last
         self._drawn = Drawn()
         self._canvas, self._dark = (0, 0), False
         presets = presets_from(settings)
@@ -194,7 +195,7 @@ class Page:
             with self._client.atomic():  # viser's thread is woken once
                 self._draw(now)
         if not self._turns.busy and self._drawn.due("kept", now, KEPT_EVERY):
-            self._keep(self.memory())
+            self._unsaved = self._keep(self.memory())
 
     def _refuse(self, why: str, now: float) -> None:
         """Say it, and show again what is."""
@@ -253,13 +254,16 @@ class Page:
             self._panels.draw_equations(self._session, self._view.chosen)
 
     def _draw_status(self, now: float) -> None:
-        """A message as long as it stays, else what is recorded or replayed, else the diagnosis."""
+        """A message as long as it stays, else what is recorded or replayed, else that nothing is saved, else the
+        diagnosis."""
         if self._message and now > self._message[1]:
             self._message = None
         if self._message:
             self._panels.draw_state("message", self._message[0])
         elif busy := self._laboratory.describe():
             self._panels.draw_following(self._session, *busy)
+        elif self._unsaved:
+            self._panels.draw_state("message", f"not saved: {self._unsaved}; a reload would lose this session.")
         else:
             self._panels.draw_status(self._session, self._pace.playing)
 

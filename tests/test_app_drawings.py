@@ -46,6 +46,13 @@ def seen_as(snapshot, views):
     return seen.with_fields(E=float(conflict(seen.e[seen.usable])))
 
 
+def conditioned(transfer, condition):
+    """The transfer, were that its condition."""
+    found = replace(transfer)
+    vars(found)["condition"] = np.array(condition)
+    return found
+
+
 @pytest.fixture(scope="module")
 def session():
     return stepped(4)
@@ -181,8 +188,9 @@ class TestImages:
 
     def test_conditions_are_told_by_shape_and_word(self, session, monkeypatch):
         for condition, shape, word in ((39.9, None, ""), (40, "vi-amber", "high"), (200, "vi-red", "too high")):
-            transfer = replace(session.snapshot.transfer, measure_condition=lambda c=condition: np.array(c))
-            monkeypatch.setitem(TRANSFERS, session.settings.transfer, lambda views, transfer=transfer: transfer)
+            transfer = conditioned(session.snapshot.transfer, condition)
+            method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
+            monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
             snapshot = replace(session.snapshot)
             row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot), 0)
             assert shape is None or shape in row
@@ -331,6 +339,14 @@ class TestEquations:
         assert float(promised) == pytest.approx(session.snapshot.servo_state.promised, rel=0.01)
         assert float(measured) == pytest.approx(before.E - session.snapshot.E, rel=0.01)
 
+    def test_with_missing_points_the_broyden_law_shows_what_the_motion_before_brought(self):
+        session = stepped(5, points=16, missing=0.1)
+        state, before = session.snapshot.servo_state, session.history[-2].servo_state
+        assert not session.snapshot.views.visible.all() and state.judged[0] == before.promised
+        numbers = re.findall(r"<b>([\d.−]+)</b>", equations.draw_law(session.snapshot))
+        told = [float(number.replace(MINUS, "-")) for number in numbers]
+        assert told == pytest.approx([state.promised, *state.judged], rel=0.01, abs=0.006)
+
     def test_other_servos_leave_their_equation_out(self, session):
         assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)
 
@@ -342,7 +358,7 @@ class TestStatus:
 
     def test_states(self, session, monkeypatch):
         now = session.snapshot
-        ill = replace(now.transfer, measure_condition=lambda: np.array(63.0))
+        ill = conditioned(now.transfer, 63.0)
         assert status.describe(stepped(0).snapshot)[0] == "ready"
         assert status.describe(now)[0] == "moving"
         assert status.describe(now, playing=False)[0] == "paused"
@@ -350,7 +366,8 @@ class TestStatus:
         assert status.describe(replace(now, status="stalled"))[0] == "stalled"
         state, sentence = status.describe(stepped(0, missing=0.5).snapshot)
         assert state == "stopped" and "at least 5 non-coplanar points are needed" in sentence
-        monkeypatch.setitem(TRANSFERS, now.settings.transfer, lambda views: ill)
+        method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
+        monkeypatch.setitem(TRANSFERS, now.settings.transfer, method)
         assert status.describe(replace(now))[0] == "ill-conditioned"
 
     @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "noise leaves about 0.")])

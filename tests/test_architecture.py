@@ -13,6 +13,7 @@ import viewimit
 ROOT = Path(__file__).parent.parent
 ORDER = (  # each imports only what stands above it, or itself
     "assets",
+    "equations",
     "geometry",
     "views",
     "evaluation",
@@ -34,7 +35,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "cli",
 )
 # image points, nothing of the world
-ESTIMATORS_SEE = {"transfer": {"geometry", "views", "evaluation"}, "servo": {"evaluation"}}
+ESTIMATORS_SEE = {"transfer": {"geometry", "views", "evaluation", "equations"}, "servo": {"evaluation", "equations"}}
 MOST_FILES, MOST_AT_THE_TOP = 24, 20  # of a folder; entries of app/
 EVERYTHING = sorted(path for folder in ("viewimit", "app", "assets") for path in ROOT.joinpath(folder).rglob("*.py"))
 MAKE_ASSETS = {path for path in EVERYTHING if path.parent.name == "assets" and path.name != "__init__.py"}

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from PIL import Image
 from viewimit.app.control.presets import PRESETS
-from viewimit.app.panels.controls import SERVO_NAMES, TRANSFER_NAMES
+
+from viewimit.servo import SERVOS
+from viewimit.transfer import TRANSFERS
 
 pytestmark = pytest.mark.browser
 
@@ -166,9 +168,9 @@ def test_every_preset_runs(page):
 
 
 def test_every_method_can_be_chosen(page):
-    for name in TRANSFER_NAMES.values():
+    for name in (method.title for method in TRANSFERS.values()):
         choose(page, "Transfer", name)
-    for name in SERVO_NAMES.values():
+    for name in (servo.title for servo in SERVOS.values()):
         choose(page, "Servo", name)
         press(page, "ArrowRight")
         page.wait_for_timeout(700)

@@ -13,9 +13,9 @@ from viewimit.app.panels import experiments, verdict
 from viewimit.drawing import plots, svg, theme
 from viewimit.drawing.plots import Plot, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper import fig7, fig7_figure, fig9, fig9_figure, fig10, fig10_figure
 from viewimit.experiments.paper.claims import Claim
-from viewimit.experiments.paper.figures import VIEWS, draw, draw_empty
 from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.transfer import TRANSFERS
@@ -23,6 +23,10 @@ from viewimit.transfer import TRANSFERS
 MINUS = "−"
 SCENE = load_scene("panda")
 HOSTILE = '<img src=x onerror="1">&'
+
+
+def draw(name, result):
+    return EXPERIMENTS[name].figure(result)
 
 
 @pytest.fixture(scope="module")
@@ -303,7 +307,10 @@ class TestFig10:
 @pytest.fixture(scope="module")
 def drawings(landscape, imitation, trajectory):
     found = {"fig7": landscape, "fig9": imitation, "fig10": trajectory}
-    return [*(draw(name, result) for name, result in found.items()), *(draw_empty(name, SCENE) for name in VIEWS)]
+    return [
+        *(draw(name, result) for name, result in found.items()),
+        *(experiment.empty_figure(SCENE) for experiment in EXPERIMENTS.values()),
+    ]
 
 
 class TestAll:
@@ -326,13 +333,13 @@ class TestAll:
 
     def test_seven_joints_are_drawn_too(self, trajectory):
         scene = load_scene("panda", None, (1, 2, 3, 4, 5, 6, 7))
-        for name in VIEWS:
-            assert parsed(draw_empty(name, scene))
+        for experiment in EXPERIMENTS.values():
+            assert parsed(experiment.empty_figure(scene))
         settings = Settings(joints=(1, 2, 3, 4, 5, 6, 7), demonstrator_deg=(0.0, 45.0, 0.0, -90.0, 0.0, 90.0, 45.0))
         (caption,) = parsed(plots.figure(settings, "", " · a motion of a very long name")).iter("text")
         assert caption.get("textLength") == str(plots.WIDTH) and len(caption.text) <= plots.LONGEST
         assert caption.text.startswith(f"Demonstrator (0°, 45°, 0°, {MINUS}90°, 0°, 90°, 45°) · epipolar")
-        assert "two joints must move" in words(draw_empty("fig7", scene))
+        assert "two joints must move" in words(EXPERIMENTS["fig7"].empty_figure(scene))
 
     def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
         styles = plots.CSS + verdict.CSS + experiments.CSS
@@ -352,8 +359,8 @@ class TestAll:
 
     @pytest.mark.parametrize("scene", ["iiwa", "panda-facing"])
     def test_other_scenes_are_drawn_empty(self, scene):
-        for name in VIEWS:
-            assert parsed(draw_empty(name, load_scene(scene)))
+        for experiment in EXPERIMENTS.values():
+            assert parsed(experiment.empty_figure(load_scene(scene)))
 
     def test_transfers_and_laws_have_styles_of_their_own(self):
         for names in (list(TRANSFERS), list(fig9.laws_of(Settings())), list(fig10.RUNS)):

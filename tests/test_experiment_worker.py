@@ -217,7 +217,7 @@ def test_the_process_is_polite_and_loads_nothing_of_the_page(worker):
     code = "import {}, sys; print(*sys.modules)"
     modules = {
         "viewimit.app.jobs.experiment_child": {"numpy", "viser"},
-        "viewimit.experiments.paper.figures": {"viser"},
+        "viewimit.experiments": {"viser"},
     }
     for module, unwanted in modules.items():  # numpy would fix the number of threads before it is set
         command = [sys.executable, "-I", "-c", code.format(module)]

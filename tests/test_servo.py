@@ -38,6 +38,32 @@ class LinearWorld:
         return Observation(own, np.ones((len(own), 2), bool), E, theta, -self.limit, self.limit, motion)
 
 
+@pytest.mark.parametrize("noise_px", [0.0, 0.1])
+@pytest.mark.parametrize("name", SERVOS)
+def test_a_loop_written_from_the_docstring_runs(name, noise_px):
+    """`conflict(own, by=None, like=None)` is all that a law asks, and with E, images and displacements all it needs."""
+    servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5)), []
+
+    def conflict(own, by=None, like=None):
+        asked.append((by, like))
+        return world.conflict(own)
+
+    theta, found = np.zeros(2), []
+    state = servo.start(replace(world.observe(theta, 0), noise_px=noise_px))
+    for motion in range(40):
+        seen = replace(world.observe(theta, motion), noise_px=noise_px)
+        found.append(seen.E)
+        state, displacement = servo.step(state, seen, conflict)
+        assert displacement.shape == (2,) and isinstance(state.probe, bool)
+        if not displacement.any():
+            break
+        theta = theta + displacement
+    if name in ("broyden", "trust-region"):  # the gradients' constants are of another scale than this world's
+        assert state.status == "converged" and min(found) < 0.01 * found[0]
+    if name == "trust-region" and noise_px:
+        assert any(like is not None for _, like in asked)
+
+
 @pytest.mark.parametrize("m", [1, 2, 3, 7])
 def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_target(m):
     world, servo = LinearWorld(m, np.random.default_rng(m)), Broyden()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from viewimit.app.control.disturbances import DISTURBANCES
 from viewimit.app.control.duel import Duel
-from viewimit.app.control.experiments import TITLES, Experiments
+from viewimit.app.control.experiments import Experiments
 from viewimit.app.control.inbox import Inbox
 from viewimit.app.control.joints import joint_choices
 from viewimit.app.control.motions import Motions
@@ -12,7 +12,6 @@ from viewimit.app.control.player import Pace
 from viewimit.app.control.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.control.visitor import View, Visitor
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.panels.controls import SERVO_NAMES, TRANSFER_NAMES
 
 from viewimit.analysis.motion import motion
 from viewimit.experiments import EXPERIMENTS
@@ -85,8 +84,12 @@ def test_values_out_of_range_are_refused_and_change_nothing(page, name, value):
     assert session.snapshot is before
 
 
-def test_every_transfer_and_servo_has_a_name_on_the_page():
-    assert list(TRANSFER_NAMES) == list(TRANSFERS) and list(SERVO_NAMES) == list(SERVOS)
+def test_every_transfer_and_servo_has_a_title_of_its_own_by_which_it_is_chosen(page):
+    session, _, _, visitor, _ = page
+    for what, methods in (("transfer", TRANSFERS), ("servo", SERVOS)):
+        for name, method in methods.items():
+            visitor.set(what, method.title)
+            assert getattr(session.settings, what) == name
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
@@ -292,7 +295,7 @@ def test_what_cannot_be_asked_of_the_experiments_is_refused_and_changes_nothing(
     assert motions.recorded is None and not worker.asked and not sent
 
 
-@pytest.mark.parametrize("title, name", [(title, name) for name, title in TITLES.items()])
+@pytest.mark.parametrize("title, name", [(one.title, name) for name, one in EXPERIMENTS.items()])
 def test_an_experiment_is_asked_for_with_what_the_session_has_now(laboratory, title, name):
     session, worker, _, _, visitor, _ = laboratory
     session.change(transfer="linear", noise_px=0.5, seed=3)
@@ -303,7 +306,6 @@ def test_an_experiment_is_asked_for_with_what_the_session_has_now(laboratory, ti
     (wish,) = worker.asked
     assert (wish.name, wish.settings) == (name, session.settings) and wish.settings.demonstrator_deg == (60, -60)
     assert wish.options == ({"motion": "circle"} if name == "fig10" else {})
-    assert set(TITLES) == set(EXPERIMENTS)
 
 
 def test_run_becomes_cancel_while_an_experiment_goes_on(laboratory):
@@ -328,13 +330,13 @@ def test_a_result_stays_while_other_experiments_are_looked_at(laboratory):
     visitor.act("run", 0.0)
     done = Run("fig7", "done", figure="<svg/>", archive=b"zip")
     worker.tell(done)
-    visitor.set("experiment", TITLES["fig9"])
+    visitor.set("experiment", EXPERIMENTS["fig9"].title)
     assert experiments.shown is None
     with pytest.raises(ValueError, match="nothing to download"):
         visitor.act("download", 0.0)
     visitor.act("run", 0.0)
     worker.tell(Run("fig9", "running", share=0.4))
-    visitor.set("experiment", TITLES["fig7"])
+    visitor.set("experiment", EXPERIMENTS["fig7"].title)
     assert experiments.shown is done and experiments.latest.name == "fig9" and experiments.going_on
 
 
@@ -348,7 +350,7 @@ def test_a_failed_run_is_kept_and_said(laboratory):
 
 def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(laboratory):
     session, worker, _, motions, visitor, _ = laboratory
-    visitor.set("experiment", TITLES["fig10"])
+    visitor.set("experiment", EXPERIMENTS["fig10"].title)
     motions.recorded = motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
     visitor.set("motion", "recorded")
     visitor.act("run", 0.0)

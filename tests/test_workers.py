@@ -12,10 +12,10 @@ from protocol import Client, Server, processes_of, wait_until
 from test_deploy import seated
 from test_faults import browser_of, comes_back, what_a_visitor_sees, work
 from viewimit.app.page import KEPT_EVERY
+from viewimit.app.server import dispatcher as dispatcher_module
 from viewimit.app.server.address import listen
 from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
-from viewimit.app.server import dispatcher as dispatcher_module
 from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
 from viewimit.app.server.workers import MOST_ENDS, working
 from websockets.exceptions import InvalidStatus

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
 from .settings import Settings
-from .transfer import TRANSFERS
-from .transfer.transfer import Transfer
+from .transfer import TRANSFERS, FittedTransfer
 from .views import FourViews
 
 
@@ -40,7 +39,7 @@ class Snapshot:
     status: str
     servo_state: Any
     lag: int | None
-    frozen: Transfer | None
+    frozen: FittedTransfer | None
 
     @cached_property
     def usable(self) -> NDArray:
@@ -48,7 +47,7 @@ class Snapshot:
         return self.views.usable
 
     @cached_property
-    def transfer(self) -> Transfer | None:
+    def transfer(self) -> FittedTransfer | None:
         """Fitted to the usable points; None with too few of them."""
         if self.usable.sum() < MIN_POINTS:
             return None

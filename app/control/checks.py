@@ -1,8 +1,14 @@
 """Checks of what a browser sent: anything may come."""
 
 from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
+
+
+class Titled(Protocol):
+    @property
+    def title(self) -> str: ...
 
 
 def number(value) -> float:
@@ -21,6 +27,11 @@ def choice(value, options: Mapping, what: str):
     if not isinstance(value, str) or value not in options:
         raise ValueError(f"no {what} {str(value)[:40]!r}")
     return options[value]
+
+
+def named(value, entries: Mapping[str, Titled], what: str) -> str:
+    """The name of an entry of a registry, by its title. Raises ValueError."""
+    return choice(value, {entry.title: name for name, entry in entries.items()}, what)
 
 
 def switch(value) -> bool:

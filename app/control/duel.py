@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.joint_errors import ErrorTrace
 from viewimit.drawing.duel import ARRIVED_DEG, Standing
-from viewimit.drawing.methods import SERVO_NOTES, TRANSFER_NOTES
+from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
+from viewimit.transfer import TRANSFERS
 
 from ..jobs.camera_images import CameraProcess
 from ..jobs.session_eyes import SessionEyes
-from .checks import choice
+from .checks import named
 from .player import DENSE, Pace, Runner
 
 
@@ -33,8 +34,8 @@ class Duel:
         self._traces = ErrorTrace(), ErrorTrace()
         self.wishes: dict[str, Callable] = {
             "duel": self.toggle,
-            "opponent's transfer": lambda value: self._choose(transfer=_named(value, TRANSFER_NOTES, "transfer")),
-            "opponent's servo": lambda value: self._choose(servo=_named(value, SERVO_NOTES, "servo")),
+            "opponent's transfer": lambda value: self._choose(transfer=named(value, TRANSFERS, "transfer")),
+            "opponent's servo": lambda value: self._choose(servo=named(value, SERVOS, "servo")),
         }
 
     def toggle(self) -> None:
@@ -96,7 +97,3 @@ def _standing(session: Session, trace: ErrorTrace) -> Standing:
 
 def _same(one: NDArray, other: NDArray) -> bool:
     return one is other or np.array_equal(one, other)
-
-
-def _named(value, notes: dict, what: str) -> str:
-    return choice(value, {note.name: name for name, note in notes.items()}, what)

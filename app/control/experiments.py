@@ -8,14 +8,8 @@ from viewimit.experiments import EXPERIMENTS
 from viewimit.session import Session
 
 from ..jobs.experiments import ExperimentWorker, Run, Wish
-from .checks import choice
+from .checks import named
 from .motions import Motions
-
-TITLES = {
-    "fig7": "Fig. 7: landscape and minima",
-    "fig9": "Fig. 9: posture imitation",
-    "fig10": "Fig. 10: trajectory imitation",
-}
 
 
 class Experiments:
@@ -61,13 +55,14 @@ class Experiments:
         return self.runs.get(self.chosen)
 
     def choose(self, value) -> None:
-        self.chosen = choice(value, {title: name for name, title in TITLES.items()}, "experiment")
+        self.chosen = named(value, EXPERIMENTS, "experiment")
 
     def run_or_cancel(self) -> None:
         if self.going_on:
             self._worker.cancel(self._page_id)
             return
-        options = {"motion": self._motions.asked_for()} if self.chosen == "fig10" else {}
+        offered = {"motion": self._motions.asked_for}
+        options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options}
         settings = msgspec.structs.replace(self._session.settings, camera="points")
         self._worker.ask(self._page_id, Wish(self.chosen, settings, options), self._tell)
 
@@ -75,7 +70,7 @@ class Experiments:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
         self.latest = self.runs[run.name] = run
         if run.state == "failed":
-            raise ValueError(f"{TITLES[run.name].split(':')[0]} failed: {run.problem}")
+            raise ValueError(f"{EXPERIMENTS[run.name].short_title} failed: {run.problem}")
 
     def download(self) -> None:
         if self.shown is None or not self.shown.archive:

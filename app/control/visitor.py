@@ -7,12 +7,14 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.kinematics import pose_for_hand
+from viewimit.transfer import TRANSFERS
 
-from ..panels.controls import NO_POINT, SERVO_NAMES, SPEEDS, TRANSFER_NAMES, Controls
-from .checks import choice, number, switch
+from ..panels.controls import NO_POINT, SPEEDS, Controls
+from .checks import choice, named, number, switch
 from .disturbances import DISTURBANCES
 from .duel import Duel
 from .joints import Freedom, joint_choices
@@ -183,14 +185,9 @@ def _pictured(settings: Settings) -> bool:
     return settings.camera == "rendered"
 
 
-def _named(names: dict[str, str], what: str) -> Callable[[object], dict]:
-    keys = {name: key for key, name in names.items()}
-    return lambda value: {what: choice(value, keys, what)}
-
-
 SETTERS: dict[str, Callable[[object], dict]] = {
-    "transfer": _named(TRANSFER_NAMES, "transfer"),
-    "servo": _named(SERVO_NAMES, "servo"),
+    "transfer": lambda value: {"transfer": named(value, TRANSFERS, "transfer")},
+    "servo": lambda value: {"servo": named(value, SERVOS, "servo")},
     **{name: amount.asked for name, amount in DISTURBANCES.items()},
     "camera": lambda value: {"camera": CAMERA[switch(value)]},
     "seed": lambda value: {"seed": round(number(value))},

@@ -33,11 +33,11 @@ def work(connection: Connection, folder: str) -> None:
 
 def _carry_out(connection: Connection, name: str, settings, options: dict, folder: Path) -> None:
     from viewimit.experiments import EXPERIMENTS, files
-    from viewimit.experiments.paper.figures import draw
 
-    progress = Progress(connection.send, lambda result: draw(name, result))
-    result = EXPERIMENTS[name](settings, progress.tell, **options)
-    connection.send(("found", draw(name, result), tuple(result.claims)))
+    experiment = EXPERIMENTS[name]
+    progress = Progress(connection.send, experiment.figure)
+    result = experiment.run(settings, progress.tell, **options)
+    connection.send(("found", experiment.figure(result), tuple(result.claims)))
     connection.send(("files", _zipped(files.write(name, result, folder))))
 
 

@@ -4,7 +4,6 @@ import numpy as np
 from viser import ClientHandle
 
 from viewimit.drawing.learner_bars import draw_learner
-from viewimit.drawing.methods import SERVO_NOTES, TRANSFER_NOTES
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import MOST_SEED, Settings
@@ -24,8 +23,6 @@ SPEEDS = {
     "10 a second": 10.0,
     "all it can": 0.0,
 }
-TRANSFER_NAMES = {name: note.name for name, note in TRANSFER_NOTES.items()}
-SERVO_NAMES = {name: note.name for name, note in SERVO_NOTES.items()}
 NO_POINT = "none"
 MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}
 HINTED = ("space", "→", "H")  # keys named in the panel; the help names all
@@ -68,12 +65,10 @@ class Controls:
         with gui.add_folder("Learner"):
             self.learner = gui.add_html("")
         with gui.add_folder("Method"):
-            self.transfer = self._dropdown(
-                "Transfer", [TRANSFER_NAMES[name] for name in TRANSFERS], TRANSFER_NAMES[settings.transfer], "transfer"
-            )
-            self.servo = self._dropdown(
-                "Servo", [SERVO_NAMES[name] for name in SERVOS], SERVO_NAMES[settings.servo], "servo"
-            )
+            transfers = [method.title for method in TRANSFERS.values()]
+            servos = [servo.title for servo in SERVOS.values()]
+            self.transfer = self._dropdown("Transfer", transfers, TRANSFERS[settings.transfer].title, "transfer")
+            self.servo = self._dropdown("Servo", servos, SERVOS[settings.servo].title, "servo")
             self.joints = self._dropdown("Joints", ["–"], "–", "joints")
         with gui.add_folder("Disturbances"):
             self._build_disturbances(settings)
@@ -110,8 +105,8 @@ class Controls:
         """Set every control to what the session has; callbacks tell such writes from a person's."""
         for slider, angle in zip(self.sliders, settings.demonstrator_deg):
             put(slider, float(np.round(angle, 1)))
-        put(self.transfer, TRANSFER_NAMES[settings.transfer])
-        put(self.servo, SERVO_NAMES[settings.servo])
+        put(self.transfer, TRANSFERS[settings.transfer].title)
+        put(self.servo, SERVOS[settings.servo].title)
         put(self.joints, chosen_joints(settings, self._joint_choices))
         for name, handle in self.disturbances.items():
             put(handle, DISTURBANCES[name].shown(settings))

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from viser import ClientHandle
 
 from viewimit.drawing import duel as drawing
-from viewimit.drawing.methods import SERVO_NOTES, TRANSFER_NOTES
+from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
+from viewimit.transfer import TRANSFERS
 
 from ..control.duel import Duel
 from ..control.inbox import Inbox, on_click, on_value, put, put_html, put_label
@@ -60,8 +61,8 @@ class DuelTab:
 
     def draw(self) -> None:
         duel, opponent = self.duel, self.duel.opponent
-        put(self._transfer, TRANSFER_NOTES[duel.transfer].name)
-        put(self._servo, SERVO_NOTES[duel.servo].name)
+        put(self._transfer, TRANSFERS[duel.transfer].title)
+        put(self._servo, SERVOS[duel.servo].title)
         put_label(self._switch, *(("End duel", "player-stop") if opponent else ("Begin duel", "swords")))
         errors = ""
         if opponent is None:
@@ -81,12 +82,12 @@ class DuelTab:
         duel, inbox = self.duel, self._inbox
         with gui.add_folder(None):
             gui.add_html('<span class="vi-row"></span>')
-            names = [note.name for note in TRANSFER_NOTES.values()]
+            names = [method.title for method in TRANSFERS.values()]
             self._transfer = gui.add_dropdown(
-                "Opponent's transfer", names, initial_value=TRANSFER_NOTES[duel.transfer].name
+                "Opponent's transfer", names, initial_value=TRANSFERS[duel.transfer].title
             )
-            names = [note.name for note in SERVO_NOTES.values()]
-            self._servo = gui.add_dropdown("Opponent's servo", names, initial_value=SERVO_NOTES[duel.servo].name)
+            names = [servo.title for servo in SERVOS.values()]
+            self._servo = gui.add_dropdown("Opponent's servo", names, initial_value=SERVOS[duel.servo].title)
             self._switch = gui.add_button("Begin duel", icon="swords")
         self._ground, self._race = gui.add_html(drawing.draw_empty()), gui.add_html("")
         self._errors = gui.add_html("")

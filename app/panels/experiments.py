@@ -4,10 +4,10 @@ from html import escape
 
 from viser import ClientHandle
 
-from viewimit.experiments.paper.figures import draw_empty
+from viewimit.experiments import EXPERIMENTS
 from viewimit.simulation.scene import Scene
 
-from ..control.experiments import TITLES, Experiments
+from ..control.experiments import Experiments
 from ..control.inbox import Inbox, on_click, on_value, put, put_html, put_label
 from ..control.motions import MOST_BYTES, NAMES, Motions
 from .verdict import draw_progress, draw_verdict
@@ -20,7 +20,7 @@ class ExperimentsTab:
 
     def __init__(self, client: ClientHandle, inbox: Inbox):
         self._gui, self._inbox = client.gui, inbox
-        gui, titles = client.gui, list(TITLES.values())
+        gui, titles = client.gui, [experiment.title for experiment in EXPERIMENTS.values()]
         with gui.add_folder(None):
             gui.add_html('<span class="vi-row"></span>')
             self._experiment = gui.add_dropdown("Experiment", titles, initial_value=titles[0])
@@ -46,12 +46,13 @@ class ExperimentsTab:
 
     def _show_run(self, experiments: Experiments, scene: Scene) -> None:
         run, going_on = experiments.shown, experiments.going_on
-        put(self._experiment, TITLES[experiments.chosen])
-        if self._trajectory.visible != (experiments.chosen == "fig10"):
+        chosen = EXPERIMENTS[experiments.chosen]
+        put(self._experiment, chosen.title)
+        if self._trajectory.visible != ("motion" in chosen.options):
             self._trajectory.visible = not self._trajectory.visible
         put_label(self._run, *(("Cancel", "player-stop") if going_on else ("Run", "player-play")))
         put_html(self._progress, draw_progress(experiments.latest if going_on else run, experiments.chosen))
-        figure = run.figure if run is not None and run.figure else draw_empty(experiments.chosen, scene)
+        figure = run.figure if run is not None and run.figure else chosen.empty_figure(scene)
         put_html(self._note, POINTS_ONLY if experiments.sets_pictures_aside else "")
         put_html(self._figure, f'<div class="vi-panel">{figure}</div>')
         put_html(self._verdict, draw_verdict(run))

@@ -1,6 +1,7 @@
 """The help panel: what the page shows, in reading order, and its keys."""
 
-from viewimit.drawing.methods import SERVO_NOTES, TRANSFER_NOTES
+from viewimit.servo import SERVOS
+from viewimit.transfer import TRANSFERS
 
 from .controls import KEYS
 
@@ -25,7 +26,7 @@ PARAGRAPHS = (
 )  # fmt: skip
 
 
-METHODS = (("Transfers", TRANSFER_NOTES), ("Servos", SERVO_NOTES))
+METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 
 def help_html() -> str:
@@ -38,9 +39,9 @@ def help_html() -> str:
     )
     methods = "".join(
         f"<p><b>{title}</b></p><dl>"
-        + "".join(f"<dt>{m.name}</dt><dd>Assumes: {m.assumes} Fails: {m.fails}</dd>" for m in notes.values())
+        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.fails}</dd>" for m in methods.values())
         + "</dl>"
-        for title, notes in METHODS
+        for title, methods in METHODS
     )
     return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{note}</div>'
 

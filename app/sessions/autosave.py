@@ -55,7 +55,10 @@ class _Written:
 
 
 class Keeper:
-    """`keep` returns at once; `claim` and `flush` wait for what was handed over before."""
+    """`keep` returns at once; `claim` and `flush` wait for what was handed over before.
+
+    `problem` says why a session is not kept, to be told to its visitor; None while it is.
+    """
 
     def __init__(self, store: Store):
         self._store = store
@@ -63,6 +66,7 @@ class Keeper:
         self._waiting: dict[str, Memory] = {}
         self._busy: str | None = None  # key that is being written
         self._written: dict[str, _Written] = {}
+        self._problems: dict[str, str] = {}
         self._stopped = False
         self._thread = threading.Thread(target=self._run, name="viewimit-keeper", daemon=True)
         self._thread.start()
@@ -83,19 +87,25 @@ class Keeper:
             self._written[key] = written
         return memory
 
-    def keep(self, key: str, memory: Memory) -> None:
-        """Write what is new in it, soon; nothing is taken any more once it is stopped."""
+    def keep(self, key: str, memory: Memory) -> str | None:
+        """Write what is new in it, soon; nothing is taken any more once it is stopped. → `problem`, up to now."""
         with self._changed:
-            if self._stopped:
-                return
-            self._waiting[key] = memory
-            self._changed.notify_all()
+            if not self._stopped:
+                self._waiting[key] = memory
+                self._changed.notify_all()
+            return self._problems.get(key)
+
+    def problem(self, key: str) -> str | None:
+        """Why what was handed over last is not in the store, None if it is, or is still to be written."""
+        with self._changed:
+            return self._problems.get(key)
 
     def forget(self, key: str) -> None:
         """The page is gone; what was kept stays for half an hour."""
         self.flush(key)
         with self._changed:
             self._written.pop(key, None)
+            self._problems.pop(key, None)
 
     def flush(self, key: str) -> None:
         """Wait until what was handed over is written."""
@@ -123,14 +133,31 @@ class Keeper:
                     self._busy = next(iter(self._waiting))
                     memory, written = self._waiting.pop(self._busy), self._written.get(self._busy)
                 keys = list(self._written)
-            try:
-                if self._busy is not None and written is not None:
-                    self._write(self._busy, memory, written)
-                if time.monotonic() - touched > TOUCH_EVERY:
-                    touched = time.monotonic()
+            if self._busy is not None and written is not None:
+                self._try_to_write(self._busy, memory, written)
+            if time.monotonic() - touched > TOUCH_EVERY:
+                touched = time.monotonic()
+                try:
                     self._store.touch(keys)
-            except (OSError, TypeError) as error:  # a full disk, a Redis that is down: said, and tried again later
-                log.warning("a session is not kept: %s", error)
+                except OSError as error:
+                    log.warning("sessions are not kept alive: %s", error)
+
+    def _try_to_write(self, key: str, memory: Memory, written: _Written) -> None:
+        """What fails is said, and tried again with what is handed over next."""
+        problem = None
+        try:
+            self._write(key, memory, written)
+        except (
+            OSError,
+            TypeError,
+        ) as error:  # a full disk, a Redis that is down; a state that nobody said how to store
+            problem = str(error)
+            log.warning("a session is not kept: %s", error)
+        with self._changed:
+            if problem is None:
+                self._problems.pop(key, None)
+            else:
+                self._problems[key] = problem
 
     def _write(self, key: str, memory: Memory, written: _Written) -> None:
         parts = {}

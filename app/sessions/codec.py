@@ -1,7 +1,8 @@
 """A session's history as bytes and back, to the last bit. Nothing in the bytes is ever run.
 
 Objects are listed once, children first, however many snapshots share them; a value is a scalar, or the index of an
-object in a list of one.
+object in a list of one. Dataclasses are kept by their fields: those of the loop, and those that a transfer or servo
+says it is `stored` as.
 """
 
 import dataclasses
@@ -10,34 +11,27 @@ import msgspec
 import numpy as np
 import zstandard
 
-from viewimit.servo.broyden import BroydenState
-from viewimit.servo.gradient import GradientState
-from viewimit.servo.image_model import ImageModel, Visit
-from viewimit.servo.trust_region import TrustState
+from viewimit.servo import SERVOS
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
-from viewimit.transfer.affine_map import AffineTransfer
-from viewimit.transfer.projective import ProjectiveTransfer
-from viewimit.transfer.rank3 import Rank3Transfer
+from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 
 MOST_BYTES = 256 << 20  # of a part, unpacked
 SCALARS = (type(None), bool, int, float, str)
 KINDS = "biuf"  # of arrays: numbers and truth values, no objects
-CLASSES = {
-    kind.__name__: kind
-    for kind in (
-        Snapshot, FourViews, Visit, ImageModel, BroydenState, GradientState, TrustState,
-        AffineTransfer, ProjectiveTransfer, Rank3Transfer,
-    )
-}  # fmt: skip
 ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
 
 
 def encode(snapshots: list[Snapshot]) -> bytes:
-    """Raises TypeError for what a snapshot has not had so far."""
+    """Raises TypeError for what nobody has said how to store."""
     packer = _Packer()
-    return zstandard.compress(msgspec.msgpack.encode((packer.objects, [packer.value(one) for one in snapshots])), 3)
+    values = [packer.value(one) for one in snapshots]
+    try:
+        packed = msgspec.msgpack.encode((packer.objects, values))
+    except (OverflowError, msgspec.MsgspecError) as error:  # an integer beyond 64 bits, say
+        raise TypeError(f"cannot keep it: {error}") from None
+    return zstandard.compress(packed, 3)
 
 
 def decode(data: bytes) -> list[Snapshot]:
@@ -45,9 +39,9 @@ def decode(data: bytes) -> list[Snapshot]:
     try:
         unpacked = zstandard.ZstdDecompressor().decompress(data, max_output_size=MOST_BYTES)
         listed, values = msgspec.msgpack.decode(unpacked)
-        objects: list = []
+        objects, classes = [], _classes()
         for one in listed:
-            objects.append(_object(one, objects))
+            objects.append(_object(one, objects, classes))
         return [_value(one, objects) for one in values]
     except (zstandard.ZstdError, msgspec.MsgspecError, KeyError, IndexError, TypeError) as error:
         raise ValueError(f"no history of this version: {error!r}") from None
@@ -56,6 +50,7 @@ def decode(data: bytes) -> list[Snapshot]:
 class _Packer:
     def __init__(self):
         self.objects: list = []
+        self._classes = _classes()
         self._index: dict[int, int] = {}
         self._alive: list = []  # what is named by its id must not be gone before the end
 
@@ -80,24 +75,31 @@ class _Packer:
             return [TUPLE, [self.value(item) for item in one]]
         if isinstance(one, Settings):
             return [SETTINGS, msgspec.to_builtins(one)]
-        if type(one) not in CLASSES.values():
+        if self._classes.get(type(one).__name__) is not type(one):
             raise TypeError(f"cannot keep a {type(one).__name__}")
         return [type(one).__name__, {name: self.value(item) for name, item in _fields(one).items()}]
 
 
+def _classes() -> dict[str, type]:
+    """What may be kept, by name. Raises TypeError if two classes have one name."""
+    found: dict[str, type] = {"Snapshot": Snapshot, "FourViews": FourViews}
+    for method in (*TRANSFERS.values(), *SERVOS.values()):
+        for kind in method.stored:
+            if found.setdefault(kind.__name__, kind) is not kind:
+                raise TypeError(f"two classes named {kind.__name__} are stored: rename one")
+    return found
+
+
 def _fields(one) -> dict:
     """What of an object is kept."""
-    fields = {field.name: getattr(one, field.name) for field in dataclasses.fields(one)}
-    if isinstance(one, AffineTransfer):
-        fields["measure_condition"] = one.condition
-    return fields
+    return {field.name: getattr(one, field.name) for field in dataclasses.fields(one)}
 
 
 def _value(one, objects: list):
     return objects[one[0]] if isinstance(one, list) else one
 
 
-def _object(listed: list, objects: list):
+def _object(listed: list, objects: list, classes: dict[str, type]):
     kind, *content = listed
     if kind == ARRAY:
         return np.frombuffer(content[2], _dtype(content[0])).reshape(content[1]).copy()
@@ -108,10 +110,7 @@ def _object(listed: list, objects: list):
     if kind == SETTINGS:
         return msgspec.convert(content[0], Settings)
     fields = {name: _value(item, objects) for name, item in content[0].items()}
-    if kind == AffineTransfer.__name__:
-        condition = fields["measure_condition"]
-        fields["measure_condition"] = lambda: condition
-    return CLASSES[kind](**fields)
+    return classes[kind](**fields)
 
 
 def _dtype(name: str) -> np.dtype:

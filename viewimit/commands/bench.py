@@ -26,7 +26,6 @@ INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 RUNS, MAX_MOTIONS = 200, 500
 PAPER_TRANSFER = "epipolar"
 PAIRS_A_SCENE = 5
-PICTURE_SERVOS = ("broyden", "trust-region")  # the others need thousands of motions
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -112,13 +111,17 @@ def _success(args: argparse.Namespace, scene: Scene) -> tuple[list[dict], str]:
 
 
 def _asked(args: argparse.Namespace) -> list[tuple[list[str], list[str]]]:
-    """Transfers with the servos that run on them. The paper's law takes minutes, and is the paper's transfer's alone
-    unless one of the two is asked for by name."""
+    """Transfers with the servos that run on them. Slow ones, as the paper's law, take minutes, and are the paper's
+    transfer's alone unless one of the two is asked for by name."""
     servos = [args.servo] if args.servo else list(SERVOS)
     if args.transfer or args.servo:
         return [([args.transfer] if args.transfer else list(TRANSFERS), servos)]
     others = [name for name in TRANSFERS if name != PAPER_TRANSFER]
-    return [([PAPER_TRANSFER], servos), (others, [name for name in servos if not name.startswith("gradient")])]
+    return [([PAPER_TRANSFER], servos), (others, _quick())]
+
+
+def _quick() -> list[str]:
+    return [name for name, servo in SERVOS.items() if not servo.slow]
 
 
 def _robustness(args: argparse.Namespace, _: Scene) -> tuple[list[dict], str]:
@@ -153,7 +156,7 @@ def _pictures(args: argparse.Namespace, scene: Scene) -> tuple[dict, str]:
     detected = _with_bar("detection", lambda tell: pictures.run(args.scene, args.runs, args.seed, tell))
     outcomes = []
     for transfer in [args.transfer] if args.transfer else TRANSFERS:
-        for servo in [args.servo] if args.servo else PICTURE_SERVOS:
+        for servo in [args.servo] if args.servo else _quick():
             settings = Settings(scene=args.scene, points=args.points, transfer=transfer, servo=servo)
             cases = [robustness.Case(f"{transfer}, {servo}, {camera}", {"camera": camera}) for camera in CAMERAS]
             outcomes += _with_bar(

@@ -8,7 +8,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from ..analysis.motion import MOTIONS, load
-from ..experiments import EXPERIMENTS, ON_PICTURES, files
+from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment, files
 from ..experiments.paper import claims
 from ..simulation.scene import load_scene
 from .options import (
@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     experiments = ON_PICTURES if settings.camera == "rendered" else EXPERIMENTS
     names = _asked(args.figures, experiments)
     with naming("--motion"):
-        motion = _motion(args.motion, settings)
+        offered = {"motion": _motion(args.motion, settings)}
     if args.out:
         with naming("--out"):
             args.out.mkdir(parents=True, exist_ok=True)
@@ -61,9 +61,10 @@ def run(args: argparse.Namespace) -> int:
             )
     told, said = {}, []
     for name in names:
-        options = {"motion": motion} if name == "fig10" else {}
+        experiment = experiments[name]
+        options = {option: offered[option] for option in experiment.options}
         with naming("--scene, --points, --missing"):
-            result = _with_bar(name, lambda tell: experiments[name](settings, tell, **options))  # noqa: B023
+            result = _with_bar(name, lambda tell: experiment.run(settings, tell, **options))  # noqa: B023
         said += result.claims
         written = []
         if args.out:
@@ -77,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
     return MISSED if any(claim.holds is False for claim in said) else DONE
 
 
-def _asked(words: list[str], experiments: dict[str, Callable]) -> list[str]:
+def _asked(words: list[str], experiments: dict[str, Experiment]) -> list[str]:
     """Figures in the order of the paper, each once. Raises BadInput."""
     with naming("figures"):
         for word in words:

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
+from ..servo import SERVOS
 from ..session import Session
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
+from ..transfer import TRANSFERS
 from . import svg
-from .methods import SERVO_NOTES, TRANSFER_NOTES
 from .plots import Plot, Style, decade_ticks, decades, log10
 from .posture_plane import PosturePlane
 from .small_landscape import WIDTH as COLUMN
@@ -156,8 +157,8 @@ def _words(standing: Standing, k: int) -> str:
     )
     parts = [
         STYLES[k].sample(x, 8),
-        svg.text(x + 28, 12, f"{ROLES[k].capitalize()}: {TRANSFER_NOTES[settings.transfer].name}", f"vi-of-{OF[k]}"),
-        svg.text(x + 28, 26, SERVO_NOTES[settings.servo].name, "vi-2nd"),
+        svg.text(x + 28, 12, f"{ROLES[k].capitalize()}: {TRANSFERS[settings.transfer].title}", f"vi-of-{OF[k]}"),
+        svg.text(x + 28, 26, SERVOS[settings.servo].title, "vi-2nd"),
     ]
     for left, (label, value, unit) in zip(COLUMNS, figures):
         parts.append(svg.text(x + left, y, label, "vi-2nd"))

@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
 from ..snapshot import Snapshot
+from ..transfer import TRANSFERS
 from . import svg
 from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
 COLUMNS = (0, 80, 154, 276, 364)  # px
-FLATNESS = "σ₁/σ₃"
-CONDITION = {"epipolar": "cond A"}
 
 
 @lru_cache(256)
@@ -62,7 +61,7 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray, y: float) -> str:
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)
-    name = CONDITION.get(snapshot.settings.transfer, FLATNESS)
+    name = TRANSFERS[snapshot.settings.transfer].condition_name
     few = used < MIN_POINTS
     columns = (
         ("", "E", _short(snapshot.E), " px²" if known else ""),

@@ -6,11 +6,12 @@ import numpy as np
 
 from ..geometry.affine import MIN_POINTS
 from ..history import MAX_HISTORY
-from ..servo.gradient import GradientState
-from ..servo.trust_region import CERTAIN
+from ..servo import SERVOS
 from ..snapshot import Snapshot
+from ..transfer import TRANSFERS
+from ..transfer.transfer import FLAT, FLATNESS
 from . import svg
-from .metrics import AMBER, CONDITION, FLATNESS, RED
+from .metrics import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
 TITLES = {
@@ -25,8 +26,6 @@ TITLES = {
     "recording": "Recording",
     "replaying": "Replaying",
 }
-ILL = {"epipolar": "epipolar lines nearly parallel, E may mislead"}
-FLAT = "the points nearly lie in a plane, E may mislead"
 DOT = (
     '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/>'
     '<circle cx="11" cy="11" r="6" fill="var(--{0})"/>'
@@ -66,22 +65,20 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
     if snapshot.status == "stopped":
         return "stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on."
     condition = float(snapshot.transfer.condition)
-    gauge = f"{CONDITION.get(snapshot.settings.transfer, FLATNESS)} {_short(condition, 0)}"
+    method = TRANSFERS[snapshot.settings.transfer]
+    gauge = f"{method.condition_name} {_short(condition, 0)}"
     if snapshot.flatness >= RED > condition:
-        return "ill-conditioned", f"σ₁/σ₃ {_short(snapshot.flatness, 0)}: {FLAT}; {E}."
+        return "ill-conditioned", f"{FLATNESS} {_short(snapshot.flatness, 0)}: {FLAT}; {E}."
     if condition >= RED:
-        return "ill-conditioned", f"{gauge}, far too high: {ILL.get(snapshot.settings.transfer, FLAT)}; {E}."
+        return "ill-conditioned", f"{gauge}, far too high: {method.ill}; {E}."
     if condition >= AMBER:
-        return "ill-conditioned", f"{gauge}: {ILL.get(snapshot.settings.transfer, FLAT)}; {E}."
+        return "ill-conditioned", f"{gauge}: {method.ill}; {E}."
     if snapshot.status == "converged":
-        return "converged", f"{E} after {_motions(snapshot.motion)}; {_rest(snapshot)}."
-    if isinstance(snapshot.servo_state, GradientState) and snapshot.status == "stalled":
-        return (
-            "stalled",
-            f"{E} after {_motions(snapshot.motion)}; not lower for {snapshot.servo_state.since_best} motions.",
-        )
+        return "converged", f"{E} after {_motions(snapshot.motion)}; {_arrival(snapshot)}."
     if snapshot.status == "stalled":
-        return "stalled", f"{E} after {_motions(snapshot.motion)}, and it no longer falls; move an arm or reset."
+        why = _rest(snapshot)
+        ending = f"; {why}." if why else ", and it no longer falls; move an arm or reset."
+        return "stalled", f"{E} after {_motions(snapshot.motion)}{ending}"
     if snapshot.motion == 0:
         return "ready", f"{E}; press space, or drag the demonstrator."
     trend = _trend(snapshot, previous)
@@ -110,14 +107,16 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
     return f", {text if share < 0 else '+' + text} % a motion"
 
 
-def _rest(snapshot: Snapshot) -> str:
+def _arrival(snapshot: Snapshot) -> str:
     if snapshot.expected_error:
         return f"the images' noise leaves about {_short(float(np.degrees(snapshot.expected_error)))}°"
-    if snapshot.settings.servo == "trust-region":
-        return f"E leaves no room for {np.degrees(CERTAIN):.1g}°"
-    if snapshot.settings.servo == "broyden":
-        return "next step under 0.1°"
-    return "E no longer falls"
+    return _rest(snapshot) or "E no longer falls"
+
+
+def _rest(snapshot: Snapshot) -> str:
+    """The servo's own words, "" without any."""
+    state = snapshot.servo_state
+    return "" if state is None else SERVOS[snapshot.settings.servo].rests(state, snapshot.status)
 
 
 def _motions(count: int) -> str:

@@ -7,18 +7,10 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ..equations import MISSING as MISSING
+from ..equations import number
+
 CELL = 1.4
-MINUS, MISSING = "−", "–"
-
-
-def number(value: float, digits: int = 1) -> str:
-    """A real minus, a dash for what is not a number, and no minus before a rounded zero."""
-    if not -np.inf < value < np.inf:
-        return "∞" if value == np.inf else MISSING
-    text = f"{value:.{digits}f}"
-    if text[0] == "-":
-        text = text[1:] if float(text) == 0 else MINUS + text[1:]
-    return text
 
 
 def degrees(rad: float, digits: int = 1) -> str:

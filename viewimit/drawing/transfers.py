@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..simulation.scene import Scene
+from ..transfer import TRANSFERS
 from . import svg
-from .methods import TRANSFER_NOTES
 from .observability import draw_bars
 from .small_landscape import WIDTH, Studied, draw_small, small_plane
 
 GAP, ROW = 10, 131  # px between columns, a row's height
 MOST_HIGH, TOP = 82, 15  # px of a plot, and from its row's top
-TOTAL = (2 * WIDTH + GAP, 2 * ROW)
+TOTAL = 2 * WIDTH + GAP
 
 
 def draw_quarter(scene: Scene, studied: Studied, theta_demo: NDArray) -> str:
@@ -32,30 +32,35 @@ def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray | None) -> 
 
 
 def draw_together(quarters: Sequence[str]) -> str:
-    """HTML, two by two."""
+    """HTML, in two columns."""
     parts = []
     for k, quarter in enumerate(quarters):
         parts.append(f'<g transform="translate({(WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{quarter}</g>')
-    return wrap("".join(parts))
+    return _wrap("".join(parts), len(quarters))
 
 
 def _quarter(transfer: str, drawing: str, words: str, box: tuple[float, float, float, float]) -> str:
     """box: px of the drawing's plot."""
     return (
-        f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFER_NOTES[transfer].name)}</text>'
+        f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFERS[transfer].title)}</text>'
         f'<g transform="translate(0 {TOP})">{drawing}</g>{svg.text(4, TOP + box[3] + 25, words, "vi-2nd")}'
     )
 
 
-def wrap(inside: str) -> str:
-    width, height = TOTAL
-    return f'<div class="vi-panel"><svg class="vi vi-transfers" viewBox="0 0 {width} {height}">{inside}</svg></div>'
+def _height(count: int) -> int:
+    """px, of so many transfers."""
+    return ROW * -(-count // 2)
+
+
+def _wrap(inside: str, count: int) -> str:
+    box = f"0 0 {TOTAL} {_height(count)}"
+    return f'<div class="vi-panel"><svg class="vi vi-transfers" viewBox="{box}">{inside}</svg></div>'
 
 
 def waiting(words: str) -> str:
     """While they are computed, or where there are none."""
-    width, height = TOTAL
-    return wrap(svg.text(width / 2, height / 2, words, "vi-2nd vi-mid"))
+    count = len(TRANSFERS)
+    return _wrap(svg.text(TOTAL / 2, _height(count) / 2, words, "vi-2nd vi-mid"), count)
 
 
 def describe(studied: Studied) -> str:

@@ -3,20 +3,34 @@
 A servo knows image points and its own displacements, never a posture, a body or a camera. Its methods have
 no side effects: start(observation) -> state; step(state, observation, conflict) -> (state, displacement); and
 retarget(state, observation) -> state when E has changed by itself, because the demonstrator moved, say.
-`conflict(own, by=None) -> residual` tells what the residual would be of images (..., N, 4) px that the servo predicts,
-NaN for points that it knows nothing of; by: the name of another transfer than the chosen one. Asking needs no motion.
+`conflict(own, by=None, like=None) -> e` tells what the residual would be of images (..., N, 4) px that the servo
+predicts, NaN for points that it knows nothing of; by: the name of another transfer than the chosen one; like: own
+images (N, 4) px, to weigh e as the noise of the demonstrator's images would spread over those. Asking needs no motion.
+
+A new one is a file with a `Servo`, and a line here: its title, limits, equations and how it is stored come with it.
 """
 
 from .broyden import Broyden
-from .gradient import PAPER, RETUNED, Gradient
-from .observation import Observation
+from .gradient import RETUNED_LAW, Gradient
+from .observation import Conflict, Observation
+from .servo import Moment, Servo, ServoState
 from .trust_region import TrustRegion
 
-SERVOS = {
-    "gradient": Gradient(PAPER),
-    "gradient-retuned": Gradient(RETUNED),
+SERVOS: dict[str, Servo] = {
+    "gradient": Gradient(),
+    "gradient-retuned": RETUNED_LAW,
     "broyden": Broyden(),
     "trust-region": TrustRegion(),
 }
 
-__all__ = ["SERVOS", "Broyden", "Gradient", "Observation", "TrustRegion"]
+__all__ = [
+    "SERVOS",
+    "Broyden",
+    "Conflict",
+    "Gradient",
+    "Moment",
+    "Observation",
+    "Servo",
+    "ServoState",
+    "TrustRegion",
+]

@@ -7,15 +7,19 @@ the centre c; the arm never drives back to it.
 """
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..equations import Equation, angles, short
 from ..evaluation import conflict as evaluate
 from .image_model import ImageModel, Visit
 from .minimise import minimise
 from .observation import Conflict, Observation
+from .servo import Moment
 
+_LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 PROBE = np.radians(15.0)
 FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
 DONE_STEP = np.radians(0.1)  # a motion shorter than this is not worth making
@@ -26,8 +30,8 @@ SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 @dataclass(frozen=True)
 class BroydenState:
     """model: of the own images; best: the visit with the smallest E; radius: rad; promised: decrease of E predicted
-    for the motion just made, None after a probe; best_E: px², None where it must be asked for; probes: joints
-    still to probe."""
+    for the motion just made, None after a probe; judged: decreases of E promised and found, px², of the motion
+    judged last; best_E: px², None where it must be asked for; probes: joints still to probe."""
 
     model: ImageModel
     best: Visit
@@ -37,11 +41,18 @@ class BroydenState:
     best_E: float | None = None
     status: str = "moving"
     probe: bool = False
+    judged: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
 class Broyden:
     """See the module. It has no constants to tune beyond the module's."""
+
+    title: ClassVar[str] = "Broyden on images"
+    assumes: ClassVar[str] = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
+    fails: ClassVar[str] = "Flat valleys and missing points: it may stop degrees away and believe to be there."
+    slow: ClassVar[bool] = False
+    stored: ClassVar[tuple[type, ...]] = (BroydenState, ImageModel, Visit)
 
     def start(self, seen: Observation) -> BroydenState:
         model = ImageModel.start(seen)
@@ -74,6 +85,37 @@ class Broyden:
             return replace(state, promised=None, status=status, probe=False), np.zeros_like(step)
         return replace(state, promised=promised, status="moving", probe=False), step
 
+    def equations(self, state: BroydenState | None, moment: Moment) -> tuple[Equation, ...]:
+        if state is None:
+            return (Equation("", "no motion yet", _LAW, wide=True),)
+        if state.probe:
+            note = f"This motion, ({angles(moment.moved)}), is a probe: it teaches a first column of J."
+        else:
+            note = f"D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
+        return (Equation("", "servo: the images are learned, not E", _LAW, note=note),)
+
+    def rests(self, state: BroydenState, status: str) -> str:
+        return f"next step under {np.degrees(DONE_STEP):g}°" if status == "converged" else ""
+
+
+def _outcome(state: BroydenState, moment: Moment) -> str:
+    """What the last motion has promised and brought; where points are missing, E at both ends is of others, and only
+    the motion before has been judged, on points known at both."""
+    if moment.status in ("converged", "stalled"):
+        return f"The next step would be below {np.degrees(DONE_STEP):g}°: the servo rests."
+    if state.promised is None or state.best_E is None or not np.isfinite(moment.E):
+        return ""
+    made = f"θ* − c = ({angles(moment.displacement - state.best.displacement)}). "
+    promised = f"E was to fall by <b>{short(state.promised)}</b>"
+    if not (moment.seen.all() and state.best.seen.all()):
+        before = "" if state.judged is None else _fell(*state.judged)
+        return f"{made}{promised} px².{before}"
+    return f"{made}{promised}, and fell by <b>{short(state.best_E - moment.E)}</b> px²."
+
+
+def _fell(promised: float, found: float) -> str:
+    return f" Before: to fall by <b>{short(promised)}</b>, fell by <b>{short(found)}</b> px²."
+
 
 def _learn(state: BroydenState, seen: Observation) -> BroydenState:
     """From the last motion; what the best visit did not show is completed by what is seen now."""
@@ -92,8 +134,9 @@ def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenSta
     here, E_best = state.model.last, state.best_E
     if E_best is None or not (here.seen.all() and state.best.seen.all()):
         E_best, E_here = map(float, evaluate(conflict(_told(state.model, np.stack([state.best.own, here.own])))))
-    radius = state.radius
+    radius, judged = state.radius, None
     if state.promised is not None:
+        judged = state.promised, E_best - E_here
         ratio = (E_best - E_here) / max(state.promised, 1e-12)
         step = np.max(np.abs(here.displacement - state.best.displacement))
         if ratio < SHRINK_BELOW:
@@ -101,7 +144,7 @@ def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenSta
         elif ratio > GROW_ABOVE and step > 0.8 * radius:
             radius = min(2 * radius, MAX_RADIUS)
     best, best_E = (here, E_here) if E_here <= E_best else (state.best, E_best)
-    return replace(state, best=best, best_E=best_E, radius=float(radius))
+    return replace(state, best=best, best_E=best_E, radius=float(radius), judged=judged)
 
 
 def _told(model: ImageModel, own: NDArray) -> NDArray:

@@ -10,12 +10,16 @@ paper give a test of convergence, and E alone is none (its least value is not 0)
 """
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..equations import HOLE, Equation, angles, column, each, number, row, short
 from .observation import Conflict, Observation
+from .servo import Moment
 
+_LAW = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
 PATIENCE, PROGRESS = 30, 0.99  # motions without E falling to this share of its least, after which it has stalled
 
 
@@ -53,10 +57,15 @@ class GradientState:
 
 @dataclass(frozen=True)
 class Gradient:
-    """The law with its constants. `seed` drives the dither only."""
+    """The law with its constants, and what is said of it with those. `seed` drives the dither only."""
 
     constants: Constants = PAPER
     seed: int = 0
+    title: str = "Gradient (paper)"
+    assumes: str = "That E is convex, and that a gradient learned on the way stays true."
+    fails: str = "The input fades with E and the gradient goes stale: thousands of motions, mostly without arriving."
+    slow: ClassVar[bool] = True
+    stored: ClassVar[tuple[type, ...]] = (GradientState,)
 
     def start(self, seen: Observation) -> GradientState:
         m = len(seen.displacement)
@@ -81,6 +90,25 @@ class Gradient:
         inside = np.clip(np.radians(u), low, high)  # the dither comes after, to excite a joint that leans on its limit
         return state, np.clip(inside + np.radians(dither), low, high)
 
+    def equations(self, state: GradientState | None, moment: Moment) -> tuple[Equation, ...]:
+        c = self.constants
+        if state is None:
+            first = tuple(number(value) for value in c.jacobian)
+            return (Equation("(13), (14)", "no motion yet", rf"{_LAW},\quad\hat{{𝐉}}_0={row(len(first))}", first),)
+        u = -c.gain * state.jacobian * state.E
+        m = len(u)
+        note = "Ĵ learned from own motions, px² a degree; K fixed."
+        if np.any(np.abs(np.degrees(moment.moved) - u) > 0.005):
+            bound = f"bound {c.max_step_deg:g}°" if np.isfinite(c.max_step_deg) else "limits"
+            note = f"Ĵ learned, K fixed. Made ({angles(moment.moved)}): {bound}{', dither' if c.dither_deg else ''}."
+        latex = rf"{_LAW}=-{HOLE}\cdot{column(m)}\cdot{HOLE}={column(m)}"
+        asked = (angle + "°" for angle in each(u, 2))
+        numbers = (f"{c.gain:g}", *each(state.jacobian, 2), short(state.E), *asked)
+        return (Equation("(13)", "this motion", latex, numbers, note, wide=True),)
+
+    def rests(self, state: GradientState, status: str) -> str:
+        return f"not lower for {state.since_best} motions" if status == "stalled" else ""
+
     def _learn(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:
         """Weighted recursive least squares, ρ the forgetting factor."""
         J, P, rho = state.jacobian, state.covariance, self.constants.forgetting
@@ -93,3 +121,11 @@ class Gradient:
     def _bounded(self, u: NDArray) -> NDArray:
         length = np.linalg.norm(u)
         return u * min(1.0, self.constants.max_step_deg / length) if length > 0 else u
+
+
+RETUNED_LAW = Gradient(
+    RETUNED,
+    title="Gradient, retuned",
+    assumes="The same, with a larger gain, bounded steps and a dither that keeps the gradient fresh.",
+    fails="Hundreds of motions; it never stands still, so it never says that it has arrived.",
+)

@@ -1,11 +1,20 @@
-"""What a servo is told at each motion."""
+"""What a servo is told at each motion, and what it may ask."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from numpy.typing import NDArray
 
-Conflict = Callable[..., NDArray]
+
+class Conflict(Protocol):
+    """Asks what the residual would be of images that a servo predicts; that needs no motion.
+
+    own: (..., N, 4) px in [L, R], NaN for points that it knows nothing of; by: the name of a transfer in place of the
+    chosen one; like: (N, 4) px, own images as whose the noise of the demonstrator's is to be weighed, None not to
+    weigh it. → e: (..., n, C) px of the n points that are known in all of them; where those are too few it is inf.
+    """
+
+    def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray: ...
 
 
 @dataclass(frozen=True)

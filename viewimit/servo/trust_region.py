@@ -12,16 +12,23 @@ change in every direction about the posture, from visits there: else a check mot
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..equations import Equation, angles, short
 from ..evaluation import conflict as evaluate
 from .image_model import ENOUGH, Visit, by_coordinate
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
+from .servo import Moment
 from .surrogate import LEAST_NOISE, Surrogate, learn
 
+_LAW = (
+    r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
+    r"𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
+)
 PROBE, CHECK = np.radians((15.0, 2.0))
 FIRST_RADIUS, LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 12.0, 45.0, 0.5))
 LONGEST = np.radians(45.0)  # a joint and motion
@@ -67,6 +74,14 @@ class TrustState:
 class TrustRegion:
     """See the module. It has no constants to tune beyond the module's."""
 
+    title: ClassVar[str] = "Trust region on images"
+    assumes: ClassVar[str] = "That the images follow the joints smoothly; it predicts them from all postures visited."
+    fails: ClassVar[str] = (
+        "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
+    )
+    slow: ClassVar[bool] = False
+    stored: ClassVar[tuple[type, ...]] = (TrustState, Visit)
+
     def start(self, seen: Observation) -> TrustState:
         return TrustState((_visit(seen),), tuple(range(len(seen.displacement))))
 
@@ -102,6 +117,30 @@ class TrustRegion:
             state = replace(state, phase=phase, radius=float(PHASES[phase][1]), failures=0)
             return self.step(state, seen, conflict)
         return settled
+
+    def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
+        if state is None:
+            return (Equation("", "no motion yet", _LAW, wide=True),)
+        known = f"The images are predicted from {len(state.visits)} postures visited; "
+        note = f"{known}D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
+        return (Equation("", "servo: the images are predicted, E is asked", _LAW, note=note, wide=True),)
+
+    def rests(self, state: TrustState, status: str) -> str:
+        return f"E leaves no room for {np.degrees(CERTAIN):.1g}°" if status == "converged" else ""
+
+
+def _outcome(state: TrustState, moment: Moment) -> str:
+    """What the last motion was for, or why there is none."""
+    made = f"This motion, ({angles(moment.moved)}), "
+    if state.probe:
+        return f"{made}is a probe: it teaches what the predictions know least."
+    if moment.status == "converged":
+        return "What is left of E leaves no room for a displacement worth a motion: the servo rests."
+    if moment.status == "stalled":
+        return "Neither transfer nor restart led further: the servo rests."
+    if state.promised is not None:
+        return f"{made}was to lower E by <b>{short(state.promised)}</b> px²."
+    return ""
 
 
 def _visit(seen: Observation) -> Visit:

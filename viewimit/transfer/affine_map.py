@@ -1,31 +1,23 @@
 """What every affine transfer comes down to: one 4 x 4 map between centred image points."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..equations import HOLE, Equation, column, each
+from ..equations import matrix as holes
 from .transfer import Transfer
 
 
 @dataclass(frozen=True)
 class AffineTransfer(Transfer):
-    """[L; R] - own_mean = matrix ([l; r] - demo_mean).
-
-    matrix: (..., 4, 4); demo_mean, own_mean: (..., 4) px; measure_condition: asked when `condition` is first read.
-    """
+    """[L; R] - own_mean = matrix ([l; r] - demo_mean). matrix: (..., 4, 4); demo_mean, own_mean: (..., 4) px."""
 
     matrix: NDArray
     demo_mean: NDArray
     own_mean: NDArray
-    measure_condition: Callable[[], NDArray]
-
-    @cached_property
-    def condition(self) -> NDArray:
-        """How far the transfer's linear system amplifies errors: (...), ≥ 1, inf where it is singular."""
-        return self.measure_condition()
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
         demo = np.concatenate([demo_left, demo_right], -1) - self.demo_mean[..., None, :]
@@ -41,3 +33,26 @@ def _mapped(matrix: NDArray, points: NDArray) -> NDArray:
     batch = matrix.shape[:-2]
     columns = matrix.reshape(-1, 4, 4).transpose(1, 2, 0)  # batch last, as `fit` left it in memory: one product
     return (points @ columns).transpose(2, 1, 0).reshape(batch + points.shape)
+
+
+class _Mapped(Protocol):
+    """Of one posture."""
+
+    demo_mean: NDArray
+    own_mean: NDArray
+
+    @property
+    def matrix(self) -> NDArray: ...
+
+
+def map_equation(fitted: _Mapped, demo: NDArray, name: str) -> Equation:
+    """What stands in place of Eq. (4) if a point, (4,) px in [l, r], is recovered by one map of centred points."""
+    centred = demo - fitted.demo_mean
+    recovered = fitted.own_mean + fitted.matrix @ centred
+    return Equation(
+        "",
+        f"in place of (4), point {name}: centroid + map · (c − its centroid), px",
+        rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}={column(4)}+{holes(4, 4)}{column(4)}={column(4)}",
+        (name, *each(fitted.own_mean, 0), *each(fitted.matrix, 2), *each(centred, 1), *each(recovered, 1)),
+        wide=True,
+    )

@@ -12,26 +12,43 @@ and j its coordinate.
 """
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..equations import HOLE, Equation, column, each, matrix
 from ..geometry.affine import centred, extreme_eigenvalues, require_points, scatter, smallest_eigenpair
 from ..views import FourViews
 from .affine_map import AffineTransfer
+from .transfer import TransferMethod
 
 SINGULAR = 1e-3  # determinant of two unit-norm epipolar lines below which all five are solved together
 
 
-def fit(views: FourViews) -> AffineTransfer:
+@dataclass(frozen=True)
+class EpipolarTransfer(AffineTransfer):
+    """f: (4, 5, ...), the five fundamental matrices f13, f23, f31, f32 of the pairs (l,L), (r,L), (l,R), (r,R), (L,R)
+    about the centroids."""
+
+    f: NDArray
+
+    @cached_property
+    def condition(self) -> NDArray:
+        """cond(A): (...), inf where it is singular."""
+        return condition(self.f.reshape(4, 5, -1)).reshape(self.matrix.shape[:-2])
+
+
+def fit(views: FourViews) -> EpipolarTransfer:
     """Eqs. (2)-(4) for N ≥ 5 points. `condition` is cond(A)."""
     require_points(views.own.shape[-2])
     demo_mean, demo = centred(views.demo)
     own_mean, own = centred(views.own)
     batch = own.shape[:-2]
     f = constraints(demo, own)
-    matrix = solve(f).transpose(2, 0, 1).reshape(batch + (4, 4))
-    return AffineTransfer(matrix, demo_mean, own_mean, lambda: condition(f).reshape(batch))
+    solved = solve(f).transpose(2, 0, 1).reshape(batch + (4, 4))
+    return EpipolarTransfer(solved, demo_mean, own_mean, f.reshape((4, 5) + batch))
 
 
 def constraints(demo: NDArray, own: NDArray) -> NDArray:
@@ -97,3 +114,31 @@ def condition(f: NDArray) -> NDArray:
 def _by_view(S: NDArray) -> NDArray:
     """(4, 4, G) → (2 views, 2 coordinates, 2 views, 2 coordinates, G)"""
     return S.reshape((2, 2, 2, 2) + S.shape[2:])
+
+
+def equations(fitted: EpipolarTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
+    """Eq. (4) of one point: demo, own (4,) px."""
+    A, B = linear_system(fitted.f.reshape(4, 5, 1))
+    centred = demo - fitted.demo_mean
+    solution = fitted.matrix @ centred
+    return (
+        Equation(
+            "(4)",
+            f"point {name} recovered, px about the centroids: so f₃₃ = 0",
+            rf"𝐀\,{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=-𝐁𝐜_{{{HOLE}}}:\;{matrix(5, 4)}{column(4)}\approx{column(5)}",
+            (name, name, *each(A[0], 2), *each(solution, 1), *each(-B[0] @ centred, 1)),
+            wide=True,
+        ),
+    )
+
+
+METHOD = TransferMethod(
+    title="Epipolar (paper)",
+    assumes="Affine cameras: each point is where the epipolar lines of its images in l and r cross.",
+    fails="Lines nearly parallel, and depth in the views: the minimum is degrees off the demonstrator.",
+    fit=fit,
+    stored=(EpipolarTransfer,),
+    equations=equations,
+    condition_name="cond A",
+    ill="epipolar lines nearly parallel, E may mislead",
+)

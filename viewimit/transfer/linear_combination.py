@@ -6,28 +6,56 @@ U's first three columns, and ŷ_i = a_0 + A u_i by least squares. No lines are i
 becomes singular where the epipolar lines of [l] and [r] are parallel.
 """
 
-import numpy as np
+from dataclasses import dataclass
+from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ..equations import Equation
 from ..geometry.affine import centred, require_points, scatter
 from ..views import FourViews
-from .affine_map import AffineTransfer
+from .affine_map import AffineTransfer, map_equation
+from .transfer import TransferMethod
 
 
-def fit(views: FourViews) -> AffineTransfer:
+@dataclass(frozen=True)
+class LinearTransfer(AffineTransfer):
+    """sigma: (3,) or (..., 3) px, the largest singular values of the centred [l r], 0 for rounding errors."""
+
+    sigma: NDArray
+
+    @cached_property
+    def condition(self) -> NDArray:
+        """σ1/σ3 of the centred [l r]: (...), inf for coplanar points."""
+        with np.errstate(divide="ignore"):
+            ratio = self.sigma[..., 0] / self.sigma[..., 2]
+        return np.broadcast_to(ratio, self.matrix.shape[:-2])
+
+
+def fit(views: FourViews) -> LinearTransfer:
     """For N ≥ 5 points. `condition` is σ1/σ3 of the centred [l r]: inf for coplanar points."""
     require_points(views.own.shape[-2])
     demo_mean, demo = centred(views.demo)
     own_mean, own = centred(views.own)
     U, sigma, Vt = np.linalg.svd(demo, full_matrices=False)
     kept = sigma[..., :3] > sigma[..., :1] * np.finfo(float).eps * demo.shape[-2]
-    weight = np.where(kept, 1 / np.where(kept, sigma[..., :3], 1.0), 0.0)
+    sigma = np.where(kept, sigma[..., :3], 0.0)
+    weight = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=kept)
     inverse = (U[..., :3] * weight[..., None, :]) @ Vt[..., :3, :]  # transposed pseudo-inverse of [l r] at rank 3
-    batch = own.shape[:-2]
-    matrix = scatter(inverse, own).transpose(2, 1, 0).reshape(batch + (4, 4))
+    matrix = scatter(inverse, own).transpose(2, 1, 0).reshape(own.shape[:-2] + (4, 4))
+    return LinearTransfer(matrix, demo_mean, own_mean, sigma)
 
-    def condition():
-        with np.errstate(divide="ignore"):
-            ratio = sigma[..., 0] / np.where(kept[..., 2], sigma[..., 2], 0.0)
-        return np.broadcast_to(ratio, batch)
 
-    return AffineTransfer(matrix, demo_mean, own_mean, condition)
+def equations(fitted: LinearTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
+    return (map_equation(fitted, demo, name),)
+
+
+METHOD = TransferMethod(
+    title="Linear combination",
+    assumes="Affine cameras: each own image is an affine function of the demonstrator's shape.",
+    fails="Depth in the views, as for the epipolar one; but no lines are crossed, so none can be parallel.",
+    fit=fit,
+    stored=(LinearTransfer,),
+    equations=equations,
+)

@@ -10,9 +10,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..equations import HOLE, Equation, short
 from ..geometry.affine import centred, require_points, scatter
 from ..views import FourViews
-from .transfer import Transfer
+from .affine_map import map_equation
+from .transfer import Transfer, TransferMethod
 
 RANK = 3
 
@@ -75,3 +77,24 @@ def fit(views: FourViews) -> Rank3Transfer:
     with np.errstate(divide="ignore"):
         flat = np.where(known, sigma[..., 0] / sigma[..., 2], np.inf)
     return Rank3Transfer(W, demo_mean, own_mean, flat)
+
+
+def equations(fitted: Rank3Transfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
+    return (map_equation(fitted, demo, name),)
+
+
+def conflict_equation(E: float) -> Equation:
+    """E: px²."""
+    latex = rf"E=\frac{{1}}{{2N}}\sum_{{k=1}}^{{5}}\lambda_k(𝐖)={HOLE}"
+    return Equation("", "in place of (6): what all four images leave beyond rank 3", latex, (short(E),))
+
+
+METHOD = TransferMethod(
+    title="Rank 3, all views",
+    assumes="Affine cameras, and equal noise in all four images, which are fitted at once.",
+    fails="Depth in the views: the largest bias of all without noise; the steadiest under much of it.",
+    fit=fit,
+    stored=(Rank3Transfer,),
+    equations=equations,
+    conflict_equation=conflict_equation,
+)

@@ -1,25 +1,81 @@
-"""What all transfers share: residuals, and the conflict E of Eq. (6)."""
+"""What a transfer is, and what all those in this folder share: residuals, and the conflict E of Eq. (6)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 from numpy.typing import ArrayLike, NDArray
 
+from ..equations import Equation
 from ..evaluation import conflict
 from ..views import FourViews
 
+FLATNESS = "σ₁/σ₃"  # of the centred [l r]
+FLAT = "the points nearly lie in a plane, E may mislead"
 
-class Transfer:
-    """A map of image points from [l], [r] to [L], [R], fitted to `FourViews`."""
 
-    condition: NDArray
-    weighs_noise = False  # whether residuals answer for the noise of the demonstrator's images already
+class FittedTransfer(Protocol):
+    """A map of image points from [l], [r] to [L], [R], fitted to `FourViews`. Leading axes are a batch of postures."""
+
+    @property
+    def condition(self) -> NDArray:
+        """How far the transfer's linear system amplifies errors: (...), ≥ 1, inf where it is singular."""
+        ...
+
+    @property
+    def weighs_noise(self) -> bool:
+        """Whether residuals answer for the noise of the demonstrator's images already."""
+        ...
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
         """demo_left, demo_right: (..., M, 2) px, any points seen in [l], [r] → (..., M, 4) px in [L, R]."""
-        raise NotImplementedError
+        ...
 
     def residual(self, views: FourViews) -> NDArray:
-        """(..., N, C) px whose squares make E: e of Eq. (6), unless a transfer has more images to answer for."""
-        return views.own - self.recover(views.demo_left, views.demo_right)
+        """(..., N, C) px whose squares make E: e of Eq. (6), C = 4, unless it has more images to answer for."""
+        ...
 
     def conflict(self, views: FourViews) -> NDArray:
         """E: (...) px²."""
+        ...
+
+
+@dataclass(frozen=True)
+class TransferMethod:
+    """One way to recover points, with all that anybody says about it. Called with `FourViews` it is `fit`.
+
+    title: in dropdowns; assumes, fails: a sentence each. fit: views of points that are all seen, (..., N, 4) px with
+    N ≥ 5 → a `FittedTransfer`. stored: the dataclasses that a fitted one is made of, nested ones too; they are stored
+    by their fields, which are arrays, scalars, strings, tuples or such dataclasses.
+    equations(fitted, demo, own, name): how one point, (4,) px in [l, r] and (4,) px in [L, R], is recovered; no batch.
+    condition_name: what `condition` is; ill: what it means where it is too large.
+    conflict_equation(E px²): in place of Eq. (6) where E is another function of the images.
+    """
+
+    title: str
+    assumes: str
+    fails: str
+    fit: Callable[[FourViews], FittedTransfer]
+    stored: tuple[type, ...]
+    equations: Callable[[Any, NDArray, NDArray, str], tuple[Equation, ...]]
+    condition_name: str = FLATNESS
+    ill: str = FLAT
+    conflict_equation: Callable[[float], Equation] | None = None
+
+    def __call__(self, views: FourViews) -> FittedTransfer:
+        return self.fit(views)
+
+
+class Transfer:
+    """E by Eq. (6) from the points that `recover` finds."""
+
+    weighs_noise = False
+
+    def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
+        raise NotImplementedError
+
+    def residual(self, views: FourViews) -> NDArray:
+        return views.own - self.recover(views.demo_left, views.demo_right)
+
+    def conflict(self, views: FourViews) -> NDArray:
         return conflict(self.residual(views))

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...drawing import svg
-from ...drawing.methods import SERVO_NOTES
 from ...drawing.plots import Plot, Style, decade_ticks, decades, figure, log10, sentence, style_of
+from ...servo import SERVOS
 from ...simulation.scene import Scene
 from .claims import TOLERANCES
 from .fig9 import BESIDE, MOTIONS, PAPERS_LAWS, Fig9, Run
@@ -15,7 +15,6 @@ SENTENCE = (
     "arrive at the demonstrator's posture,",
     "and after how many motions?",
 )
-NAMES = {law: note.name for law, note in SERVO_NOTES.items()}
 LEFT, RIGHT, LEGEND = 36, 276, 288  # px
 ANGLES, CONFLICT = (30, 106), (130, 194)  # px from top to bottom
 TICKS = [(motions, str(motions)) for motions in (0, 1, 3, 10, 30, 100, 300, 1000, 3000)]
@@ -115,7 +114,7 @@ def _legend(found: Fig9 | None) -> str:
     for k, law in enumerate(found.laws if found else (*PAPERS_LAWS, BESIDE)):
         y, runs = ANGLES[0] + 4 + 31 * k, found.of(law) if found else []
         parts.append(_style(law).sample(LEGEND, y))
-        parts.append(svg.text(LEGEND + 27, y + 4, NAMES.get(law, law), "vi-b"))
+        parts.append(svg.text(LEGEND + 27, y + 4, SERVOS[law].title, "vi-b"))
         for words, classes in [_outcome(runs)] if runs else []:
             parts.append(svg.text(LEGEND + 27, y + 18, words, classes))
     return "".join(parts)

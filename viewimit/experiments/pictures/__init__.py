@@ -13,7 +13,9 @@ DRAWINGS = {"fig7": fig7.figures, "fig8": fig8.figures, "fig9": fig9.figures, "f
 
 def draw(name: str, result, folder: Path) -> list[Path]:
     """All figures of an experiment → their files."""
-    written = []
+    written: list[Path] = []
+    if name not in DRAWINGS:  # an experiment without such figures
+        return written
     with rc_context(STYLE):
         figures: dict[str, Figure] = DRAWINGS[name](result)
         for part, figure in figures.items():

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...analysis.convexity import GOOD, Convexity
-from ...transfer import TRANSFERS as TRANSFER_NAMES
+from ...transfer import TRANSFERS
 from ..paper.fig7 import PAPER_MINIMUM_DEG, Fig7, Study, Surface
-from .style import DEMONSTRATOR, MARK, RESIDUAL, TRANSFERS, angle_name, in_degrees
+from .style import DEMONSTRATOR, MARK, RESIDUAL, angle_name, in_degrees, of_transfer
 
 ENLARGED = 5
 CLOSE_DEG = 15.0  # half the width of the close-up
@@ -35,9 +35,8 @@ def _surface(found: Fig7) -> Figure:
         for axis, c in zip((first, second), centre)
     ]
     figure = Figure(figsize=(9.6, 8.2), layout="constrained")
-    figure.suptitle(
-        f"E over the learner's postures, demonstrator at {in_degrees(found.demonstrator_deg)}, {TRANSFERS[transfer][0]}"
-    )
+    where, by = in_degrees(found.demonstrator_deg), of_transfer(transfer)[0]
+    figure.suptitle(f"E over the learner's postures, demonstrator at {where}, {by}")
     parts = (("global view", slice(None), slice(None)), (f"close-up, ±{CLOSE_DEG:g}°", *near))
     for column, (title, rows, columns) in enumerate(parts):
         part = E[rows][:, columns]
@@ -92,7 +91,7 @@ def _convexity(found: Fig7) -> Figure:
         _parabola(first, found, surface, surface.convexity)
     for name, each in found.surfaces.items():
         if each.convexity is not None:
-            words, colour = TRANSFERS[name]
+            words, colour = of_transfer(name)
             curved = each.convexity
             second.plot(
                 curved.radius_deg, 100 * curved.worst, "-o", color=colour, markersize=3, label=f"{words}, largest"
@@ -126,11 +125,11 @@ def _parabola(axes, found: Fig7, surface: Surface, curved: Convexity) -> None:
 
 def _study(found: Fig7) -> Figure:
     """Where the minimum is for other demonstrators."""
-    rows = -(-len(TRANSFER_NAMES) // 2)
+    rows = -(-len(TRANSFERS) // 2)
     figure = Figure(figsize=(9.6, 0.7 + 2.7 * rows), layout="constrained")
     plots = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
-    for axes, name in zip(plots.flat, TRANSFER_NAMES):
-        words, colour = TRANSFERS[name]
+    for axes, name in zip(plots.flat, TRANSFERS):
+        words, colour = of_transfer(name)
         axes.set_title(words)
         if name in found.studies:
             _biases(axes, found.studies[name], colour)

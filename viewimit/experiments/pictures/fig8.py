@@ -5,7 +5,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ..paper.fig8 import PAPER_MINIMUM_DEG, Fig8
-from .style import MARK, RESIDUAL, TRANSFERS, angle_name, in_degrees
+from .style import MARK, RESIDUAL, angle_name, in_degrees, of_transfer
 
 
 def figures(found: Fig8) -> dict[str, Figure]:
@@ -34,7 +34,7 @@ def _surface(axes, found: Fig8, name: str) -> None:
     axes.plot(lowest[1], lowest[0], "+", color=RESIDUAL, markersize=11, markeredgewidth=2, label="smallest E")
     paper = PAPER_MINIMUM_DEG[::-1]
     axes.plot(*paper, "x", color="white", markersize=8, markeredgewidth=2, label="minimum in the paper")
-    axes.set(title=TRANSFERS[name][0], xlabel=f"{angle_name(found.joints[1])} (°)")
+    axes.set(title=of_transfer(name)[0], xlabel=f"{angle_name(found.joints[1])} (°)")
     axes.set_ylabel(f"{angle_name(found.joints[0])} (°)")
     axes.grid(False)
     axes.legend(fontsize=7, facecolor="#8f9aa8", frameon=True, framealpha=0.8)

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..paper.fig9 import WITHIN_DEG, Fig9, Run
-from .style import DASHED, DEMONSTRATOR, LAWS, angle_name, in_degrees
+from .style import DASHED, DEMONSTRATOR, angle_name, in_degrees, of_servo
 
 JOINT_COLOURS = ("#0072b2", "#b0508a", "#007f5c", "#d55e00", "#56b4e9", "#8a5a00", "#1b2430")
 
@@ -28,12 +28,12 @@ def _angles(axes, found: Fig9, first: Run, others: list[Run]) -> None:
         axes.plot(first.theta_deg[:, k], color=colour, label=f"{angle_name(joint)}, learner")
         axes.axhline(first.demonstrator_deg[k], color=DEMONSTRATOR, linestyle=DASHED, linewidth=1)
     axes.set(xlabel="motions", ylabel="joint angles (°)")
-    axes.set_title(f"{LAWS[first.law][0]}: {_arrival(first)}")
+    axes.set_title(f"{of_servo(first.law)[0]}: {_arrival(first)}")
     axes.legend(fontsize=7, loc="center right")
 
 
 def _conflict(axes, found: Fig9, first: Run, others: list[Run]) -> None:
-    colour = LAWS[first.law][1]
+    colour = of_servo(first.law)[1]
     for run in others:
         axes.plot(run.E, color=colour, alpha=0.2, linewidth=0.8)
     axes.plot(first.E, color=colour, label="E")

@@ -1,0 +1,98 @@
+"""A page without a browser: its widgets keep what is written into them, and a test changes them as a person would."""
+
+import asyncio
+import time
+from types import SimpleNamespace
+
+from viewimit.app.benchmark import QuietClient, QuietHandle
+from viewimit.app.control.scheduler import TICK
+from viewimit.app.control.shedding import Load
+from viewimit.app.jobs.experiments import ExperimentWorker
+from viewimit.app.jobs.landscapes import LandscapeWorker
+from viewimit.app.page import Page
+
+from viewimit.settings import Settings
+
+PERSON = 1  # a client's id
+
+
+class Widget(QuietHandle):
+    def __init__(self, label="", **fields):
+        self.callbacks = []
+        vars(self).update(fields, label=label)
+
+    def on_update(self, callback):
+        self.callbacks.append(callback)
+        return callback
+
+    on_click = on_update
+
+
+class Gui(QuietHandle):
+    """widgets: in the order in which they were added."""
+
+    def __init__(self):
+        self.widgets = []
+
+    def _add(self, label, **fields):
+        self.widgets.append(Widget(label, **fields))
+        return self.widgets[-1]
+
+    def add_html(self, content, visible=True):
+        return self._add("", content=content, visible=visible)
+
+    def add_dropdown(self, label, options, initial_value=None, visible=True, **_):
+        options = tuple(options)
+        return self._add(label, options=options, value=initial_value or options[0], visible=visible)
+
+    def add_button_group(self, label, options, **_):
+        return self._add(label, options=tuple(options), value=options[0])
+
+    def add_button(self, label, icon=None, disabled=False, **_):
+        return self._add(label, icon=icon, disabled=disabled)
+
+
+class QuietPage:
+    """Ticked by hand, in a clock of its own."""
+
+    def __init__(self, settings=None, keep=lambda memory: None, resumed=None):
+        self.client, self.now = QuietClient(id(self)), 100.0
+        self.client.gui = self.gui = Gui()
+        workers = LandscapeWorker(), ExperimentWorker(), None
+        self.page = Page(self.client, *workers, lambda: None, settings or Settings(), keep, Load(TICK), resumed)
+
+    def widget(self, label):
+        return next(widget for widget in self.gui.widgets if widget.label == label)
+
+    def choose(self, label, value):
+        """Change a widget as a person does: a dropdown offers the value."""
+        widget = self.widget(label)
+        assert value in getattr(widget, "options", (value,)), f"{value} is none of {widget.options}"
+        widget.value = value
+        self._tell(widget)
+
+    def click(self, label):
+        self._tell(self.widget(label))
+
+    def _tell(self, widget):
+        for callback in widget.callbacks:
+            asyncio.run(callback(SimpleNamespace(client_id=PERSON, target=widget)))
+        self.tick()
+
+    def tick(self, seconds=0.05):
+        """One tick, after that time."""
+        self.now += seconds
+        self.page.tick(self.now)
+
+    def tick_until(self, condition, patience=30.0):
+        """Tick while threads of the page work. Raises AssertionError after so many seconds."""
+        until = time.monotonic() + patience
+        while not condition():
+            assert time.monotonic() < until, "it did not come"
+            time.sleep(0.01)
+            self.tick(0.5)
+
+    @property
+    def shown(self):
+        """All that is written on the page."""
+        return "\n".join(widget.content for widget in self.gui.widgets if widget.visible)

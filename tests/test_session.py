@@ -157,6 +157,8 @@ def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_
     with pytest.raises(dataclasses.FrozenInstanceError):
         now.E = 0.0
     assert not hasattr(now, "nothing_of_the_kind")
+    with pytest.raises(TypeError, match="no fields e"):
+        now.with_fields(e=now.e)
     other = now.with_fields(status="stalled", E=1.0)
     assert other.transfer is now.transfer and other.E == 1.0 and now.status == "ready"
     for changes in ({"views": dataclasses.replace(now.views)}, {"settings": Settings(transfer="rank3")}):

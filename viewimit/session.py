@@ -117,9 +117,9 @@ class Session:
 
         like: what it is in all else but `changes`, fields by name.
         """
-        like = like.with_fields(theta=theta, **changes)
-        views = self.observer.four_views(like.settings, theta, like.theta_demo, like.look)  # posture → four views
-        seen = like.with_fields(views=views)
+        settings, demo = changes.get("settings", like.settings), changes.get("theta_demo", like.theta_demo)
+        views = self.observer.four_views(settings, theta, demo, changes.get("look", like.look))  # posture → four views
+        seen = like.with_fields(theta=theta, views=views, **changes)
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status="stopped")
         return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E

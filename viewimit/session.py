@@ -20,7 +20,7 @@ from .servo import SERVOS, Observation
 from .simulation.eyes import open_eyes
 from .simulation.scene import Scene, load_scene
 from .simulation.world import Disturbance, World
-from .snapshot import Settings, Snapshot, derived
+from .snapshot import USUAL_POINTS, Settings, Snapshot, derived
 from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
 from .views import FourViews
@@ -187,6 +187,8 @@ class Session:
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
         scene = load_scene(settings.scene, settings.robot, settings.joints)
+        if settings.points == USUAL_POINTS:
+            settings = msgspec.structs.replace(settings, points=scene.layout_near(USUAL_POINTS))
         rest = np.array(scene.posture_deg)[scene.moving]
         demo = scene.require_posture(np.radians(_given(settings.demonstrator_deg, rest)), "demonstrator's")
         start = scene.require_posture(np.radians(_given(settings.start_deg, scene.start_deg)), "learner's start")

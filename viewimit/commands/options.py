@@ -11,14 +11,15 @@ import numpy as np
 
 from ..servo import SERVOS
 from ..simulation.eyes import require_eyes
-from ..simulation.scene import load_scene, robot_names, scene_names
-from ..snapshot import CAMERAS, Settings
+from ..simulation.scene import Scene, load_scene, robot_names, scene_names
+from ..snapshot import CAMERAS, USUAL_POINTS, Settings
 from ..transfer import TRANSFERS
 from . import BadInput
 
 DONE, MISSED = 0, 1
 PAPER = Settings()
 ALL = "all"
+USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
 def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
@@ -31,7 +32,7 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
         "A .urdf takes the place of the scene's robot, with the same bases, limits and points in its links' frames",
     )
     parser.add_argument("--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the scene's)")
-    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({defaults.points})")
+    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
     parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
     parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
     parser.add_argument("--noise-px", type=float, metavar="PX", help="standard deviation of image points (0)")
@@ -80,9 +81,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         scene = load_scene(args.scene or settings.scene, args.robot, freed)
     with naming("--camera"):
         require_eyes(settings.camera, scene)
-    points = settings.points if args.points is None else args.points
-    with naming("--points"):
-        scene.body_points(points)
+    points = layout(args, scene)
     postures = {"demonstrator": args.demonstrator, "start": vars(args).get("start")}
     for name, posture in postures.items():
         if posture is not None:
@@ -97,6 +96,14 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         demonstrator_deg=postures["demonstrator"],
         start_deg=postures["start"],
     )
+
+
+def layout(args: argparse.Namespace, scene: Scene) -> int:
+    """--points, or the scene's own layout. Raises BadInput."""
+    points = scene.layout_near(USUAL_POINTS) if args.points is None else args.points
+    with naming("--points"):
+        scene.body_points(points)
+    return points
 
 
 @contextlib.contextmanager

@@ -9,12 +9,15 @@ import subprocess
 import sys
 import urllib.request
 
+import msgspec
 import numpy as np
 import pytest
 from viewimit.assets import ROOT
 
 import viewimit
 from viewimit.analysis.landscape import landscape
+from viewimit.commands import imitate, json_output
+from viewimit.commands.json_output import rounded
 from viewimit.experiments.bench import speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
@@ -23,6 +26,7 @@ from viewimit.simulation.world import World
 from viewimit.snapshot import Settings
 from viewimit.transfer import TRANSFERS
 
+HEADING = ("version", "command", "options")  # of every object
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
 
 
@@ -36,12 +40,64 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
     last = session.snapshot
     assert status == 0 and told["converged"] is True
     assert told["demonstrator_deg"] == pytest.approx([40, -80])
-    assert told["final_deg"] == np.degrees(last.theta).tolist()
+    assert told["final_deg"] == np.degrees(last.theta).round(6).tolist()
     assert told["error_deg"] == pytest.approx(np.abs(np.degrees(last.theta) - (40, -80)).max())
-    assert told["E"] == last.E and told["motions"] == last.motion == len(told["history"]) - 1
+    assert told["E"] == rounded(last.E) and told["motions"] == last.motion == len(told["history"]) - 1
     for told_moment, moment in zip(told["history"], session.history):
-        assert told_moment["theta_deg"] == np.degrees(moment.theta).tolist()
-        assert (told_moment["E"], told_moment["probe"]) == (moment.E, moment.probe)
+        assert told_moment["theta_deg"] == np.degrees(moment.theta).round(6).tolist()
+        assert (told_moment["E"], told_moment["probe"]) == (rounded(moment.E), moment.probe)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "imitate --noise-px 0.5 --missing 0.05 --seed 3 --start 60.123456789012345,-130 --max-motions 6",
+        "imitate --joints 2,4,6 --points 16 --demonstrator 44.997659963130204,-90,10",
+    ],
+)
+def test_a_run_can_be_repeated_from_its_object(ask_json, words):
+    _, told = ask_json(*words.split())
+    assert (told["version"], told["command"]) == (viewimit.__version__, "imitate")
+    settings = msgspec.convert(told["settings"], Settings)
+    assert set(told["settings"]) == set(Settings.__struct_fields__)
+    session = Session(settings)
+    imitate.imitate(session, told["options"]["max_motions"])
+    again = json.loads(json.dumps(json_output.plain(imitate.outcome(session))))
+    assert again == without(told, *HEADING, "settings") and len(again["history"]) > 5
+
+
+def test_every_object_tells_its_options_and_settings(ask_json, files):
+    _, told = ask_json("landscape", "--robot", "iiwa", "--step-deg", 30, "--transfer", "linear")
+    assert told["settings"]["scene"] == "iiwa" and told["settings"]["transfer"] == "linear"
+    assert told["options"] == {"step_deg": 30, "out": None}
+    _, told = ask_json("reproduce", "fig10", "--motion", "circle", "--seed", 4)
+    assert told["settings"]["seed"] == 4
+    assert told["options"] == {"figures": ["fig10"], "motion": "circle", "out": None}
+    _, told = ask_json("bench", "success", "--runs", 1, "--max-motions", 0, "--transfer", "linear")
+    assert "settings" not in told
+    assert told["options"].items() >= {"runs": 1, "points": 10, "scene": "panda", "transfer": "linear"}.items()
+
+
+@pytest.mark.parametrize(
+    "value, told",
+    [
+        (14.999999999999998, 15),
+        (44.997659963130204, 44.99766),
+        (-130.0000004, -130),
+        (803.41234567, 803.412346),
+        (0.1234567890, 0.123457),
+        (3.308722450212111e-24, 3.30872e-24),
+        (-4.44e-16, -4.44e-16),
+        (5e-324, 5e-324),
+        (0.0, 0.0),
+    ],
+)
+def test_numbers_are_told_as_far_as_they_are_known_and_nothing_becomes_0(value, told):
+    assert rounded(value) == told
+
+
+def without(told, *names):
+    return {name: value for name, value in told.items() if name not in names}
 
 
 def test_imitate_repeats_itself_from_its_seed(ask):
@@ -215,13 +271,18 @@ def test_a_port_in_use_names_the_next_free_one(ask):
 
 def test_a_robot_is_a_scene_of_its_name_or_a_urdf_beside_the_scene(ask_json, files):
     (files / "own.urdf").write_text(PANDA)
-    shipped, own = ask_json("imitate"), ask_json("imitate", "--robot", "own.urdf")
+
+    def told(*words):
+        status, all_told = ask_json("imitate", *words)
+        return status, without(all_told, "settings")
+
+    shipped, own = told(), told("--robot", "own.urdf")
     assert shipped == own
     (files / "elsewhere").mkdir()
     (files / "own.urdf").rename(files / "elsewhere/beside.urdf")
     (files / "elsewhere/panda.toml").write_text((files / "panda.toml").read_text())
     (files / "elsewhere/own.toml").write_text('extends = "panda"\nrobot = "beside.urdf"\n')
-    assert ask_json("imitate", "--scene", "elsewhere/own.toml") == shipped
+    assert told("--scene", "elsewhere/own.toml") == shipped
     _, iiwa = ask_json("landscape", "--robot", "iiwa", "--step-deg", 10)
     assert iiwa["grid"] == [10, 13]
 
@@ -242,9 +303,9 @@ def test_bench_prints_one_object(ask_json, monkeypatch):
     monkeypatch.setattr(speed, "ROUNDS", 1)
     monkeypatch.setattr(speed, "SLOW_ROUNDS", 1)
     status, told = ask_json("bench", "speed", "--scene", "iiwa")
-    assert status == 0 and list(told) == ["speed"] and told["speed"]["postures"] == 91 * 121
+    assert status == 0 and list(told) == [*HEADING, "speed"] and told["speed"]["postures"] == 91 * 121
     status, told = ask_json("bench", "success", "--runs", 4, "--max-motions", 3)
-    assert status == 0 and list(told) == ["success"]
+    assert status == 0 and list(told) == [*HEADING, "success"]
     pairs = [(row["transfer"], row["servo"]) for row in told["success"]]
     assert pairs[: len(SERVOS)] == [("epipolar", servo) for servo in SERVOS]
     assert set(pairs[len(SERVOS) :]) == {

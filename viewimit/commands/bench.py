@@ -20,7 +20,8 @@ from ..simulation.world import World
 from ..snapshot import BEST, CAMERAS, Settings
 from ..transfer import TRANSFERS
 from . import bench_tables as tables
-from .options import DONE, USUAL_LAYOUT, add_json_option, between, layout, naming, print_json
+from .json_output import print_json
+from .options import DONE, USUAL_LAYOUT, add_json_option, between, layout, naming
 
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 RUNS, MAX_MOTIONS = 200, 500
@@ -85,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
         print("viewimit bench: interrupted", file=sys.stderr)
         return INTERRUPTED
     if args.json:
-        print_json(told)
+        print_json(args, told)
     return DONE
 
 

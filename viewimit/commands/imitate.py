@@ -7,6 +7,7 @@ import numpy as np
 
 from ..session import MAX_HISTORY, Session
 from ..snapshot import BEST
+from .json_output import print_json
 from .options import (
     DONE,
     MISSED,
@@ -16,7 +17,6 @@ from .options import (
     add_setting_options,
     between,
     posture,
-    print_json,
     settings_from,
 )
 
@@ -33,11 +33,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    session = Session(settings_from(args, BEST))
+    settings = settings_from(args, BEST)
+    session = Session(settings)
     imitate(session, args.max_motions)
     result = outcome(session)
     if args.json:
-        print_json(result)
+        print_json(args, result, settings)
     else:
         print(f"demonstrator  {posture(result['demonstrator_deg'])}")
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")

@@ -1,9 +1,7 @@
-"""What the commands share: options of the scene and of a run, faults named by their option, JSON."""
+"""What the commands share: options of the scene and of a run, and faults named by their option."""
 
 import argparse
 import contextlib
-import json
-import math
 from collections.abc import Callable, Iterator
 
 import msgspec
@@ -148,20 +146,3 @@ def angles(text: str) -> tuple[float, ...]:
 
 def posture(theta_deg) -> str:
     return f"({', '.join(f'{angle:.4g}°' for angle in theta_deg)})"
-
-
-def print_json(result: dict) -> None:
-    """One object on one line; what is not a number becomes null."""
-    print(json.dumps(_plain(result), allow_nan=False, ensure_ascii=False))
-
-
-def _plain(value):
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

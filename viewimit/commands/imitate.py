@@ -2,11 +2,13 @@
 
 import argparse
 import sys
+from pathlib import Path
 
 import numpy as np
 
 from ..session import MAX_HISTORY, Session
 from ..snapshot import BEST
+from . import history_file
 from .json_output import print_json
 from .options import (
     DONE,
@@ -16,6 +18,7 @@ from .options import (
     add_run_options,
     add_setting_options,
     between,
+    naming,
     posture,
     settings_from,
 )
@@ -29,13 +32,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_run_options(parser, BEST)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write the history, a row a motion, as .csv or .npz")
     add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
+    if args.out:
+        with naming("--out"):
+            history_file.require_format(args.out)
     settings = settings_from(args, BEST)
     session = Session(settings)
     imitate(session, args.max_motions)
+    if args.out:
+        with naming("--out"):
+            history_file.write(args.out, session.history, session.scene.moving_joints)
+        print(f"written to {args.out}", file=sys.stderr)
     result = outcome(session)
     if args.json:
         print_json(args, result, settings)

@@ -3,6 +3,7 @@
 import csv
 import importlib.util
 import json
+import os
 import re
 import socket
 import subprocess
@@ -21,6 +22,7 @@ from viewimit.commands.json_output import rounded
 from viewimit.experiments.bench import speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
+from viewimit.simulation import eyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.snapshot import Settings
@@ -64,6 +66,31 @@ def test_a_run_can_be_repeated_from_its_object(ask_json, words):
     imitate.imitate(session, told["options"]["max_motions"])
     again = json.loads(json.dumps(json_output.plain(imitate.outcome(session))))
     assert again == without(told, *HEADING, "settings") and len(again["history"]) > 5
+
+
+@pytest.mark.parametrize("name", ["a.csv", "b.npz", "C.NPZ"])
+def test_imitate_writes_its_history(ask_json, tmp_path, name):
+    path = tmp_path / name
+    _, told = ask_json("imitate", "--joints", "2,4,6", "--points", 16, "--out", path)
+    if path.suffix == ".csv":
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        table = {column: [row[column] for row in rows] for column in rows[0]}
+    else:
+        with np.load(path) as data:
+            table = dict(data)
+    number = lambda column: np.array(table[column], float)
+    theta, demonstrator, moved = (
+        np.stack([number(f"{what}{joint}_deg") for joint in (2, 4, 6)], -1)
+        for what in ("theta", "demonstrator", "moved")
+    )
+    np.testing.assert_allclose(theta, [moment["theta_deg"] for moment in told["history"]], atol=1e-6)
+    np.testing.assert_allclose(demonstrator, [told["demonstrator_deg"]] * len(theta), atol=1e-6)
+    np.testing.assert_allclose(np.diff(theta, axis=0), moved[1:], atol=1e-9)
+    np.testing.assert_allclose(number("E_px2"), [moment["E"] for moment in told["history"]], rtol=1e-5)
+    assert list(number("motion")) == list(range(told["motions"] + 1)) and set(number("usable")) == {16}
+    assert [str(probe) for probe in table["probe"]] == [str(moment["probe"]) for moment in told["history"]]
+    assert table["status"][0] == "ready" and table["status"][-1] == told["status"] == "converged"
 
 
 def test_every_object_tells_its_options_and_settings(ask_json, files):
@@ -238,6 +265,9 @@ def files(tmp_path, monkeypatch):
         ("landscape --out a.pdf", "--out: a.pdf: unknown extension '.pdf'; there are .npz, .csv, .png, .svg"),
         ("landscape --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
         ("landscape --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
+        ("imitate --out a.xlsx", "--out: a.xlsx: unknown extension '.xlsx'; there are .csv, .npz"),
+        ("imitate --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
+        ("imitate --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
         ("bench --scene moon", "--scene.*: no scene 'moon'"),
         ("bench --points 11", "--points.*: no layout of 11 points"),
         ("reproduce fig3", "figures: no figure 'fig3'; there are fig7, fig9, fig10 and all"),
@@ -314,8 +344,57 @@ def test_bench_prints_one_object(ask_json, monkeypatch):
     assert all(row["runs"] == 4 and row["motions_95"] <= 3 for row in told["success"])
 
 
+@pytest.mark.parametrize("missing", [{"pybullet"}, {"pybullet", "cv2"}, {"cv2"}])
+def test_without_what_camera_images_need_a_line_says_what_can_be_done(ask, monkeypatch, missing):
+    find = importlib.util.find_spec
+    there = lambda name: None if name in missing else object() if name in ("pybullet", "cv2") else find(name)
+    monkeypatch.setattr(importlib.util, "find_spec", there)
+    monkeypatch.setattr(eyes, "has_wheel", lambda: False)
+    status, _, err = ask("imitate", "--camera", "rendered")
+    assert status == 2 and err.count("\n") == 1
+    if "pybullet" in missing:
+        assert "need PyBullet, which has wheels only for CPython 3.10 and 3.11 on Linux x86-64" in err
+        assert "pip install" not in err
+    else:
+        assert "pip install 'viewimit[opencv]'" in err
+    monkeypatch.setattr(eyes, "has_wheel", lambda: True)
+    status, _, err = ask("imitate", "--camera", "rendered")
+    extras = ",".join(extra for package, extra in eyes.NEEDS.items() if package in missing)
+    assert status == 2 and f"pip install 'viewimit[{extras}]'" in err
+
+
 def test_version(ask):
     assert ask("--version")[:2] == (0, f"viewimit {viewimit.__version__}\n")
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+def test_a_console_that_lacks_characters_is_told_all_the_same(encoding, tmp_path):
+    code = (
+        "import sys\n"
+        "from viewimit.cli import COMMANDS, main\n"
+        "helps = [['--help'], *([name, '--help'] for name in COMMANDS)]\n"
+        "runs = ['imitate', 'bench success --runs 1 --max-motions 0 --servo broyden', 'reproduce fig10',\n"
+        "        'reproduce fig10 --json']\n"
+        "for words in [*helps, *(run.split() for run in runs)]:\n"
+        "    try:\n"
+        "        status = main(words)\n"
+        "    except SystemExit as exit:\n"
+        "        status = exit.code\n"
+        "    assert status == 0, words\n"
+    )
+    there = os.environ | {"PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, cwd=tmp_path, env=there, timeout=120)
+    assert done.returncode == 0, done.stderr.decode(encoding)
+    said = done.stdout.decode(encoding)
+    assert "ended ?0.5" in said and ("45°, -90°" if encoding == "cp1252" else "45?, -90?") in said
+    figures = json.loads(said.splitlines()[-1])["figures"]
+    assert "?" not in json.dumps(figures) and "°" in json.dumps(figures, ensure_ascii=False)
+
+
+def test_the_module_is_the_command(tmp_path):
+    said = in_a_new_process("-m", "viewimit", "--version")
+    assert (said.returncode, said.stdout) == (0, f"viewimit {viewimit.__version__}\n")
+    assert in_a_new_process("-m", "viewimit", "imitate", "--points", "11").returncode == 2
 
 
 def in_a_new_process(*words):

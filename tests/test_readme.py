@@ -117,5 +117,5 @@ def test_all_files_tell_one_version_and_one_licence():
     assert project["version"] == viewimit.__version__
     assert f"\nversion: {viewimit.__version__}\n" in citation
     assert f"## [{viewimit.__version__}]" in (ROOT / "CHANGELOG.md").read_text()
-    assert project["license"] == {"text": "MIT"} and "\nlicense: MIT\n" in citation
+    assert project["license"] == "MIT" and "LICENSE" in project["license-files"] and "\nlicense: MIT\n" in citation
     assert (ROOT / "LICENSE").read_text().startswith("MIT License")

@@ -1,7 +1,7 @@
 # viewimit's page, for one replica behind the proxy of compose.yaml
 FROM python:3.11-slim
 WORKDIR /src
-COPY pyproject.toml README.md LICENSE ./
+COPY pyproject.toml setup.py README.md LICENSE ./
 COPY viewimit viewimit
 COPY app app
 COPY assets assets

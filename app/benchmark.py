@@ -4,6 +4,7 @@ CPU time of this process, medians over many passes. viser's own sending is left 
 drawings write into take the values and send nothing.
 """
 
+import argparse
 import contextlib
 import time
 from dataclasses import dataclass, field
@@ -57,14 +58,14 @@ class QuietClient:
         return contextlib.nullcontext()
 
 
-def run(settings: Settings, chosen: int | None) -> dict[str, float]:
+def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, float]:
     """Median ms of CPU of the loop's pass, of its drawings, and of both together."""
     session = Session(settings)
     panels = Panels(QuietClient(), Inbox(), False)
     scene = Scene3D(QuietClient(), lambda point: None, 60.0, lambda: None)
     show = View().show
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
-    for start in np.random.default_rng(0).uniform(*np.transpose(session.scene.range_deg), (RUNS, 2)):
+    for start in np.random.default_rng(0).uniform(*np.transpose(session.scene.range_deg), (runs, 2)):
         session.begin(Settings(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
         scene.build(session.world)
         panels.set_world(session.world, session.snapshot)
@@ -87,12 +88,15 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=RUNS, help="starts of each row (%(default)s)")
+    runs = parser.parse_args().runs
     print("ms of CPU a motion, median: look, fit, recover, evaluate, servo; then 3-D, images, path, status")
     print(f"{'transfer':10}{'servo':18}{'point':8}{'loop':>7}{'drawings':>10}{'whole':>8}")
     for transfer in ("epipolar", "linear"):
         for servo in ("broyden", "gradient-retuned"):
             for chosen in (None, 4):
-                cost = run(Settings(transfer=transfer, servo=servo), chosen)
+                cost = run(Settings(transfer=transfer, servo=servo), chosen, runs)
                 name = "none" if chosen is None else "chosen"
                 print(f"{transfer:10}{servo:18}{name:8}{cost['loop']:7.2f}{cost['drawings']:10.2f}{cost['whole']:8.2f}")
 

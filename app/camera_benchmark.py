@@ -5,6 +5,8 @@ meanwhile, beside how long they take alone. Pages without browsers: nothing is s
 """
 
 import argparse
+import asyncio
+import threading
 import time
 
 import msgspec
@@ -18,6 +20,7 @@ from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
 from .jobs.landscapes import LandscapeWorker
 from .page import Page
+from .server.seat_counts import Tally
 
 SECONDS = 20.0
 WAITS_S = 60.0  # for the first pictures
@@ -67,11 +70,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of each part (%(default)s)")
     seconds = parser.parse_args().seconds
-    scheduler, camera = Scheduler(), CameraProcess()
+    scheduler, camera = Scheduler(Tally().rows[0]), CameraProcess()
     other = TimedPage(1, camera, scheduler, RESTLESS)
     other.play("10 a second")
     scheduler.add(other)
-    scheduler.start()
+    loop = asyncio.new_event_loop()
+    threading.Thread(target=loop.run_forever, daemon=True).start()
+    scheduler.start(loop)
     print(f"ticks of another page, which makes 10 motions a second: {_ticks(other, seconds)}, alone")
     pictured = TimedPage(2, camera, scheduler, msgspec.structs.replace(RESTLESS, frames=BEST.frames))
     scheduler.add(pictured)

@@ -10,7 +10,7 @@ farther out, where fewer are seen. Balls change places within their part, one by
 (Kirkpatrick et al. 1983), first for that alone, then for E's minima too. The last number is the seed.
 """
 
-import sys
+import argparse
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -241,5 +241,14 @@ def text(markers: Markers) -> str:
     return f"radius = {markers.radius:g}\n\n{what}\nballs = [\n{rows}]\n"
 
 
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("robot", choices=("panda", "iiwa"))
+    parser.add_argument("file", type=Path, help="TOML to write")
+    parser.add_argument("seed", type=int)
+    args = parser.parse_args()
+    args.file.write_text(text(build(args.robot, args.seed)))
+
+
 if __name__ == "__main__":
-    Path(sys.argv[2]).write_text(text(build(sys.argv[1], int(sys.argv[3]))))
+    main()

@@ -5,6 +5,7 @@ navigation until it is complete: canvas drawn, and for ours the four images, the
 Last, how many times a second the arms are posed while the loop runs.
 """
 
+import argparse
 import statistics
 import subprocess
 import sys
@@ -53,6 +54,7 @@ def updates_a_second(browser, url: str) -> float:
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     starts = []
     for _ in range(ROUNDS):
         began = time.perf_counter()

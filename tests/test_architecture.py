@@ -12,6 +12,7 @@ import viewimit
 
 ROOT = Path(__file__).parent.parent
 ORDER = (  # each imports only what stands above it, or itself
+    "threads",
     "assets",
     "equations",
     "geometry",
@@ -33,6 +34,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "app",
     "commands",
     "cli",
+    "__main__",
 )
 # image points, nothing of the world
 ESTIMATORS_SEE = {"transfer": {"geometry", "views", "evaluation", "equations"}, "servo": {"evaluation", "equations"}}

@@ -89,6 +89,7 @@ def test_a_reload_comes_back_to_the_same_pictures(here):
 def test_what_is_not_installed_is_said_and_the_box_jumps_back(here, monkeypatch):
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pybullet" else find(name))
+    monkeypatch.setattr("viewimit.simulation.eyes.has_wheel", lambda: True)
     with Client(here.url).ready() as client:
         client.put("Camera images", True)
         wait_until(lambda: "pip install 'viewimit[pybullet]'" in client.status.replace("&#x27;", "'"))

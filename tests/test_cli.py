@@ -3,26 +3,32 @@
 import csv
 import importlib.util
 import json
+import os
 import re
 import socket
 import subprocess
 import sys
 import urllib.request
 
+import msgspec
 import numpy as np
 import pytest
 from viewimit.assets import ROOT
 
 import viewimit
 from viewimit.analysis.landscape import landscape
+from viewimit.commands import imitate, json_output
+from viewimit.commands.json_output import rounded
 from viewimit.experiments.bench import speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.simulation import eyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
 
+HEADING = ("version", "command", "options")  # of every object
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
 
 
@@ -34,12 +40,89 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
     last = session.run()
     assert status == 0 and told["converged"] is True
     assert told["demonstrator_deg"] == pytest.approx([40, -80])
-    assert told["final_deg"] == np.degrees(last.theta).tolist()
+    assert told["final_deg"] == np.degrees(last.theta).round(6).tolist()
     assert told["error_deg"] == pytest.approx(np.abs(np.degrees(last.theta) - (40, -80)).max())
-    assert told["E"] == last.E and told["motions"] == last.motion == len(told["history"]) - 1
+    assert told["E"] == rounded(last.E) and told["motions"] == last.motion == len(told["history"]) - 1
     for told_moment, moment in zip(told["history"], session.history):
-        assert told_moment["theta_deg"] == np.degrees(moment.theta).tolist()
-        assert (told_moment["E"], told_moment["probe"]) == (moment.E, moment.probe)
+        assert told_moment["theta_deg"] == np.degrees(moment.theta).round(6).tolist()
+        assert (told_moment["E"], told_moment["probe"]) == (rounded(moment.E), moment.probe)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "imitate --noise-px 0.5 --missing 0.05 --seed 3 --start 60.123456789012345,-130 --max-motions 6",
+        "imitate --joints 2,4,6 --points 16 --demonstrator 44.997659963130204,-90,10",
+    ],
+)
+def test_a_run_can_be_repeated_from_its_object(ask_json, words):
+    _, told = ask_json(*words.split())
+    assert (told["version"], told["command"]) == (viewimit.__version__, "imitate")
+    settings = msgspec.convert(told["settings"], Settings)
+    assert set(told["settings"]) == set(Settings.__struct_fields__)
+    session = Session(settings)
+    session.run(told["options"]["max_motions"])
+    again = json.loads(json.dumps(json_output.plain(imitate.outcome(session))))
+    assert again == without(told, *HEADING, "settings") and len(again["history"]) > 5
+
+
+@pytest.mark.parametrize("name", ["a.csv", "b.npz", "C.NPZ"])
+def test_imitate_writes_its_history(ask_json, tmp_path, name):
+    path = tmp_path / name
+    _, told = ask_json("imitate", "--joints", "2,4,6", "--points", 16, "--out", path)
+    if path.suffix == ".csv":
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        table = {column: [row[column] for row in rows] for column in rows[0]}
+    else:
+        with np.load(path) as data:
+            table = dict(data)
+    number = lambda column: np.array(table[column], float)
+    theta, demonstrator, moved = (
+        np.stack([number(f"{what}{joint}_deg") for joint in (2, 4, 6)], -1)
+        for what in ("theta", "demonstrator", "moved")
+    )
+    np.testing.assert_allclose(theta, [moment["theta_deg"] for moment in told["history"]], atol=1e-6)
+    np.testing.assert_allclose(demonstrator, [told["demonstrator_deg"]] * len(theta), atol=1e-6)
+    np.testing.assert_allclose(np.diff(theta, axis=0), moved[1:], atol=1e-9)
+    np.testing.assert_allclose(number("E_px2"), [moment["E"] for moment in told["history"]], rtol=1e-5)
+    assert list(number("motion")) == list(range(told["motions"] + 1)) and set(number("usable")) == {16}
+    assert [str(probe) for probe in table["probe"]] == [str(moment["probe"]) for moment in told["history"]]
+    assert table["status"][0] == "ready" and table["status"][-1] == told["status"] == "converged"
+
+
+def test_every_object_tells_its_options_and_settings(ask_json, files):
+    _, told = ask_json("landscape", "--robot", "iiwa", "--step-deg", 30, "--transfer", "linear")
+    assert told["settings"]["scene"] == "iiwa" and told["settings"]["transfer"] == "linear"
+    assert told["options"] == {"step_deg": 30, "out": None}
+    _, told = ask_json("reproduce", "fig10", "--motion", "circle", "--seed", 4)
+    assert told["settings"]["seed"] == 4
+    assert told["options"] == {"figures": ["fig10"], "motion": "circle", "out": None}
+    _, told = ask_json("bench", "success", "--runs", 1, "--max-motions", 0, "--transfer", "linear")
+    assert "settings" not in told
+    assert told["options"].items() >= {"runs": 1, "points": 10, "scene": "panda", "transfer": "linear"}.items()
+
+
+@pytest.mark.parametrize(
+    "value, told",
+    [
+        (14.999999999999998, 15),
+        (44.997659963130204, 44.99766),
+        (-130.0000004, -130),
+        (803.41234567, 803.412346),
+        (0.1234567890, 0.123457),
+        (3.308722450212111e-24, 3.30872e-24),
+        (-4.44e-16, -4.44e-16),
+        (5e-324, 5e-324),
+        (0.0, 0.0),
+    ],
+)
+def test_numbers_are_told_as_far_as_they_are_known_and_nothing_becomes_0(value, told):
+    assert rounded(value) == told
+
+
+def without(told, *names):
+    return {name: value for name, value in told.items() if name not in names}
 
 
 def test_imitate_repeats_itself_from_its_seed(ask):
@@ -180,6 +263,9 @@ def files(tmp_path, monkeypatch):
         ("landscape --out a.pdf", "--out: a.pdf: unknown extension '.pdf'; there are .npz, .csv, .png, .svg"),
         ("landscape --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
         ("landscape --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
+        ("imitate --out a.xlsx", "--out: a.xlsx: unknown extension '.xlsx'; there are .csv, .npz"),
+        ("imitate --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
+        ("imitate --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
         ("bench --scene moon", "--scene.*: no scene 'moon'"),
         ("bench --points 11", "--points.*: no layout of 11 points"),
         ("reproduce fig3", "figures: no figure 'fig3'; there are fig7, fig9, fig10 and all"),
@@ -213,13 +299,18 @@ def test_a_port_in_use_names_the_next_free_one(ask):
 
 def test_a_robot_is_a_scene_of_its_name_or_a_urdf_beside_the_scene(ask_json, files):
     (files / "own.urdf").write_text(PANDA)
-    shipped, own = ask_json("imitate"), ask_json("imitate", "--robot", "own.urdf")
+
+    def told(*words):
+        status, all_told = ask_json("imitate", *words)
+        return status, without(all_told, "settings")
+
+    shipped, own = told(), told("--robot", "own.urdf")
     assert shipped == own
     (files / "elsewhere").mkdir()
     (files / "own.urdf").rename(files / "elsewhere/beside.urdf")
     (files / "elsewhere/panda.toml").write_text((files / "panda.toml").read_text())
     (files / "elsewhere/own.toml").write_text('extends = "panda"\nrobot = "beside.urdf"\n')
-    assert ask_json("imitate", "--scene", "elsewhere/own.toml") == shipped
+    assert told("--scene", "elsewhere/own.toml") == shipped
     _, iiwa = ask_json("landscape", "--robot", "iiwa", "--step-deg", 10)
     assert iiwa["grid"] == [10, 13]
 
@@ -240,9 +331,9 @@ def test_bench_prints_one_object(ask_json, monkeypatch):
     monkeypatch.setattr(speed, "ROUNDS", 1)
     monkeypatch.setattr(speed, "SLOW_ROUNDS", 1)
     status, told = ask_json("bench", "speed", "--scene", "iiwa")
-    assert status == 0 and list(told) == ["speed"] and told["speed"]["postures"] == 91 * 121
+    assert status == 0 and list(told) == [*HEADING, "speed"] and told["speed"]["postures"] == 91 * 121
     status, told = ask_json("bench", "success", "--runs", 4, "--max-motions", 3)
-    assert status == 0 and list(told) == ["success"]
+    assert status == 0 and list(told) == [*HEADING, "success"]
     pairs = [(row["transfer"], row["servo"]) for row in told["success"]]
     assert pairs[: len(SERVOS)] == [("epipolar", servo) for servo in SERVOS]
     assert set(pairs[len(SERVOS) :]) == {
@@ -251,8 +342,57 @@ def test_bench_prints_one_object(ask_json, monkeypatch):
     assert all(row["runs"] == 4 and row["motions_95"] <= 3 for row in told["success"])
 
 
+@pytest.mark.parametrize("missing", [{"pybullet"}, {"pybullet", "cv2"}, {"cv2"}])
+def test_without_what_camera_images_need_a_line_says_what_can_be_done(ask, monkeypatch, missing):
+    find = importlib.util.find_spec
+    there = lambda name: None if name in missing else object() if name in ("pybullet", "cv2") else find(name)
+    monkeypatch.setattr(importlib.util, "find_spec", there)
+    monkeypatch.setattr(eyes, "has_wheel", lambda: False)
+    status, _, err = ask("imitate", "--camera", "rendered")
+    assert status == 2 and err.count("\n") == 1
+    if "pybullet" in missing:
+        assert "need PyBullet, which has wheels only for CPython 3.10 and 3.11 on Linux x86-64" in err
+        assert "pip install" not in err
+    else:
+        assert "pip install 'viewimit[opencv]'" in err
+    monkeypatch.setattr(eyes, "has_wheel", lambda: True)
+    status, _, err = ask("imitate", "--camera", "rendered")
+    extras = ",".join(extra for package, extra in eyes.NEEDS.items() if package in missing)
+    assert status == 2 and f"pip install 'viewimit[{extras}]'" in err
+
+
 def test_version(ask):
     assert ask("--version")[:2] == (0, f"viewimit {viewimit.__version__}\n")
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+def test_a_console_that_lacks_characters_is_told_all_the_same(encoding, tmp_path):
+    code = (
+        "import sys\n"
+        "from viewimit.cli import COMMANDS, main\n"
+        "helps = [['--help'], *([name, '--help'] for name in COMMANDS)]\n"
+        "runs = ['imitate', 'bench success --runs 1 --max-motions 0 --servo broyden', 'reproduce fig10',\n"
+        "        'reproduce fig10 --json']\n"
+        "for words in [*helps, *(run.split() for run in runs)]:\n"
+        "    try:\n"
+        "        status = main(words)\n"
+        "    except SystemExit as exit:\n"
+        "        status = exit.code\n"
+        "    assert status == 0, words\n"
+    )
+    there = os.environ | {"PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, cwd=tmp_path, env=there, timeout=120)
+    assert done.returncode == 0, done.stderr.decode(encoding)
+    said = done.stdout.decode(encoding)
+    assert "ended ?0.5" in said and ("45°, -90°" if encoding == "cp1252" else "45?, -90?") in said
+    figures = json.loads(said.splitlines()[-1])["figures"]
+    assert "?" not in json.dumps(figures) and "°" in json.dumps(figures, ensure_ascii=False)
+
+
+def test_the_module_is_the_command(tmp_path):
+    said = in_a_new_process("-m", "viewimit", "--version")
+    assert (said.returncode, said.stdout) == (0, f"viewimit {viewimit.__version__}\n")
+    assert in_a_new_process("-m", "viewimit", "imitate", "--points", "11").returncode == 2
 
 
 def in_a_new_process(*words):

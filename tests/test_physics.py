@@ -134,6 +134,7 @@ def test_what_is_missing_is_said(ask, monkeypatch, package, extra):
 
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == package else find(name))
+    monkeypatch.setattr("viewimit.simulation.eyes.has_wheel", lambda: True)
     status, _, err = ask("imitate", "--camera", "rendered")
     assert status == 2 and f"pip install 'viewimit[{extra}]'" in err
     assert Session(BEST).snapshot.transfer is not None

@@ -1,8 +1,10 @@
 """README says what is: its commands print what it shows, its lines are those that run, its links lead somewhere."""
 
+import importlib.util
 import re
 import shlex
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -35,6 +37,28 @@ def examples():
 def test_commands_print_what_readme_shows(words, shown, capsys):
     assert main(words) == 0
     assert capsys.readouterr().out == shown
+
+
+SHORT = {  # what makes a program brief that measures; of the others --help is asked
+    "-m viewimit.app.benchmark": ("--runs", "1"),
+    "-m viewimit.app.camera_benchmark": ("--seconds", "1"),
+}
+WITH_PICTURES = ("-m viewimit.app.camera_benchmark", "-m viewimit.assets.build_markers")
+PROGRAMS = sorted(set(re.findall(r"`python (-m viewimit[\w.]*|tests/\w+\.py)", README)))
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_programs_that_readme_names_run(program):
+    if program in WITH_PICTURES and not (importlib.util.find_spec("pybullet") and importlib.util.find_spec("cv2")):
+        pytest.skip("no pybullet or OpenCV")
+    command = [sys.executable, *program.split(), *SHORT.get(program, ("--help",))]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def test_those_programs_are_found():
+    assert set(SHORT) <= set(PROGRAMS) and any(program.startswith("tests/") for program in PROGRAMS)
 
 
 def test_the_library_example_runs_and_prints_its_comments(capsys):
@@ -93,5 +117,5 @@ def test_all_files_tell_one_version_and_one_licence():
     assert project["version"] == viewimit.__version__
     assert f"\nversion: {viewimit.__version__}\n" in citation
     assert f"## [{viewimit.__version__}]" in (ROOT / "CHANGELOG.md").read_text()
-    assert project["license"] == {"text": "MIT"} and "\nlicense: MIT\n" in citation
+    assert project["license"] == "MIT" and "LICENSE" in project["license-files"] and "\nlicense: MIT\n" in citation
     assert (ROOT / "LICENSE").read_text().startswith("MIT License")

@@ -1,8 +1,12 @@
 """Scene files: the shipped ones hold together; a wrong one is refused with its file and field."""
 
+import json
+
 import numpy as np
 import pytest
 
+from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import ROOT, load_robot, load_scene, robot_names, scene_names
 from viewimit.simulation.world import World
 
@@ -90,3 +94,21 @@ def test_other_joints_may_move_within_the_robots_limits_from_rest():
 def test_joints_that_cannot_be_are_refused(joints):
     with pytest.raises(ValueError, match="panda.toml: joints .*must ascend, within 1 … 7"):
         load_scene("panda", joints=joints)
+
+
+def test_the_scenes_own_layout_is_taken_where_it_has_none_of_ten(ask_json, ask, tmp_path):
+    panda = load_scene("panda")
+    path, (others, _) = tmp_path / "mine.toml", (ROOT / "scenes/panda.toml").read_text().split("[points]")
+    layouts = "".join(f"{count} = {json.dumps(panda.points[count])}\n" for count in ("20", "16"))
+    path.write_text(f"{others}[points]\n{layouts}")
+    assert (panda.layout_near(10), load_scene(path).layout_near(10)) == (10, 16)
+    session = Session(Settings(scene=str(path)))
+    assert session.settings.points == 16 == len(session.world.body)
+    session.change(transfer="linear")
+    assert session.settings.points == 16
+    assert ask_json("imitate", "--scene", path)[1]["final_deg"]
+    assert ask_json("imitate", "--scene", path) == ask_json("imitate", "--scene", path, "--points", 16)
+    assert ask("landscape", "--scene", path, "--step-deg", 30)[0] == 0
+    assert ask("bench", "success", "--scene", path, "--runs", 1, "--max-motions", 0)[0] == 0
+    status, _, err = ask("imitate", "--scene", path, "--points", 10)
+    assert status == 2 and "--points: no layout of 10 points in this scene; it has 20, 16" in err

@@ -1,6 +1,8 @@
 """Starting: what can go wrong is said before a server runs."""
 
+import io
 import socket
+import sys
 
 import pytest
 from viewimit.app import serve as serve_module
@@ -46,12 +48,17 @@ def test_addresses_are_as_a_browser_takes_them():
     assert address("::1", 8080) == "http://[::1]:8080"
 
 
-def test_who_lets_others_in_is_told_the_address_and_shown_its_code(capsys):
+def test_who_lets_others_in_is_told_the_address_and_shown_its_code(capsys, monkeypatch):
     invite("192.0.2.7", 8080)
     text, *drawn = capsys.readouterr().out.splitlines()
     assert "http://192.0.2.7:8080" in text
     code = [line for line in drawn if line]
     assert len(code) > 10 and set("".join(code)) <= set(" ▀▄█")
+    lacking = io.TextIOWrapper(io.BytesIO(), "ascii", "replace")
+    monkeypatch.setattr(sys, "stdout", lacking)
+    invite("192.0.2.7", 8080)
+    lacking.flush()
+    assert lacking.buffer.getvalue().decode().splitlines() == [text]
     assert [is_loopback(host) for host in ("127.0.0.1", "::1", "localhost", "0.0.0.0", "192.0.2.7")] == [
         True, True, True, False, False,
     ]  # fmt: skip

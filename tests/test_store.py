@@ -2,12 +2,13 @@
 
 import contextlib
 import os
+import sys
 import time
 
 import pytest
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from viewimit.app.sessions.store import KEPT_S
-from viewimit.app.sessions.stores import open_store
+from viewimit.app.sessions.stores import open_store, state_folder
 
 
 @pytest.fixture(params=["file", "redis"])
@@ -96,3 +97,14 @@ def test_a_redis_that_is_not_there_is_said(tmp_path):
     with pytest.raises(OSError, match="cannot reach the Redis"):
         open_store(f"unix://{tmp_path}/nobody.sock")
     assert time.monotonic() - began < 10
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="folders of Linux")
+def test_without_a_place_it_is_the_users_own_folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    assert state_folder() == tmp_path / "state/viewimit"
+    monkeypatch.delenv("XDG_STATE_HOME")
+    assert state_folder() == tmp_path / ".local/state/viewimit"
+    open_store(None).close()
+    assert any((tmp_path / ".local/state/viewimit").iterdir())

@@ -6,11 +6,11 @@ JSON object goes to standard output, and all messages to standard error.
 
 import argparse
 import importlib
-import os
+import io
 import re
 import sys
 
-from . import __version__
+from . import __version__, threads
 from .commands import BadInput
 
 BAD_INPUT = 2
@@ -23,13 +23,14 @@ COMMANDS = {
     "evaluate": "The method on your own tracked points: transfer, residuals, E.",
     "bench": "How fast E is, and how often and how soon each servo arrives.",
 }
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command and return its exit status. `viewimit` alone serves the page."""
-    for name in THREADS:
-        os.environ.setdefault(name, "1")  # matrices of four rows: more threads only spin
+    threads.take_one()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a console of another encoding, or a file, may lack ≤ and −
     argv = list(sys.argv[1:] if argv is None else argv)
     if not argv or (argv[0].startswith("-") and argv[0] not in ("-h", "--help", "--version")):
         argv.insert(0, "serve")

@@ -17,7 +17,7 @@ from .looking import Observer
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .servo import SERVOS, Observation
 from .servo.observation import Conflict
-from .settings import Settings
+from .settings import USUAL_POINTS, Settings
 from .simulation.eyes import Eyes, open_eyes
 from .simulation.scene import Scene, load_scene
 from .simulation.world import World
@@ -188,6 +188,8 @@ class Session:
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
         scene = load_scene(settings.scene, settings.robot, settings.joints)
+        if settings.points == USUAL_POINTS:
+            settings = msgspec.structs.replace(settings, points=scene.layout_near(USUAL_POINTS))
         demo = _demonstrator(settings, scene)
         start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
         start = scene.require_posture(np.radians(start_deg), "learner's start")

@@ -9,6 +9,7 @@ from .servo import SERVOS
 from .transfer import TRANSFERS
 
 CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
+USUAL_POINTS = 10
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
 
@@ -21,13 +22,14 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
-    camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers.
+    camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers; ten,
+    if a scene has no such layout, stands for the one whose number of points is nearest.
     """
 
     scene: str = "panda"
     robot: str | None = None
     joints: tuple[int, ...] | None = None
-    points: int = 10
+    points: int = USUAL_POINTS
     demonstrator_deg: tuple[float, ...] | None = None
     start_deg: tuple[float, ...] | None = None
     transfer: str = "epipolar"

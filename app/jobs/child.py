@@ -3,7 +3,7 @@
 import os
 import signal
 
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+from viewimit import threads
 
 
 def stand_back(niceness: int) -> None:
@@ -14,5 +14,4 @@ def stand_back(niceness: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(niceness)
-    for name in THREADS:
-        os.environ[name] = "1"
+    threads.take_one_alone()

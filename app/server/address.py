@@ -4,6 +4,7 @@ import contextlib
 import errno
 import io
 import socket
+import sys
 
 import segno
 
@@ -72,4 +73,5 @@ def invite(host: str, port: int) -> None:
     segno.make(url, micro=False).terminal(drawn, compact=True)
     print(f"others open {url}, which nothing encrypts: anybody on this network can")
     with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
+        drawn.getvalue().encode(sys.stdout.encoding or "utf-8")  # for print would put ? in their place
         print(drawn.getvalue(), flush=True)

@@ -1,8 +1,8 @@
 """Opens a store by what the command line says of it."""
 
-import os
-import sys
 from pathlib import Path
+
+import platformdirs
 
 from .sqlite_store import SqliteStore
 from .store import Store
@@ -22,10 +22,4 @@ def open_store(where: str | None = None) -> Store:
 
 def state_folder() -> Path:
     """Where this platform keeps a user's state."""
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Application Support"
-    else:
-        base = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
-    return base / "viewimit"
+    return platformdirs.user_state_path("viewimit", appauthor=False)

@@ -20,7 +20,8 @@ from ..simulation.scene import Scene, load_scene
 from ..simulation.world import World
 from ..transfer import TRANSFERS
 from . import bench_tables as tables
-from .options import DONE, add_json_option, between, naming, print_json
+from .json_output import print_json
+from .options import DONE, USUAL_LAYOUT, add_json_option, between, layout, naming
 
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 RUNS, MAX_MOTIONS = 200, 500
@@ -39,7 +40,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "well markers are detected in them; all: speed and success (%(default)s)",
     )
     parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
-    parser.add_argument("--points", type=int, default=10, metavar="N", help="layout of the scene (%(default)s)")
+    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
     seed = between(int, 0, 2**32)
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of postures timed, of runs (%(default)s)")
     timed = parser.add_argument_group("speed, of E over the range, at one posture, and of one motion")
@@ -69,7 +70,9 @@ def grid(text: str) -> tuple[int, int]:
 
 def run(args: argparse.Namespace) -> int:
     with naming("--scene, --points"):
-        world = World(load_scene(args.scene), args.points)
+        scene = load_scene(args.scene)
+        args.points = layout(args, scene)
+        world = World(scene, args.points)
         require_points(len(world.body))
         grid_axes(world)
     told: dict = {}
@@ -82,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
         print("viewimit bench: interrupted", file=sys.stderr)
         return INTERRUPTED
     if args.json:
-        print_json(told)
+        print_json(args, told)
     return DONE
 
 

@@ -9,7 +9,8 @@ from ..perception.tracked import Row, write_tidy
 from ..simulation.markers import load_markers, marker_names
 from ..views import VIEWS
 from . import BadInput
-from .options import DONE, MISSED, add_json_option, between, naming, print_json
+from .json_output import print_json
+from .options import DONE, MISSED, add_json_option, between, naming
 
 WHAT = {
     "l": "demonstrator, left",
@@ -74,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
     with naming("--out"):
         write_tidy(args.out, rows)
     if args.json:
-        print_json({"markers": len(hue_deg), "views": told, "file": str(args.out)})
+        print_json(args, {"markers": len(hue_deg), "views": told, "file": str(args.out)})
     else:
         for view, each in told.items():
             print(f"{view}  {each['frames']} frames, {each['points_a_frame']:.1f} of {len(hue_deg)} points in each")

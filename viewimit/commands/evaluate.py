@@ -14,7 +14,8 @@ from ..settings import Settings
 from ..transfer import TRANSFERS
 from ..views import VIEWS, FourViews
 from . import BadInput, evaluate_report
-from .options import DONE, MISSED, add_json_option, between, naming, print_json
+from .json_output import print_json
+from .options import DONE, MISSED, add_json_option, between, naming
 
 PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
 
@@ -53,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
             evaluate_report.write(args.out, result)
         print(f"written to {args.out}", file=sys.stderr)
     if args.json:
-        print_json(result)
+        print_json(args, result)
     else:
         _report(result)
     if not evaluated:

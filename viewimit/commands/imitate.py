@@ -2,12 +2,15 @@
 
 import argparse
 import sys
+from pathlib import Path
 
 import numpy as np
 
 from ..history import MAX_HISTORY
 from ..session import Session
 from ..settings import BEST
+from . import history_file
+from .json_output import print_json
 from .options import (
     DONE,
     MISSED,
@@ -16,8 +19,8 @@ from .options import (
     add_run_options,
     add_setting_options,
     between,
+    naming,
     posture,
-    print_json,
     settings_from,
 )
 
@@ -28,15 +31,24 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_run_options(parser, BEST)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write the history, a row a motion, as .csv or .npz")
     add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    session = Session(settings_from(args, BEST))
+    if args.out:
+        with naming("--out"):
+            history_file.require_format(args.out)
+    settings = settings_from(args, BEST)
+    session = Session(settings)
     session.run(args.max_motions)
+    if args.out:
+        with naming("--out"):
+            history_file.write(args.out, session.history, session.scene.moving_joints)
+        print(f"written to {args.out}", file=sys.stderr)
     result = outcome(session)
     if args.json:
-        print_json(result)
+        print_json(args, result, settings)
     else:
         print(f"demonstrator  {posture(result['demonstrator_deg'])}")
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")

@@ -10,6 +10,7 @@ from ..analysis.landscape import grid_axes, landscape
 from ..session import Session
 from ..transfer import TRANSFERS
 from . import landscape_file
+from .json_output import print_json
 from .options import (
     DONE,
     MISSED,
@@ -19,7 +20,6 @@ from .options import (
     between,
     naming,
     posture,
-    print_json,
     settings_from,
 )
 
@@ -38,7 +38,8 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             landscape_file.require_format(args.out)
-    session = Session(settings_from(args))
+    settings = settings_from(args)
+    session = Session(settings)
     now, eyes, fit = session.snapshot, session.eyes, TRANSFERS[session.settings.transfer]
     demo, seen = now.views.demo, now.views.visible[:, :2]
     with naming("--scene"):
@@ -62,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         "basin_fraction": found.basin_fraction(),
     }
     if args.json:
-        print_json(result)
+        print_json(args, result, settings)
     else:
         _report(result)
     if nowhere:

@@ -1,24 +1,23 @@
-"""What the commands share: options of the scene and of a run, faults named by their option, JSON."""
+"""What the commands share: options of the scene and of a run, and faults named by their option."""
 
 import argparse
 import contextlib
-import json
-import math
 from collections.abc import Callable, Iterator
 
 import msgspec
 import numpy as np
 
 from ..servo import SERVOS
-from ..settings import CAMERAS, Settings
+from ..settings import CAMERAS, USUAL_POINTS, Settings
 from ..simulation.eyes import require_eyes
-from ..simulation.scene import load_scene, robot_names, scene_names
+from ..simulation.scene import Scene, load_scene, robot_names, scene_names
 from ..transfer import TRANSFERS
 from . import BadInput
 
 DONE, MISSED = 0, 1
 PAPER = Settings()
 ALL = "all"
+USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
 def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
@@ -31,7 +30,7 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
         "A .urdf takes the place of the scene's robot, with the same bases, limits and points in its links' frames",
     )
     parser.add_argument("--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the scene's)")
-    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({defaults.points})")
+    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
     parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
     parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
     parser.add_argument("--noise-px", type=float, metavar="PX", help="standard deviation of image points (0)")
@@ -80,9 +79,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         scene = load_scene(args.scene or settings.scene, args.robot, freed)
     with naming("--camera"):
         require_eyes(settings.camera, scene)
-    points = settings.points if args.points is None else args.points
-    with naming("--points"):
-        scene.body_points(points)
+    points = layout(args, scene)
     postures = {"demonstrator": args.demonstrator, "start": vars(args).get("start")}
     for name, posture in postures.items():
         if posture is not None:
@@ -97,6 +94,14 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         demonstrator_deg=postures["demonstrator"],
         start_deg=postures["start"],
     )
+
+
+def layout(args: argparse.Namespace, scene: Scene) -> int:
+    """--points, or the scene's own layout. Raises BadInput."""
+    points = scene.layout_near(USUAL_POINTS) if args.points is None else args.points
+    with naming("--points"):
+        scene.body_points(points)
+    return points
 
 
 @contextlib.contextmanager
@@ -141,20 +146,3 @@ def angles(text: str) -> tuple[float, ...]:
 
 def posture(theta_deg) -> str:
     return f"({', '.join(f'{angle:.4g}°' for angle in theta_deg)})"
-
-
-def print_json(result: dict) -> None:
-    """One object on one line; what is not a number becomes null."""
-    print(json.dumps(_plain(result), allow_nan=False, ensure_ascii=False))
-
-
-def _plain(value):
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -11,6 +11,7 @@ from ..analysis.motion import MOTIONS, load
 from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment, files
 from ..experiments.paper import claims
 from ..simulation.scene import load_scene
+from .json_output import print_json
 from .options import (
     DONE,
     MISSED,
@@ -19,7 +20,6 @@ from .options import (
     add_run_options,
     add_setting_options,
     naming,
-    print_json,
     settings_from,
 )
 
@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
                 written = files.write(name, result, args.out)
         told[name] = {"claims": files.told(result.claims), "files": [str(path) for path in written]}
     if args.json:
-        print_json({"figures": told, "missed": [claim.name for claim in said if claim.holds is False]})
+        print_json(args, {"figures": told, "missed": [claim.name for claim in said if claim.holds is False]}, settings)
     else:
         print(claims.table(said))
     return MISSED if any(claim.holds is False for claim in said) else DONE

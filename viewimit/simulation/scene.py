@@ -81,6 +81,10 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         rows = np.array(self.points[str(count)])
         return BodyPoints(rows[:, 0].astype(int), rows[:, 1:])
 
+    def layout_near(self, count: int) -> int:
+        """The number of points of the layout whose number is nearest to `count`; `count` itself if there is none."""
+        return min(map(int, self.points), key=lambda points: abs(points - count), default=count)
+
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
         """theta: (m,) rad, checked → a copy. Raises ValueError for a wrong count, NaN or beyond the limits."""
         theta = np.array(theta, float)

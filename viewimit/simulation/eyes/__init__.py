@@ -1,6 +1,8 @@
 """What a session looks with and moves arms by, `Eyes`: projected points, or pictures of arms that have weight."""
 
 import importlib.util
+import platform
+import sys
 
 from ..markers import marker_names
 from ..scene import Scene
@@ -10,6 +12,7 @@ from .protocol import Eyes
 __all__ = ["Eyes", "ProjectedEyes", "open_eyes", "require_eyes"]
 
 NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras that bring them
+WHEELS = "CPython 3.10 and 3.11 on Linux x86-64"  # of PyBullet; elsewhere pip would compile it, for minutes
 
 
 def open_eyes(camera: str, scene: Scene, points: int) -> Eyes:
@@ -29,8 +32,17 @@ def require_eyes(camera: str, scene: Scene) -> None:
     """Raises ValueError if what rendered pictures need is not installed, or the scene's robot has no markers."""
     if camera == "points":
         return
-    missing = [extra for package, extra in NEEDS.items() if importlib.util.find_spec(package) is None]
+    missing = [package for package in NEEDS if importlib.util.find_spec(package) is None]
+    if "pybullet" in missing and not has_wheel():
+        raise ValueError(f"camera images need PyBullet, which has wheels only for {WHEELS}")
     if missing:
-        raise ValueError(f"camera images need what is not installed: pip install 'viewimit[{','.join(missing)}]'")
+        extras = ",".join(NEEDS[package] for package in missing)
+        raise ValueError(f"camera images need what is not installed: pip install 'viewimit[{extras}]'")
     if scene.robot not in marker_names():
         raise ValueError(f"camera images need markers on the arm, which {' and '.join(marker_names())} have")
+
+
+def has_wheel() -> bool:
+    """Whether PyBullet is installed here without a compiler, as pyproject.toml has it by default."""
+    here = platform.python_implementation(), sys.platform, platform.machine()
+    return here == ("CPython", "linux", "x86_64") and sys.version_info < (3, 12)

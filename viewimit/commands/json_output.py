@@ -1,0 +1,60 @@
+"""What --json prints: one object on one line, numbers as far as they are known, and all that repeats the result."""
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from .. import __version__
+from ..settings import Settings
+
+DIGITS = 6  # of a number below one, significant, so that nothing small becomes 0; behind the point of all others
+HOW_TOLD = {"command", "run", "json"}  # what is no option of the result
+OPTIONS_OF = {"demonstrator_deg": "demonstrator", "start_deg": "start"}  # settings whose option has another name
+
+
+def print_json(args: argparse.Namespace, result: dict, settings: Settings | None = None) -> None:
+    """The result with the version, the command, all settings by name, exact, and the options that are no settings.
+
+    What is not a number becomes null. Where the console's encoding lacks a character it is escaped.
+    """
+    told = {"version": __version__, "command": args.command}
+    among = set()
+    if settings is not None:
+        told["settings"] = msgspec.to_builtins(settings)
+        among = {OPTIONS_OF.get(name, name) for name in settings.__struct_fields__}
+    told["options"] = {name: _exact(value) for name, value in vars(args).items() if name not in HOW_TOLD | among}
+    encoding = getattr(sys.stdout, "encoding", None) or "ascii"
+    readable = encoding.lower().startswith("utf")
+    print(json.dumps(told | plain(result), allow_nan=False, ensure_ascii=not readable))
+
+
+def rounded(value: float) -> float:
+    """To DIGITS: 44.99766 of 44.997659963130204, 3.30872e-24 of 3.308722450212111e-24."""
+    if value == 0 or abs(value) >= 1:
+        return round(value, DIGITS)
+    return round(value, DIGITS - 1 - math.floor(math.log10(abs(value))))
+
+
+def plain(value: Any) -> Any:
+    """Of what JSON has, each number rounded; None for what is not a number."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float):
+        return rounded(value) if math.isfinite(value) else None
+    return value
+
+
+def _exact(value: Any) -> Any:
+    if isinstance(value, (list, tuple)):
+        return [_exact(item) for item in value]
+    return str(value) if isinstance(value, Path) else value

@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
+from viewimit.app.static import stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape
@@ -395,17 +396,17 @@ class TestEverything:
             parsed(drawing)
 
     def test_names_no_colour(self, drawings):
-        for drawing in [*drawings, theme._DRAWINGS]:
+        for drawing in [*drawings, theme.DRAWING_CSS]:
             without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
             assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
 
     def test_names_only_roles_that_exist(self, drawings):
-        used = {name for drawing in [*drawings, theme.CSS] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
+        used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
         assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES)
 
     def test_has_both_schemes_of_every_role(self):
         for role, colours in theme.ROLES.items():
-            assert all(f"--{role}:{colour};" in theme.CSS for colour in colours)
+            assert all(f"--{role}:{colour};" in stylesheet() for colour in colours)
 
     def test_writes_a_real_minus(self, drawings):
         for drawing in drawings:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from viewimit.app.control.duel import Duel
 from viewimit.app.control.player import Pace
+from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape
-from viewimit.drawing import curves, image_planes, learner_bars, observability, plots, theme, transfers
+from viewimit.drawing import curves, image_planes, learner_bars, observability, transfers
 from viewimit.drawing import duel as duel_drawing
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.small_landscape import WIDTH, small_plane, study
@@ -18,7 +19,7 @@ from viewimit.session import Session
 from viewimit.snapshot import BEST, Settings
 from viewimit.transfer import TRANSFERS
 
-PAGE_CSS = theme.CSS + plots.CSS + learner_bars.CSS
+PAGE_CSS = stylesheet()
 UNSTYLED = {"vi-duel", "vi-transfers", "vi-x-solid"}
 SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
 
@@ -79,8 +80,8 @@ class TestDuel:
         root = parsed(draw_race(*race))
         assert len([c for c in root.iter("circle") if c.get("class") == "vi-now"]) == 1
         assert len([r for r in root.iter("rect") if r.get("class") == "vi-now-opponent"]) == 1
-        assert re.search(r"\.vi-line-opponent\{[^}]*stroke-dasharray", theme.CSS)
-        assert not re.search(r"\.vi-line-own\{[^}]*stroke-dasharray", theme.CSS)
+        assert re.search(r"\.vi-line-opponent\{[^}]*stroke-dasharray", PAGE_CSS)
+        assert not re.search(r"\.vi-line-own\{[^}]*stroke-dasharray", PAGE_CSS)
 
     def test_it_says_motions_error_E_and_method_of_each(self, race):
         session, duel = race

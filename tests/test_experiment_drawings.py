@@ -8,7 +8,8 @@ import msgspec
 import numpy as np
 import pytest
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.panels import experiments, verdict
+from viewimit.app.panels import verdict
+from viewimit.app.static import PAGE_CSS
 
 from viewimit.drawing import plots, svg, theme
 from viewimit.drawing.plots import Plot, decades, log10
@@ -335,15 +336,14 @@ class TestAll:
         assert "two joints must move" in words(draw_empty("fig7", scene))
 
     def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
-        styles = plots.CSS + verdict.CSS + experiments.CSS
-        for drawing in [*drawings, styles]:
+        for drawing in [*drawings, theme.DRAWING_CSS, PAGE_CSS[PAGE_CSS.index(".vi-progress") :]]:
             without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
             assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
             assert set(re.findall(r"var\(--([a-z-]+)", drawing)) <= set(theme.ROLES)
 
     def test_every_class_is_styled(self, drawings):
         used = set(" ".join(re.findall(r'class="([^"]+)"', "".join(drawings))).split())
-        unstyled = used - set(re.findall(r"\.(vi[\w-]*)", theme.CSS + plots.CSS))
+        unstyled = used - set(re.findall(r"\.(vi[\w-]*)", theme.DRAWING_CSS))
         assert unstyled <= {"vi-figure", "vi-x-solid"}
 
     def test_writes_a_real_minus(self, drawings):

@@ -167,32 +167,3 @@ def _squares(places: NDArray, size: float) -> str:
     d = f"{2 * size:g}"
     form = f"M%.1f %.1fm-{size:g}-{size:g}h{d}v{d}h-{d}z"
     return form * len(places) % tuple(places.ravel().tolist())
-
-
-CSS = """
-.vi-x{stroke-width:1.6;stroke-linecap:butt}
-.vi-x-learner{stroke:var(--learner)}
-.vi-x-recovered{stroke:var(--recovered)}
-.vi-x-residual{stroke:var(--residual)}
-.vi-x-ink{stroke:var(--ink)}
-.vi-x-opponent{stroke:var(--opponent)}
-.vi-x-chosen{stroke:var(--chosen)}
-.vi-x-fill-learner{fill:var(--learner)}
-.vi-x-hollow{fill:var(--paper);stroke-width:1.5}
-.vi-x-dashed{stroke-dasharray:6 3}
-.vi-x-dash-dot{stroke-dasharray:7 2.5 1.5 2.5}
-.vi-x-dotted{stroke-dasharray:1.3 2.6}
-.vi-x-faint{stroke-width:1;opacity:.26}
-.vi-x-thin{stroke-width:1.1}
-.vi-x-ellipse{stroke:var(--residual);stroke-width:1.3;stroke-dasharray:4 3}
-.vi-x-blank{fill:var(--paper);fill-opacity:.9}
-.vi-x-paper{stroke:var(--demonstrator-edge);stroke-width:1.7}
-.vi .vi-x-of-learner{fill:var(--learner)}
-.vi .vi-x-of-recovered{fill:var(--recovered)}
-.vi .vi-x-of-residual{fill:var(--residual)}
-.vi .vi-x-of-ink{fill:var(--ink)}
-.vi .vi-x-of-opponent{fill:var(--opponent)}
-.vi .vi-x-of-chosen{fill:var(--chosen)}
-.vi .vi-x-off{fill:var(--stopped);font-weight:600}
-.vi-x-off-mark{stroke:var(--stopped);stroke-width:1.7;fill:var(--paper)}
-"""

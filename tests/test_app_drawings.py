@@ -14,12 +14,13 @@ from viewimit.assets import ROOT
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.drawing import curves, equations, images, metrics, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
+from viewimit.drawing.image_planes import image_windows
 from viewimit.drawing.labels import CHARACTER, LINE
 from viewimit.drawing.posture_plane import PosturePlane
-from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.session import Session
+from viewimit.simulation.appearance import Silhouettes, reach
 from viewimit.snapshot import BEST, Settings
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
@@ -75,8 +76,12 @@ def silhouettes(session):
 
 def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
     silhouettes = silhouettes or Silhouettes({}, session.world)
-    windows = images.image_windows(session.world)
-    return images.draw_images(snapshot or session.snapshot, silhouettes, windows, chosen, **options)
+    snapshot = snapshot or session.snapshot
+    return images.draw_images(snapshot, silhouettes.bodies(snapshot), windows_of(session), chosen, **options)
+
+
+def windows_of(session):
+    return image_windows(reach(session.world), session.scene.head.image)
 
 
 def parsed(html):
@@ -147,7 +152,7 @@ class TestImages:
             assert arrows[:, 2:] - arrows[:, :2] == pytest.approx(gain * (own - recovered), abs=0.11 * (1 + gain))
 
     def test_residuals_are_drawn_to_the_windows_scale(self, session):
-        windows = images.image_windows(session.world)[False]
+        windows = windows_of(session)[False]
         arrows = numbers(path(planes(drawn(session, gain=1))["R"], "vi-e")).reshape(-1, 4)
         assert (arrows[:, 2:] - arrows[:, :2]) / windows["R"].scale == pytest.approx(
             session.snapshot.e[:, 2:], abs=0.15
@@ -161,7 +166,7 @@ class TestImages:
         assert images.arrow_gain(np.array([[8.0, 1.0]])) == 1
 
     def test_windows_hold_every_point_of_every_posture(self, session):
-        world, windows = session.world, images.image_windows(session.world)[False]
+        world, windows = session.world, windows_of(session)[False]
         lower, upper = world.scene.lower, world.scene.upper
         rng = np.random.default_rng(1)
         for theta in rng.uniform(lower, upper, (40, 2)):

@@ -1,7 +1,7 @@
 """What a run depends on, and what one pass of its loop leaves behind: plain data, read by everything else."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import msgspec
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
+from .geometry.pairs import PairGeometry, fit_pairs
 from .perception.latency import MOST_LAG
 from .servo import SERVOS
 from .transfer import TRANSFERS
@@ -106,7 +107,7 @@ class Snapshot:
         return getattr(self.servo_state, "expected", None)
 
     def fade(self) -> None:
-        for name in DERIVED:
+        for name in (*DERIVED, "fundamental"):
             vars(self).pop(name, None)
 
     def __getattr__(self, name: str):
@@ -115,6 +116,12 @@ class Snapshot:
             raise AttributeError(f"'Snapshot' object has no attribute '{name}'")
         vars(self).update(derived(self.views, self.settings.transfer))
         return vars(self)[name]
+
+    @cached_property
+    def fundamental(self) -> PairGeometry | None:
+        """Of the six pairs of views, from the usable points, whatever the transfer is; None with too few of them."""
+        images = np.concatenate([self.views.demo, self.views.own], 1)[self.usable]
+        return fit_pairs(images.reshape(-1, 4, 2).transpose(1, 0, 2))
 
 
 def derived(views: FourViews, transfer: str) -> dict[str, Any]:

@@ -57,23 +57,18 @@ def _relief(plane: PosturePlane, found: Fig7, surface: Surface) -> str:
     for place in (demo, *minima):
         plane.labels.take_point(*place, 9)
     parts = [relief.shading(grid, E, plane.box), relief.contours(grid, E, plane.labels, lowest)]
-    if surface.convexity is not None:
-        parts.append(_ellipse(plane, surface))
+    parts.append(_ellipse(plane, surface))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
     parts += [_cross(place, "vi-cross", CROSS if k == 0 else CROSS / 2) for k, place in enumerate(minima)]
     return "".join(parts)
 
 
 def _ellipse(plane: PosturePlane, surface: Surface) -> str:
-    """Where the parabola δθᵀQδθ has one value, through the farthest posture up to which it holds."""
-    curved = surface.convexity
-    values, axes = np.linalg.eigh(curved.Q)
-    if not values[0] > 0 or not curved.holds_to_deg:
+    """How far the parabola δθᵀQδθ holds."""
+    ring = surface.convexity.ring_deg() if surface.convexity else None
+    if ring is None:
         return ""
-    angle = np.linspace(0, 2 * np.pi, 73)
-    reach = curved.holds_to_deg * np.sqrt(values[0] / values)
-    ring = np.degrees(surface.minima.theta[0]) + (reach * np.stack([np.cos(angle), np.sin(angle)], -1)) @ axes.T
-    return f'<path class="vi-x-ellipse" d="{svg.path(plane.place(ring))}"/>'
+    return f'<path class="vi-x-ellipse" d="{svg.path(plane.place(np.degrees(surface.minima.theta[0]) + ring))}"/>'
 
 
 def _biases(scene: Scene, found: Fig7 | None) -> str:

@@ -12,7 +12,7 @@ from viewimit.app.panels import verdict
 from viewimit.app.static import PAGE_CSS
 
 from viewimit.drawing import plots, svg, theme
-from viewimit.drawing.plots import Plot, decades, log10
+from viewimit.drawing.axes import Axes, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.experiments.paper import fig7, fig7_figure, fig9, fig9_figure, fig10, fig10_figure
 from viewimit.experiments.paper.claims import Claim
@@ -363,14 +363,14 @@ class TestAll:
 
 class TestPlot:
     def test_places(self):
-        plot = Plot(10, 20, 110, 220, (0, 10), (1, 100), up=log10)
+        plot = Axes(10, 20, 110, 220, (0, 10), (1, 100), up=log10)
         np.testing.assert_allclose(plot.place([0, 5, 10], [1, 10, 100]), [[10, 220], [60, 120], [110, 20]])
         assert np.isnan(plot.place([1, 1, np.nan], [0, -3, 5])).all()
 
     def test_decades(self):
         assert decades(np.array([0.3, 20, np.nan, -1]), 1, 10) == (0.1, 100)
         assert decades(np.empty(0), 1, 100) == (1, 100) == decades(np.array([1.0, 100.0]), 1, 100)
-        assert [value for value, _ in plots.decade_ticks(0.01, 1000, 3)] == [0.01, 1, 100]
+        assert [value for value, _ in decade_ticks(0.01, 1000, 3)] == [0.01, 1, 100]
 
 
 CLAIMS = (

@@ -11,8 +11,9 @@ from ..session import Session
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from . import svg
+from .axes import Axes, decade_ticks, decades, log10
 from .methods import SERVO_NOTES, TRANSFER_NOTES
-from .plots import Plot, Style, decade_ticks, decades, log10
+from .plots import Style
 from .posture_plane import PosturePlane
 from .small_landscape import WIDTH as COLUMN
 from .small_landscape import draw_small, small_plane
@@ -93,7 +94,7 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     everything = np.maximum(np.concatenate(errors), LEAST_DEG)
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
-    plot = Plot(LEFT, TOP + 19, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
+    plot = Axes(LEFT, TOP + 19, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(

@@ -60,10 +60,10 @@ def style_of(name: str, names: Sequence[str]) -> Style:
     return STYLES[list(names).index(name) % len(STYLES)]
 
 
-def figure(settings: Settings | None, inside: str, extra: str = "") -> str:
-    """A drawing with the words of what it was made. extra: what else belongs into them."""
+def figure(settings: Settings | None, inside: str, extra: str = "", height: float = HEIGHT) -> str:
+    """A drawing with the words of what it was made. extra: what else belongs into them; height: px."""
     words = _caption(described(settings) + extra) if settings else ""
-    return f'<svg class="vi vi-figure" viewBox="0 0 {WIDTH} {HEIGHT}">{words}{inside}</svg>'
+    return f'<svg class="vi vi-figure" viewBox="0 0 {WIDTH} {height:g}">{words}{inside}</svg>'
 
 
 def _caption(words: str) -> str:

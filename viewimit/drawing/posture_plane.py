@@ -43,6 +43,11 @@ class PosturePlane:
         self._axes = Axes(*edges, across, up)
         self.labels = Labels(*edges)
 
+    @property
+    def height(self) -> float:
+        """px, with its axes"""
+        return self._top + self.box[3] + self._bottom
+
     def place(self, degrees: NDArray) -> NDArray:
         """(..., 2) degrees → px"""
         return self._axes.place(degrees[..., 1], degrees[..., 0])
@@ -54,8 +59,9 @@ class PosturePlane:
 
     def wrap(self, inside: str, over: str = "") -> str:
         """A drawing of the plane's size. over: class of an element that lies over another."""
-        height = self._top + self.box[3] + self._bottom
-        drawing = f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {height:.1f}">{inside}</svg></div>'
+        drawing = (
+            f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {self.height:.1f}">{inside}</svg></div>'
+        )
         return f'<div class="{over}">{drawing}</div>' if over else drawing
 
     def frame(self, classes: str) -> str:

@@ -32,9 +32,6 @@ def draw_small(plane: PosturePlane, found: Landscape, minima: NDArray, theta_dem
         parts += [relief.shading(grid, E, plane.box), relief.plain_contours(grid, E)]
     demo = plane.place(np.degrees(theta_demo))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
-    for k, (x, y) in enumerate(plane.place(np.degrees(minima[np.isfinite(minima).all(1)]))):
-        size = 5.5 if k == 0 else 3.0
-        parts.append(
-            f'<path class="vi-cross" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'
-        )
+    for k, place in enumerate(plane.place(np.degrees(minima[np.isfinite(minima).all(1)]))):
+        parts.append(svg.cross(place, 5.5 if k == 0 else 3.0))
     return "".join(parts) + plane.ends()

@@ -60,7 +60,7 @@ def _relief(plane: PosturePlane, found: Fig7, surface: Surface) -> str:
     parts = [relief.shading(grid, E, plane.box), relief.contours(grid, E, plane.labels, lowest)]
     parts.append(_ellipse(plane, surface))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
-    parts += [_cross(place, "vi-cross", CROSS if k == 0 else CROSS / 2) for k, place in enumerate(minima)]
+    parts += [svg.cross(place, CROSS if k == 0 else CROSS / 2) for k, place in enumerate(minima)]
     return "".join(parts)
 
 
@@ -91,10 +91,10 @@ def _biases(scene: Scene, found: Fig7 | None) -> str:
     for transfer, study in reversed(studies.items()):
         style = style_of(transfer, _transfers(found))
         parts.append(style.marks(plot.place(study.bias_deg[:, 1], study.bias_deg[:, 0]), DOT))
-    parts += [_cross(plot.place(*bias[::-1]), "vi-cross", CROSS) for bias in here]
+    parts += [svg.cross(plot.place(*bias[::-1]), CROSS) for bias in here]
     if found is None or found.demonstrator_deg == PAPER_DEMONSTRATOR_DEG:
         paper = np.subtract(PAPER_MINIMUM_DEG, PAPER_DEMONSTRATOR_DEG)
-        parts.append(_saltire(plot.place(*paper[::-1])))
+        parts.append(svg.saltire(plot.place(*paper[::-1])))
     return "".join(parts)
 
 
@@ -119,8 +119,8 @@ def _legend(found: Fig7 | None) -> str:
     here, transfers = _here(found), _transfers(found)
     off = "" if not len(here) else f" ({svg.number(here[0, 0])}°, {svg.number(here[0, 1])}°) off"
     demonstrator = f'<path class="vi-seen" d="{svg.diamonds(np.array([[8, 0]]), OBSERVED + 1)}"/>'
-    entries = [(demonstrator, "demonstrator"), (_cross(np.array([8, 0]), "vi-cross", CROSS), f"smallest E{off}")]
-    entries.append((_saltire(np.array([8, 0])), "the paper's"))
+    entries = [(demonstrator, "demonstrator"), (svg.cross(np.array([8, 0]), CROSS), f"smallest E{off}")]
+    entries.append((svg.saltire(np.array([8, 0])), "the paper's"))
     entries.append(('<ellipse class="vi-x-ellipse" cx="8" cy="0" rx="8" ry="4"/>', "δθᵀQδθ, where it holds"))
     places = [(2, 175), (122, 175), (2, 191), (122, 191)]
     parts = [_entry(*place, *entry) for place, entry in zip(places, entries)]
@@ -147,13 +147,3 @@ def _transfers(found: Fig7 | None) -> Sequence[str]:
     """The one of the settings first."""
     own = found.settings.transfer if found else next(iter(TRANSFERS))
     return [own, *(name for name in TRANSFERS if name != own)]
-
-
-def _cross(place: NDArray, classes: str, size: float) -> str:
-    x, y = place
-    return f'<path class="{classes}" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'
-
-
-def _saltire(place: NDArray) -> str:
-    x, y = place
-    return f'<path class="vi-x-paper" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'

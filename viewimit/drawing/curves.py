@@ -71,18 +71,14 @@ def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cu
     labels = []
     if E_true is not None:
         parts.append(axes.level(E_true, "vi-line-demo"))
-        labels.append((float(axes.y_px(E_true)), f"true posture {_short(E_true)}", "vi-of-demo"))
+        labels.append((float(axes.y_px(E_true)), f"true posture {svg.short_E(E_true)}", "vi-of-demo"))
     points = np.stack([axes.x_px(motions), axes.y_px(E)], -1)
     done = int(np.searchsorted(motions, cursor, side="right"))
     probes = np.array([snapshot.probe for snapshot in snapshots])
     parts.append(_curve(points, done, probes, "E"))
     if done and np.isfinite(points[done - 1, 1]):
-        labels.append((float(points[done - 1, 1]), f"E {_short(E[done - 1])}", "vi-of-E"))
+        labels.append((float(points[done - 1, 1]), f"E {svg.short_E(E[done - 1])}", "vi-of-E"))
     return "".join(parts) + axes.labels(labels)
-
-
-def _short(E: float) -> str:
-    return "< 0.01" if E < 0.01 else svg.number(E, 2 if E < 10 else 1)
 
 
 def _draw_angles(

@@ -21,6 +21,16 @@ def number(value: float, digits: int = 1) -> str:
     return text
 
 
+def short(value: float, one_digit_to: float = 1000) -> str:
+    """Fewer digits the larger the number: two below 10, one below `one_digit_to`, then none."""
+    return number(value, 2 if value < 10 else 1 if value < one_digit_to else 0)
+
+
+def short_E(E: float, one_digit_to: float = 1000) -> str:
+    """px²; a conflict below 0.01 nobody could see."""
+    return "< 0.01" if E < 0.01 else short(E, one_digit_to)
+
+
 def degrees(rad: float, digits: int = 1) -> str:
     """An angle in rad as degrees."""
     return number(np.degrees(rad), digits) + "°"

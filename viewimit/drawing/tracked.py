@@ -34,7 +34,7 @@ def draw_views(
     bottom = LEGEND + 2 * HEIGHT + 14
     parts += [
         f'<g transform="translate({x} {bottom})">{mark}{svg.text(27, 4, words, "vi-2nd")}</g>'
-        for x, (mark, words) in zip((44, 174, 264, 434), legend())
+        for x, (mark, words) in zip((LEFT, 200, 300, 460), legend())
     ]
     return f'<svg class="vi" viewBox="0 0 {2 * WIDTH} {bottom + 12}">{"".join(parts)}</svg>'
 

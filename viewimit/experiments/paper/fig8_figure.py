@@ -49,7 +49,7 @@ def _panel(plane: PosturePlane, found: Fig8, name: str) -> tuple[str, str, str]:
         labels.take_point(*place, 9)
     contours = relief.contours(grid, E, labels, lowest)
     drawn = relief.shading(grid, E, plane.box) + contours + _marks(plane, found, surface)
-    return name, f"E {_short(np.nanmin(E))} … {_short(np.nanmax(E))} px²", background + drawn
+    return name, f"E {svg.short(np.nanmin(E), 10)} … {svg.short(np.nanmax(E), 10)} px²", background + drawn
 
 
 def _marks(plane: PosturePlane, found: Fig8, surface: Surface) -> str:
@@ -89,7 +89,3 @@ def _legend(y: float) -> str:
         label = svg.text(20, 4, words, "vi-2nd")
         parts.append(f'<g transform="translate({MARGINS[0] + k * (WIDTH - 60) / 3:.1f} {y:.1f})">{mark}{label}</g>')
     return "".join(parts)
-
-
-def _short(E: float) -> str:
-    return svg.number(E, 2 if E < 10 else 0)

@@ -100,8 +100,7 @@ def _values(conflict: Axes, runs: list[Run]) -> str:
     parts, above = [], -np.inf
     for rank, (y, k) in enumerate(ended):
         above = max(min(y, conflict.bottom - 13 * (len(ended) - 1 - rank)), above + 13)
-        E, style = runs[k].E[-1], _style(runs[k].law)
-        words = "E < 0.01 px²" if E < 0.01 else f"E {svg.number(E, 2 if E < 10 else 0)} px²"
+        style, words = _style(runs[k].law), f"E {svg.short_E(runs[k].E[-1], 10)} px²"
         parts.append(svg.text(LEGEND, above, words, f"vi-x-of-{style.role}"))
     return "".join(parts)
 

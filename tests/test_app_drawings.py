@@ -8,18 +8,20 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
+from viewimit.app.static import stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.drawing import curves, equations, images, metrics, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
+from viewimit.drawing.image_planes import image_windows
 from viewimit.drawing.labels import CHARACTER, LINE
 from viewimit.drawing.posture_plane import PosturePlane
-from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
+from viewimit.simulation.appearance import Silhouettes, reach
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 
@@ -75,8 +77,12 @@ def silhouettes(session):
 
 def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
     silhouettes = silhouettes or Silhouettes({}, session.world)
-    windows = images.image_windows(session.world)
-    return images.draw_images(snapshot or session.snapshot, silhouettes, windows, chosen, **options)
+    snapshot = snapshot or session.snapshot
+    return images.draw_images(snapshot, silhouettes.bodies(snapshot), windows_of(session), chosen, **options)
+
+
+def windows_of(session):
+    return image_windows(reach(session.world), session.scene.head.image)
 
 
 def parsed(html):
@@ -147,7 +153,7 @@ class TestImages:
             assert arrows[:, 2:] - arrows[:, :2] == pytest.approx(gain * (own - recovered), abs=0.11 * (1 + gain))
 
     def test_residuals_are_drawn_to_the_windows_scale(self, session):
-        windows = images.image_windows(session.world)[False]
+        windows = windows_of(session)[False]
         arrows = numbers(path(planes(drawn(session, gain=1))["R"], "vi-e")).reshape(-1, 4)
         assert (arrows[:, 2:] - arrows[:, :2]) / windows["R"].scale == pytest.approx(
             session.snapshot.e[:, 2:], abs=0.15
@@ -161,7 +167,7 @@ class TestImages:
         assert images.arrow_gain(np.array([[8.0, 1.0]])) == 1
 
     def test_windows_hold_every_point_of_every_posture(self, session):
-        world, windows = session.world, images.image_windows(session.world)[False]
+        world, windows = session.world, windows_of(session)[False]
         lower, upper = world.scene.lower, world.scene.upper
         rng = np.random.default_rng(1)
         for theta in rng.uniform(lower, upper, (40, 2)):
@@ -407,17 +413,17 @@ class TestEverything:
             parsed(drawing)
 
     def test_names_no_colour(self, drawings):
-        for drawing in [*drawings, theme._DRAWINGS]:
+        for drawing in [*drawings, theme.DRAWING_CSS]:
             without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
             assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
 
     def test_names_only_roles_that_exist(self, drawings):
-        used = {name for drawing in [*drawings, theme.CSS] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
+        used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
         assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES)
 
     def test_has_both_schemes_of_every_role(self):
         for role, colours in theme.ROLES.items():
-            assert all(f"--{role}:{colour};" in theme.CSS for colour in colours)
+            assert all(f"--{role}:{colour};" in stylesheet() for colour in colours)
 
     def test_writes_a_real_minus(self, drawings):
         for drawing in drawings:

@@ -102,6 +102,27 @@ def test_estimators_and_servos_know_image_points_only(part):
         assert parts_imported(path) <= ESTIMATORS_SEE[part] | {part}, path
 
 
+# worlds, cameras and arms that project; fits and laws
+COMPUTE = {"World", "Camera", "Cameras", "StereoHead", "Robot", "Session"}
+METHODS = {"TRANSFERS", "SERVOS"}  # asked for their words only
+COUNT = {"weak_joints", "number"}  # functions that only compare or write numbers
+DRAWINGS = sorted(
+    {path for path in in_part("drawing") if path.stem != "equations"}
+    | {path for path in in_part("experiments") if path.stem.endswith("_figure")}
+)
+
+
+@pytest.mark.parametrize("path", DRAWINGS, ids=lambda path: path.stem)
+def test_drawings_are_given_what_they_show(path):
+    """Of other parts they import types and constants: no function, and nothing that fits, projects or analyses."""
+    for module, node in imports_of(path):
+        if module[0] == "viewimit" and module[1:2] not in (("drawing",), ("assets",)):
+            for name in {alias.name for alias in node.names} - COUNT:
+                assert name[0].isupper() and name not in COMPUTE, f"{path.name}: {name}"
+    called = {ast.unparse(node.func) for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)}
+    assert not [one for one in called if re.match(rf"({'|'.join(METHODS)})\[[^]]*\](\.fit|\.step)?$", one)], path.name
+
+
 def test_no_modules_import_each_other_in_a_circle():
     modules = {module_of(path): path for path in SOURCES}
     imports = {}
@@ -140,6 +161,8 @@ def test_the_page_is_imported_by_serve_alone_and_only_when_called():
         ("pybullet", {"simulation"}),
         ("pybullet_utils", {"simulation"}),
         ("cv2", {"perception", "experiments"}),
+        ("resvg_py", {"drawing"}),
+        ("matplotlib", set()),
         ("pybullet_data", set()),
     ],
 )
@@ -155,12 +178,12 @@ def loaded_by(code):
 
 
 def test_import_viewimit_loads_next_to_nothing():
-    assert not loaded_by("import viewimit") & {"numpy", "viser", "pybullet", "trimesh", "matplotlib"}
+    assert not loaded_by("import viewimit") & {"numpy", "viser", "pybullet", "trimesh", "resvg_py"}
 
 
 def test_the_library_and_the_commands_load_neither_viser_nor_pybullet():
     everything = f"import viewimit\nfor name in viewimit.__all__: getattr(viewimit, name)\n{COMMANDS}"
-    assert not loaded_by(everything) & {"viser", "pybullet", "trimesh", "matplotlib"}
+    assert not loaded_by(everything) & {"viser", "pybullet", "trimesh", "resvg_py"}
 
 
 COMMANDS = (

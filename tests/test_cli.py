@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import urllib.request
+import xml.etree.ElementTree as ElementTree
 
 import msgspec
 import numpy as np
@@ -197,16 +198,23 @@ def test_landscape_writes_its_data(ask, tmp_path, coarse):
 
 @pytest.mark.parametrize("name, magic", [("a.png", b"\x89PNG"), ("a.svg", b"<?xml")])
 def test_landscape_draws_itself(ask, tmp_path, name, magic):
-    pytest.importorskip("matplotlib")
     status, out, err = ask("landscape", "--step-deg", 10, "--json", "--out", tmp_path / name)
     assert status == 0 and json.loads(out) and name in err
     assert (tmp_path / name).read_bytes().startswith(magic)
 
 
-def test_a_picture_without_matplotlib_says_what_to_install(ask, tmp_path, monkeypatch):
+def test_a_landscapes_drawing_names_both_marks_and_its_settings(ask, tmp_path):
+    assert ask("landscape", "--step-deg", 5, "--transfer", "linear", "--out", tmp_path / "a.svg")[0] == 0
+    words = " ".join(ElementTree.parse(tmp_path / "a.svg").getroot().itertext())
+    assert "demonstrator (45°, −90°)" in words and "smallest E (45°, −90°)" in words
+    assert "linear transfer · panda" in words and "contours: E in px²" in words
+
+
+def test_a_png_without_a_renderer_says_what_to_install(ask, tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     status, _, err = ask("landscape", "--out", tmp_path / "a.png")
-    assert status == 2 and "--out" in err and "pip install matplotlib" in err
+    assert status == 2 and "--out" in err and "pip install 'viewimit[plot]'" in err
+    assert ask("landscape", "--step-deg", 10, "--out", tmp_path / "a.svg")[0] == 0
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pytest
 from viewimit.app.control.inbox import Inbox
 from viewimit.app.panels.comparison import Comparison
 
-from viewimit.drawing.small_landscape import study
+from viewimit.analysis.study import study
 from viewimit.drawing.transfers import draw_quarter, draw_together
 from viewimit.session import Session
 from viewimit.settings import Settings

@@ -8,17 +8,20 @@ import numpy as np
 import pytest
 from viewimit.app.control.duel import Duel
 from viewimit.app.control.player import Pace
+from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape
-from viewimit.drawing import curves, image_planes, learner_bars, observability, plots, theme, transfers
+from viewimit.analysis.study import study
+from viewimit.drawing import curves, image_planes, learner_bars, observability, transfers
 from viewimit.drawing import duel as duel_drawing
 from viewimit.drawing.landscape import LandscapePicture
-from viewimit.drawing.small_landscape import WIDTH, small_plane, study
+from viewimit.drawing.small_landscape import WIDTH, small_plane
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
+from viewimit.simulation.appearance import places, reach
 from viewimit.transfer import TRANSFERS
 
-PAGE_CSS = theme.CSS + plots.CSS + learner_bars.CSS
+PAGE_CSS = stylesheet()
 UNSTYLED = {"vi-duel", "vi-transfers", "vi-x-solid"}
 SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
 
@@ -79,8 +82,8 @@ class TestDuel:
         root = parsed(draw_race(*race))
         assert len([c for c in root.iter("circle") if c.get("class") == "vi-now"]) == 1
         assert len([r for r in root.iter("rect") if r.get("class") == "vi-now-opponent"]) == 1
-        assert re.search(r"\.vi-line-opponent\{[^}]*stroke-dasharray", theme.CSS)
-        assert not re.search(r"\.vi-line-own\{[^}]*stroke-dasharray", theme.CSS)
+        assert re.search(r"\.vi-line-opponent\{[^}]*stroke-dasharray", PAGE_CSS)
+        assert not re.search(r"\.vi-line-own\{[^}]*stroke-dasharray", PAGE_CSS)
 
     def test_it_says_motions_error_E_and_method_of_each(self, race):
         session, duel = race
@@ -213,13 +216,13 @@ class TestObservability:
 class TestManyJoints:
     def test_windows_hold_what_is_near_and_say_when_they_do_not(self):
         session = Session(SEVEN)
-        world, snapshot = session.world, session.snapshot
-        windows = image_planes.image_windows(world, [snapshot.theta, snapshot.theta_demo])
-        assert image_planes.holds(windows, world, snapshot)
+        world, snapshot, frame = session.world, session.snapshot, session.scene.head.image
+        windows = image_planes.image_windows(reach(world, [snapshot.theta, snapshot.theta_demo]), frame)
+        assert image_planes.holds(windows, places(world, snapshot))
         far = replace(snapshot, theta=np.radians([-100.0, 80, 60, -20, 0, 200, 0]))
-        assert not image_planes.holds(windows, world, far)
-        wider = image_planes.image_windows(world, [snapshot.theta, snapshot.theta_demo, far.theta])
-        assert image_planes.holds(wider, world, far) and image_planes.holds(wider, world, snapshot)
+        assert not image_planes.holds(windows, places(world, far))
+        wider = image_planes.image_windows(reach(world, [snapshot.theta, snapshot.theta_demo, far.theta]), frame)
+        assert image_planes.holds(wider, places(world, far)) and image_planes.holds(wider, places(world, snapshot))
         assert wider[False]["L"].scale <= windows[False]["L"].scale
 
     @pytest.mark.parametrize("settings, columns", [(Settings(), False), (SEVEN, True)])

@@ -8,10 +8,11 @@ import msgspec
 import numpy as np
 import pytest
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.panels import experiments, verdict
+from viewimit.app.panels import verdict
+from viewimit.app.static import PAGE_CSS
 
 from viewimit.drawing import plots, svg, theme
-from viewimit.drawing.plots import Plot, decades, log10
+from viewimit.drawing.axes import Axes, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper import fig7, fig7_figure, fig9, fig9_figure, fig10, fig10_figure
@@ -342,15 +343,14 @@ class TestAll:
         assert "two joints must move" in words(EXPERIMENTS["fig7"].empty_figure(scene))
 
     def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
-        styles = plots.CSS + verdict.CSS + experiments.CSS
-        for drawing in [*drawings, styles]:
+        for drawing in [*drawings, theme.DRAWING_CSS, PAGE_CSS[PAGE_CSS.index(".vi-progress") :]]:
             without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
             assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
             assert set(re.findall(r"var\(--([a-z-]+)", drawing)) <= set(theme.ROLES)
 
     def test_every_class_is_styled(self, drawings):
         used = set(" ".join(re.findall(r'class="([^"]+)"', "".join(drawings))).split())
-        unstyled = used - set(re.findall(r"\.(vi[\w-]*)", theme.CSS + plots.CSS))
+        unstyled = used - set(re.findall(r"\.(vi[\w-]*)", theme.DRAWING_CSS))
         assert unstyled <= {"vi-figure", "vi-x-solid"}
 
     def test_writes_a_real_minus(self, drawings):
@@ -370,14 +370,14 @@ class TestAll:
 
 class TestPlot:
     def test_places(self):
-        plot = Plot(10, 20, 110, 220, (0, 10), (1, 100), up=log10)
+        plot = Axes(10, 20, 110, 220, (0, 10), (1, 100), up=log10)
         np.testing.assert_allclose(plot.place([0, 5, 10], [1, 10, 100]), [[10, 220], [60, 120], [110, 20]])
         assert np.isnan(plot.place([1, 1, np.nan], [0, -3, 5])).all()
 
     def test_decades(self):
         assert decades(np.array([0.3, 20, np.nan, -1]), 1, 10) == (0.1, 100)
         assert decades(np.empty(0), 1, 100) == (1, 100) == decades(np.array([1.0, 100.0]), 1, 100)
-        assert [value for value, _ in plots.decade_ticks(0.01, 1000, 3)] == [0.01, 1, 100]
+        assert [value for value, _ in decade_ticks(0.01, 1000, 3)] == [0.01, 1, 100]
 
 
 CLAIMS = (

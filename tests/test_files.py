@@ -2,12 +2,19 @@
 
 import csv
 import json
+import re
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from viewimit.experiments import files
-from viewimit.experiments.paper import fig7, fig9, fig10
+from viewimit.analysis.landscape import Landscape
+from viewimit.drawing import svg
+from viewimit.drawing.plots import described
+from viewimit.drawing.theme import ROLES
+from viewimit.experiments import EXPERIMENTS, ON_PICTURES, files
+from viewimit.experiments.paper import fig7, fig8, fig9, fig10
 from viewimit.settings import Settings
 
 COARSE = {
@@ -20,14 +27,14 @@ TABLES = {
     "fig9": {"motions", "arrivals"},
     "fig10": {"frames", "points"},
 }
-PICTURES = {"fig7": ["fig7", "fig7-convexity", "fig7-demonstrators"], "fig9": ["fig9"], "fig10": ["fig10"]}
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module", params=COARSE)
 def made(request, tmp_path_factory):
     name, folder = request.param, tmp_path_factory.mktemp(request.param) / "made" / "for it"
     result = COARSE[name]()
-    return name, result, folder, files.write(name, result, folder)
+    return name, result, folder, files.write(name, EXPERIMENTS[name], result, folder)
 
 
 def rows(path):
@@ -41,7 +48,7 @@ def test_every_file_is_there_and_in_the_manifest(made):
     manifest = json.loads((folder / f"{name}.json").read_text("utf-8"))
     assert set(manifest["files"]) == {path.name for path in written} - {f"{name}.json"}
     expected = {f"{name}-{table}.csv" for table in TABLES[name]} | {f"{name}.npz", f"{name}.json"}
-    expected |= {picture + suffix for picture in PICTURES[name] for suffix in (".svg", ".png")}
+    expected |= {f"{name}.svg", f"{name}.png"}
     assert {path.name for path in written} == expected
 
 
@@ -95,19 +102,70 @@ def test_tables_are_the_results_own_numbers(made):
 
 def test_pictures_are_pictures_and_repeat_themselves(made, tmp_path):
     name, result, folder, _ = made
-    for picture in PICTURES[name]:
-        assert (folder / f"{picture}.png").read_bytes().startswith(b"\x89PNG")
-        svg = (folder / f"{picture}.svg").read_text("utf-8")
-        assert "<svg" in svg
-    again = files.write(name, result, tmp_path)
+    image = Image.open(folder / f"{name}.png")
+    shown = np.asarray(image.convert("RGB"))
+    assert image.format == "PNG" and image.width > 1200 and (shown[0] == 255).all()  # a white margin
+    assert len(np.unique(shown.reshape(-1, 3), axis=0)) > 50
+    again = files.write(name, EXPERIMENTS[name], result, tmp_path)
     for path in again:
         assert path.read_bytes() == (folder / path.name).read_bytes() or path.suffix == ".npz", path.name
 
 
-def test_without_matplotlib_the_data_are_written_all_the_same(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "can_draw", lambda: False)
-    written = files.write("fig9", COARSE["fig9"](), tmp_path)
-    assert {path.suffix for path in written} == {".npz", ".csv", ".json"}
+def test_an_svg_needs_nothing_beside_it(made):
+    name, result, folder, _ = made
+    text = (folder / f"{name}.svg").read_text("utf-8")
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg" and root.find(f"{SVG}title").text.startswith(f"Fig. {name[3:]}: ")
+    assert root.find(f"{SVG}desc").text == described(result.settings)
+    without_namespace = text.replace('xmlns="http://www.w3.org/2000/svg"', "")
+    assert not re.search(r"<script|var\(|@import|http|url\((?!#)|href=\"(?!data:)", without_namespace)
+    styled = set(re.findall(r"\.(vi[\w-]*)", root.find(f"{SVG}style").text))
+    used = {each for node in root.iter() for each in node.get("class", "").split()}
+    assert used - styled <= {"vi-figure", "vi-x-solid"} and styled <= used
+    colours = {light for light, _ in ROLES.values()}
+    assert set(re.findall(r"#[0-9a-f]{6}", text)) <= colours
+    names = set(re.findall(r' id="([^"]+)"', text))
+    assert set(re.findall(r"url\(#([^)]+)\)", text)) <= names
+
+
+def test_a_figure_in_a_file_is_the_pages(made):
+    name, result, folder, _ = made
+    drawn = ElementTree.fromstring(EXPERIMENTS[name].figure(result))
+    filed = ElementTree.parse(folder / f"{name}.svg").getroot()
+    paths = lambda root, prefix: [node.get("d") for node in root.iter(f"{prefix}path")]
+    words = lambda root, prefix: ["".join(node.itertext()) for node in root.iter(f"{prefix}text")]
+    assert paths(drawn, "") == paths(filed, SVG) and words(drawn, "") == words(filed, SVG)
+
+
+def test_without_a_renderer_all_but_png_is_written(tmp_path, monkeypatch):
+    monkeypatch.setattr("viewimit.drawing.standalone.can_render", lambda: False)
+    written = files.write("fig9", EXPERIMENTS["fig9"], COARSE["fig9"](), tmp_path)
+    assert {path.suffix for path in written} == {".npz", ".csv", ".json", ".svg"}
+
+
+def test_fig8_is_drawn_from_its_surfaces(tmp_path):
+    rng = np.random.default_rng(1)
+    axes = np.radians(np.arange(25.0, 80, 10)), np.radians(np.arange(-135.0, -20, 10))
+    E = rng.uniform(1, 200, (6, 12))
+    surfaces = {name: fig8.Surface(Landscape(axes, E * (k + 1)), 2.0, axes[0][:2]) for k, name in enumerate("abcdef")}
+    usable, sag = rng.integers(5, 17, (6, 12)), np.zeros((6, 12, 2))
+    settings = Settings(demonstrator_deg=(45, -90), camera="rendered")
+    found = fig8.Fig8(settings, (2, 4), np.array([45.0, -90]), usable, sag, surfaces)
+    written = files.write("fig8", ON_PICTURES["fig8"], found, tmp_path)
+    assert {path.name for path in written} >= {
+        "fig8.svg",
+        "fig8.png",
+        "fig8-surface.csv",
+    }
+    root = ElementTree.parse(tmp_path / "fig8.svg").getroot()
+    crosses = [node for node in root.iter(f"{SVG}path") if node.get("class") == "vi-cross"]
+    assert len(crosses) == len(surfaces) + 1  # and one in the legend
+    said = "".join(root.itertext())
+    assert all(
+        f"{name}E {svg.number(k * E.min(), 2 if k * E.min() < 10 else 0)}" in said for k, name in enumerate("abcdef", 1)
+    )
+    numbers = [node.text for node in root.iter(f"{SVG}text") if node.get("class") == "vi-mid" and node.text.isdigit()]
+    assert [int(number) for number in numbers] == usable.ravel().tolist()
 
 
 OTHERS = {
@@ -119,5 +177,5 @@ OTHERS = {
 @pytest.mark.parametrize("settings", OTHERS.values(), ids=OTHERS)
 def test_other_settings_are_drawn_and_judged_by_nothing(tmp_path, settings):
     result = fig7.run(settings, step_deg=30.0, study=(1, 1))
-    assert len(files.write("fig7", result, tmp_path)) > 5
+    assert len(files.write("fig7", EXPERIMENTS["fig7"], result, tmp_path)) > 5
     assert all(claim.holds is None for claim in result.claims)

@@ -11,9 +11,9 @@ from viewimit.app.scene.meshes import link_meshes
 
 from viewimit.drawing.image_planes import image_windows
 from viewimit.drawing.images import draw_images
-from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.simulation.appearance import Silhouettes, reach
 from viewimit.views import VIEWS
 
 PICTURES = {view: f"picture of {view}".encode() for view in VIEWS}
@@ -28,9 +28,9 @@ def planes(session, whole, pictures):
     """Of each view: what is drawn in its box."""
     world = session.world
     vertices = {link: mesh.vertices for link, mesh in link_meshes(world.scene.robot).items()}
-    drawn = draw_images(
-        session.snapshot, Silhouettes(vertices, world), image_windows(world), whole_frames=whole, pictures=pictures
-    )
+    bodies = Silhouettes(vertices, world).bodies(session.snapshot)
+    windows = image_windows(reach(world), world.scene.head.image)
+    drawn = draw_images(session.snapshot, bodies, windows, whole_frames=whole, pictures=pictures)
     parts = re.findall(r'<svg x="[\d.]+" y="[\d.]+" width.*?</svg>', drawn, re.DOTALL)
     return {re.search(r'vi-name[^>]*">(\w)<', part)[1]: part for part in parts}
 

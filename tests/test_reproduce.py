@@ -83,11 +83,11 @@ def test_a_recorded_motion_of_other_joints_is_imitated(ask_json, tmp_path):
     assert ask_json(*asked)[0] == 0
 
 
-def test_without_matplotlib_it_says_what_to_install(ask, tmp_path, monkeypatch):
-    monkeypatch.setattr("viewimit.experiments.files.can_draw", lambda: False)
+def test_without_a_renderer_it_says_what_to_install(ask, tmp_path, monkeypatch):
+    monkeypatch.setattr("viewimit.drawing.standalone.can_render", lambda: False)
     status, _, err = ask("reproduce", "fig10", "--out", tmp_path)
     assert status == 0 and "pip install 'viewimit[plot]'" in err
-    assert {path.suffix for path in tmp_path.iterdir()} == {".npz", ".csv", ".json"}
+    assert {path.suffix for path in tmp_path.iterdir()} == {".npz", ".csv", ".json", ".svg"}
 
 
 def test_too_few_points_are_bad_input(ask):

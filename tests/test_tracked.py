@@ -1,5 +1,7 @@
 """Tracked points: tidy and DeepLabCut's CSV say the same, faults are named by file, line and column."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -77,7 +79,33 @@ def test_a_report_is_written(ask, tidy, tmp_path):
     status, _, _ = ask("evaluate", tidy, "--out", tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
     assert status == 0 and page.count("<svg") == 4 and page.count("<circle") == 40 and "http" not in page
+    assert "var(" not in page and "<script" not in page
     assert ask("evaluate", tidy, "--out", tmp_path / "report.doc")[0] == 2
+
+
+def test_a_report_shows_points_and_residuals_to_one_scale(ask, ask_json, tidy, tmp_path):
+    _, told = ask_json("evaluate", tidy, "--out", tmp_path / "report.html")
+    (frame,) = told["frames"]
+    page = (tmp_path / "report.html").read_text()
+    for view, drawing in zip(VIEWS, re.findall(r"<svg.*?</svg>", page, re.DOTALL)):
+        x, y = (np.array(re.findall(rf'<circle[^>]* c{axis}="([\d.]+)"', drawing), float) for axis in "xy")
+        seen = np.array(frame["seen"][view])
+        scale = np.ptp(x) / np.ptp(seen[:, 0])
+        np.testing.assert_allclose(y - y[0], scale * (seen[:, 1] - seen[0, 1]), atol=0.3)
+        arrows = re.search(r'class="vi-e" d="([^"]+)"', drawing)
+        assert (arrows is not None) == (view in "LR")
+        if arrows:
+            a, b, c, d = np.array(re.findall(r"-?[\d.]+", arrows[1]), float).reshape(-1, 4).T
+            away = seen - frame["recovered"][view]
+            np.testing.assert_allclose(np.stack([c - a, d - b], -1), scale * away, atol=0.3)
+
+
+def test_a_report_is_a_picture_too(ask, tidy, tmp_path, monkeypatch):
+    assert ask("evaluate", tidy, "--out", tmp_path / "report.png")[0] == 0
+    assert (tmp_path / "report.png").read_bytes().startswith(b"\x89PNG")
+    monkeypatch.setattr("viewimit.drawing.standalone.can_render", lambda: False)
+    status, _, err = ask("evaluate", tidy, "--out", tmp_path / "other.png")
+    assert status == 2 and "pip install 'viewimit[plot]'" in err
 
 
 def test_too_few_points_are_no_success(ask, tidy):

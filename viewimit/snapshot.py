@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
+from .geometry.pairs import PairGeometry, fit_pairs
 from .settings import Settings
 from .transfer import TRANSFERS, FittedTransfer
 from .views import FourViews
@@ -98,6 +99,12 @@ class Snapshot:
     def keeps_the_same(self, other: "Snapshot") -> bool:
         """Whether the fields of both are the very same objects."""
         return all(getattr(self, name) is getattr(other, name) for name in FIELDS)
+
+    @cached_property
+    def fundamental(self) -> PairGeometry | None:
+        """Of the six pairs of views, from the usable points, whatever the transfer is; None with too few of them."""
+        images = np.concatenate([self.views.demo, self.views.own], 1)[self.usable]
+        return fit_pairs(images.reshape(-1, 4, 2).transpose(1, 0, 2))
 
 
 FIELDS = frozenset(field.name for field in fields(Snapshot))

@@ -38,7 +38,7 @@ def _carry_out(connection: Connection, name: str, settings, options: dict, folde
     progress = Progress(connection.send, experiment.figure)
     result = experiment.run(settings, progress.tell, **options)
     connection.send(("found", experiment.figure(result), tuple(result.claims)))
-    connection.send(("files", _zipped(files.write(name, result, folder))))
+    connection.send(("files", _zipped(files.write(name, experiment, result, folder))))
 
 
 class Progress:

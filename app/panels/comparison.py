@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from viewimit.analysis.observability import joint_uncertainty
-from viewimit.drawing.small_landscape import study
+from viewimit.analysis.study import study
 from viewimit.drawing.transfers import draw_costs, draw_quarter, draw_together, waiting
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot

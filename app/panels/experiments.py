@@ -94,22 +94,3 @@ class ExperimentsTab:
         async def _(event) -> None:
             data = event.target.value.content
             inbox.put("motion file", data if len(data) <= MOST_BYTES else len(data))
-
-
-# A marker .vi-row begins a line; dropdowns without their labels, buttons and .vi-progress after it share that line.
-CSS = """
-div:has(>div>.vi-row){display:flex;flex-wrap:wrap;column-gap:6px;padding:6px 13px 0 9px!important}
-div:has(>div>.vi-row)>div{flex:0 0 100%;min-width:0;padding-inline:0!important;margin-inline:0!important}
-div:has(>div>.vi-row)>div:has(>.mantine-Flex-root>div>.mantine-Select-root){flex:1 1 90px;padding-bottom:4px!important}
-div:has(>div>.vi-row)>div:has(>.mantine-Flex-root>div>.mantine-Select-root)>.mantine-Flex-root>div:first-child{
-  position:absolute!important;opacity:0;pointer-events:none}
-div:has(>div>.vi-row)>div:has(>button){flex:0 0 auto;padding-bottom:4px!important}
-div:has(>div>.vi-row)>div:has(>.vi-progress),div:has(>div>.vi-row)>div:has(>.vi-said){flex:1 1 90px}
-div:has(>div>.vi-row)>div>button{height:26px!important;min-width:86px;--button-padding-x:10px!important}
-div:has(>div>.vi-row) .vi-panel{padding:2px 0 8px}
-div:has(>div>.vi-quiet)>div>button,div:has(>.vi-progress)+div>button:not(:disabled){background:transparent;color:var(--learner);
-  border:1px solid var(--learner)}
-.vi-points-only{font:400 12px/16px Inter,system-ui,sans-serif;color:var(--secondary);padding-bottom:3px}
-.vi-said{font:400 12.5px/26px Inter,system-ui,sans-serif;color:var(--secondary);white-space:nowrap;overflow:hidden;
-  text-overflow:ellipsis}
-"""

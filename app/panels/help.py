@@ -44,16 +44,3 @@ def help_html() -> str:
         for title, methods in METHODS
     )
     return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{note}</div>'
-
-
-CSS = """
-.vi-help{font-size:14px;line-height:1.42;color:var(--ink);padding:0 4px}
-.vi-help p{margin:0 0 8px}
-.vi-help-keys{display:flex;flex-wrap:wrap;gap:6px 14px;margin:0 0 12px}
-.vi-help kbd{font:600 12px Inter,sans-serif;border:1px solid var(--rule);border-radius:4px;padding:1px 7px;
-background:var(--card)}
-.vi-help dl{margin:0 0 8px}
-.vi-help dt{font-weight:600}
-.vi-help dd{margin:0 0 4px 14px;color:var(--secondary)}
-.vi-help-note{color:var(--secondary);margin-top:10px}
-"""

@@ -12,12 +12,12 @@ from viewimit.analysis.landscape import conflict_at
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.drawing.curves import draw_curves, following
 from viewimit.drawing.equations import draw_conflict, draw_equations, draw_law
-from viewimit.drawing.image_planes import holds
-from viewimit.drawing.images import NO_PICTURES, draw_images, image_windows
+from viewimit.drawing.image_planes import holds, image_windows
+from viewimit.drawing.images import NO_PICTURES, draw_images
 from viewimit.drawing.landscape import LandscapePicture
-from viewimit.drawing.silhouettes import Silhouettes
 from viewimit.drawing.status import describe, draw_status
 from viewimit.session import Session
+from viewimit.simulation.appearance import Silhouettes, places, reach
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
@@ -84,18 +84,17 @@ class Panels:
         self._world, self._begun = world, snapshot
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in loaded.items()}, world)
         self._held = [snapshot.theta, snapshot.theta_demo]  # postures that the windows are to show
-        self._windows = image_windows(world, self._held)
+        self._windows = image_windows(reach(world, self._held), world.scene.head.image)
         self.show_landscape(MadeLandscape(world, LandscapePicture(None, world.scene, snapshot), None))
 
     def draw_images(
         self, snapshot: Snapshot, chosen: int | None, whole_frames: bool, pictures: Mapping[str, bytes] = NO_PICTURES
     ) -> None:
-        if not holds(self._windows, self._world, snapshot):
+        if len(snapshot.theta) > 2 and not holds(self._windows, places(self._world, snapshot)):
             self._held += [snapshot.theta, snapshot.theta_demo]
-            self._windows = image_windows(self._world, self._held)
-        drawn = draw_images(
-            snapshot, self._silhouettes, self._windows, chosen, whole_frames, wide=self._wide, pictures=pictures
-        )
+            self._windows = image_windows(reach(self._world, self._held), self._world.scene.head.image)
+        bodies = self._silhouettes.bodies(snapshot)
+        drawn = draw_images(snapshot, bodies, self._windows, chosen, whole_frames, wide=self._wide, pictures=pictures)
         put_html(self._images, drawn)
 
     def draw_path(self, session: Session, theta: NDArray | None) -> None:

@@ -71,32 +71,3 @@ def _row(claim: Claim) -> str:
     name = claim.name.split(": ", 1)[-1] if claim.name.startswith("Fig.") else claim.name
     cells = "".join(f"<td>{svg.escape(words)}</td>" for words in (name, claim.paper, claim.here, claim.tolerance))
     return f"<tr>{cells}<td>{MARKS[claim.holds]}</td></tr>"
-
-
-CSS = """
-.vi-progress{display:flex;align-items:center;gap:9px;height:26px;min-width:0;color:var(--ink);
-  font:400 12.5px/14px Inter,system-ui,sans-serif;font-variant-numeric:tabular-nums}
-.vi-progress-bar{flex:0 0 56px;height:7px;border-radius:4px;background:var(--rule);overflow:hidden}
-.vi-progress-bar i{display:block;height:100%;border-radius:4px;background:var(--learner)}
-.vi-progress-done i{background:var(--recovered)}
-.vi-progress-cancelled i{background:var(--secondary)}
-.vi-progress-failed i{background:var(--stopped);width:100%!important}
-.vi-progress span{overflow:hidden;text-overflow:ellipsis;display:-webkit-box;-webkit-line-clamp:2;
-  -webkit-box-orient:vertical}
-.vi-progress-idle span{color:var(--secondary)}
-.vi-verdict{padding:2px 9px 8px;font:400 11.5px/1.3 Inter,system-ui,sans-serif;font-variant-numeric:tabular-nums;
-  color:var(--ink)}
-.vi-verdict table{border-collapse:collapse;width:100%}
-.vi-verdict th{font-weight:400;color:var(--secondary);text-align:left;padding:2px 6px 2px 0}
-.vi-verdict td{padding:3px 6px 3px 0;border-top:1px solid var(--rule);vertical-align:top}
-.vi-verdict td:nth-child(2),.vi-verdict td:nth-child(4){color:var(--secondary)}
-.vi-verdict td:last-child{white-space:nowrap;padding-right:0}
-.vi-verdict p{margin:6px 0 0;color:var(--secondary)}
-.vi-mark{width:13px;height:13px;vertical-align:-2px;margin-right:4px}
-.vi-mark-pass{fill:var(--recovered)}
-.vi-mark-miss{fill:var(--stopped)}
-.vi-mark-line{fill:none;stroke:var(--paper);stroke-width:2;stroke-linecap:round;stroke-linejoin:round}
-@media (min-width:1600px){
-  .vi-progress,.vi-verdict{font-size:13px}
-}
-"""

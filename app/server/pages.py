@@ -11,7 +11,6 @@ from functools import cache
 
 import viser
 
-from viewimit.drawing import learner_bars, plots, theme
 from viewimit.settings import Settings
 
 from .. import viser_private
@@ -20,12 +19,12 @@ from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..page import Page
-from ..panels import experiments, help, verdict
 from ..scene.arms import share_meshes
 from ..scene.scene3d import share_scene
 from ..sessions.autosave import Keeper
 from ..sessions.resume import Seats
 from ..sessions.stores import open_store
+from ..static import stylesheet
 from .access import AccessControl
 from .options import ServerOptions
 from .seat_counts import SeatCounts
@@ -84,8 +83,7 @@ class App:
         self._collecting = threading.Lock()
         self._worker, self._experiments, self._camera = LandscapeWorker(), ExperimentWorker(), CameraProcess(pictured)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
-        css = "".join(part.CSS for part in (theme, learner_bars, help, plots, verdict, experiments))
-        server.gui.add_html(f"<style>{css}</style>")
+        server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_scene(server)
         self._share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
         server.on_client_connect(self._connect)

@@ -44,6 +44,16 @@ class Convexity:
         within = np.logical_and.accumulate(self.worst <= GOOD)
         return float(self.radius_deg[within][-1]) if within.any() else 0.0
 
+    def ring_deg(self, count: int = 73) -> NDArray | None:
+        """(count, 2) degrees from the minimum, closed: where the parabola has one value, through the farthest posture
+        up to which it holds; None if it holds nowhere."""
+        values, axes = np.linalg.eigh(self.Q)
+        if not values[0] > 0 or not self.holds_to_deg:
+            return None
+        angle = np.linspace(0, 2 * np.pi, count)
+        reach = self.holds_to_deg * np.sqrt(values[0] / values)
+        return (reach * np.stack([np.cos(angle), np.sin(angle)], -1)) @ axes.T
+
 
 def convexity(E_at: Conflict, minimum: NDArray, bounds: NDArray) -> Convexity:
     """Around minimum (2,) rad. bounds: (2, 2) rad, low and high a joint: only postures within them count."""

@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
     there = landscape(eyes, fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))
     if args.out:
         with naming("--out"):
-            landscape_file.write(args.out, found, session.scene.moving_joints, now.theta_demo)
+            landscape_file.write(args.out, found, session.scene, now)
         print(f"written to {args.out}", file=sys.stderr)
     nowhere = bool(np.isnan(found.E).all())
     result = {

@@ -8,6 +8,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from ..analysis.motion import MOTIONS, load
+from ..drawing import standalone
 from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment, files
 from ..experiments.paper import claims
 from ..simulation.scene import load_scene
@@ -55,9 +56,9 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             args.out.mkdir(parents=True, exist_ok=True)
-        if not files.can_draw():
+        if not standalone.can_render():
             print(
-                "viewimit reproduce: data only; figures need matplotlib: pip install 'viewimit[plot]'", file=sys.stderr
+                f"viewimit reproduce: no .png; that needs {standalone.RENDERER}: {standalone.INSTALL}", file=sys.stderr
             )
     told, said = {}, []
     for name in names:
@@ -69,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
         written = []
         if args.out:
             with naming("--out"):
-                written = files.write(name, result, args.out)
+                written = files.write(name, experiment, result, args.out)
         told[name] = {"claims": files.told(result.claims), "files": [str(path) for path in written]}
     if args.json:
         print_json(args, {"figures": told, "missed": [claim.name for claim in said if claim.holds is False]}, settings)

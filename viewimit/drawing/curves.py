@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 from ..analysis.joint_errors import RECENT
 from ..snapshot import Snapshot
 from . import svg
+from .axes import Axes, Tick, decade_ticks, decades, log10
 
 SIDE_BY_SIDE = 600  # px of width from which the plots stand beside each other
 CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot
 LEFT, RIGHT, TOP, BOTTOM = 40, 104, 24, 20
 LIMIT, DOT_LIMIT = 90, 48  # vertices of a curve; motions up to which each has a dot
 STEPS = (1, 2, 4, 5, 10)  # x 10^k: the x axis ends at four of them
-APART = 13  # px between labels
 FLOOR_E = 1e-3  # px² below which E is drawn as this: nobody could see that conflict
+
+Box = tuple[float, float, float, float]  # left, top, right, bottom px of a plot
 
 
 def draw_curves(
@@ -35,9 +37,9 @@ def draw_curves(
     kept = svg.thinned(len(history), LIMIT, cursor)
     snapshots = [history[k] for k in kept]
     motions = np.array(kept, float)
-    axis = _Axis(w, height, len(history) - 1, cursor)
-    first = _draw_E(axis, snapshots, motions, cursor, E_true)
-    second = _draw_angles(axis, snapshots, motions, cursor, joints)
+    box, step = (LEFT, TOP, w - RIGHT, height - BOTTOM), _x_step(len(history) - 1)
+    first = _draw_E(box, step, snapshots, motions, cursor, E_true)
+    second = _draw_angles(box, step, snapshots, motions, cursor, joints)
     second += svg.text(w, 12, following(errors_deg), "vi-end")
     shift = f"{w + 28:.1f} 0" if beside else f"0 {height + 6}"
     total = height if beside else 2 * height + 6
@@ -47,92 +49,68 @@ def draw_curves(
     )
 
 
-class _Axis:
-    """Motions to the right. right: px where the plot ends and the labels begin."""
-
-    def __init__(self, width: float, height: float, last: int, cursor: int):
-        self.right, self.bottom = width - RIGHT, height - BOTTOM
-        self.step = _x_step(last)
-        self._k = (self.right - LEFT) / (4 * self.step)
-        self.cursor = self.x(cursor)
-
-    def x(self, motions):
-        return LEFT + self._k * motions
-
-    def frame(self, title: str, note: str, ticks: Sequence[tuple[float, str]]) -> str:
-        """Title, rules with their labels at (y px, text), motions below, the cursor."""
-        rules = "".join([f"M{LEFT} {y:.1f}H{self.right:.1f}" for y, _ in ticks])
-        parts = [
-            f'<text y="12"><tspan class="vi-b">{title}</tspan><tspan class="vi-2nd" dx="5">{note}</tspan></text>'
-            f'<path class="vi-rule" d="{rules}"/>'
-            f'<path class="vi-cursor" d="M{self.cursor:.1f} {TOP}V{self.bottom}"/>'
-        ]
-        parts += [f'<text class="vi-2nd vi-end" x="{LEFT - 6}" y="{y + 4:.1f}">{label}</text>' for y, label in ticks]
-        y = self.bottom + 15
-        for motions in range(0, 4 * self.step + 1, self.step):
-            parts.append(f'<text class="vi-2nd vi-mid" x="{self.x(motions):.1f}" y="{y}">{motions}</text>')
-        parts.append(f'<text class="vi-2nd" x="{self.right + 24:.1f}" y="{y}">motions</text>')
-        return "".join(parts)
+def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Sequence[Tick]) -> str:
+    """Title, rules with their labels, motions below, the cursor. step: motions, a quarter of the axis."""
+    x = axes.x_px(cursor)
+    parts = [
+        axes.title(title, note, 0, 12) + axes.rules(ticks),
+        f'<path class="vi-cursor" d="M{x:.1f} {axes.top}V{axes.bottom}"/>',
+        axes.beside(ticks, 6),
+        axes.below([(motions, str(motions)) for motions in range(0, 4 * step + 1, step)], 15),
+        svg.text(axes.right + 24, axes.bottom + 15, "motions", "vi-2nd"),
+    ]
+    return "".join(parts)
 
 
-def _draw_E(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, cursor: int, E_true: float | None) -> str:
+def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cursor: int, E_true: float | None) -> str:
     E = np.maximum([snapshot.E for snapshot in snapshots], FLOOR_E)
-    known = E[E > 0]
-    if E_true is not None:
-        E_true = max(E_true, FLOOR_E) if np.isfinite(E_true) else None
-    everything = known if E_true is None else np.append(known, E_true)
-    low, high = (0, 3) if len(everything) == 0 else _decades(everything.min(), everything.max())
-    y_of = lambda value: axis.bottom - (axis.bottom - TOP) * (np.log10(np.maximum(value, 1e-30)) - low) / (high - low)
-    every = max(1, -(-(high - low) // 4))
-    ticks = [(float(y_of(10.0**k)), f"{10.0**k:g}") for k in range(low, high + 1, every)]
-    parts = [axis.frame("Conflict E", "px², log; hollow = probe", ticks)]
+    E_true = max(E_true, FLOOR_E) if E_true is not None and np.isfinite(E_true) else None
+    y = decades(E if E_true is None else np.append(E, E_true))
+    axes = Axes(*box, (0.0, 4.0 * step), y, up=log10)
+    parts = [_frame(axes, step, cursor, "Conflict E", "px², log; hollow = probe", decade_ticks(*y))]
     labels = []
     if E_true is not None:
-        y = float(y_of(E_true))
-        parts.append(f'<path class="vi-line-demo" d="M{LEFT} {y:.1f}H{axis.right:.1f}"/>')
-        labels.append((y, f"true posture {_short(E_true)}", "vi-of-demo"))
-    points = np.stack([axis.x(motions), np.where(E > 0, y_of(np.where(E > 0, E, 1.0)), np.nan)], -1)
+        parts.append(axes.level(E_true, "vi-line-demo"))
+        labels.append((float(axes.y_px(E_true)), f"true posture {svg.short_E(E_true)}", "vi-of-demo"))
+    points = np.stack([axes.x_px(motions), axes.y_px(E)], -1)
     done = int(np.searchsorted(motions, cursor, side="right"))
     probes = np.array([snapshot.probe for snapshot in snapshots])
     parts.append(_curve(points, done, probes, "E"))
     if done and np.isfinite(points[done - 1, 1]):
-        value = E[done - 1]
-        labels.append((float(points[done - 1, 1]), f"E {_short(value)}", "vi-of-E"))
-    return "".join(parts) + _labels(axis, labels)
+        labels.append((float(points[done - 1, 1]), f"E {svg.short_E(E[done - 1])}", "vi-of-E"))
+    return "".join(parts) + axes.labels(labels)
 
 
-def _short(E: float) -> str:
-    return "< 0.01" if E < 0.01 else svg.number(E, 2 if E < 10 else 1)
-
-
-def _draw_angles(axis: _Axis, snapshots: list[Snapshot], motions: NDArray, cursor: int, joints: Sequence[int]) -> str:
+def _draw_angles(
+    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cursor: int, joints: Sequence[int]
+) -> str:
     own, demo = np.degrees(
         [[snapshot.theta for snapshot in snapshots], [snapshot.theta_demo for snapshot in snapshots]]
     )
     low, high = min(own.min(), demo.min()), max(own.max(), demo.max())
-    step = 30 if high - low <= 110 else 60
-    low, high = step * np.floor((low - 4) / step), step * np.ceil((high + 4) / step)
-    y_of = lambda angle: axis.bottom - (axis.bottom - TOP) * (angle - low) / (high - low)
-    ticks = [(float(y_of(angle)), svg.number(angle, 0) + "°") for angle in np.arange(low, high + 1, step)]
-    parts = [axis.frame("Joint angles", "dashed = demonstrator", ticks)]
+    every = 30 if high - low <= 110 else 60
+    low, high = every * np.floor((low - 4) / every), every * np.ceil((high + 4) / every)
+    axes = Axes(*box, (0.0, 4.0 * step), (low, high))
+    ticks = [(float(angle), svg.number(angle, 0) + "°") for angle in np.arange(low, high + 1, every)]
+    parts = [_frame(axes, step, cursor, "Joint angles", "dashed = demonstrator", ticks)]
     done = int(np.searchsorted(motions, cursor, side="right"))
     probes = np.array([snapshot.probe for snapshot in snapshots])
-    x, labels = axis.x(motions), []
+    x, labels = axes.x_px(motions), []
     for k, joint in enumerate(joints):
         name = svg.joint_symbol(joint)
-        aim = y_of(demo[:done, k])
+        aim = axes.y_px(demo[:done, k])
         if (aim == aim[0]).all():
-            line = np.array([[LEFT, aim[0]], [axis.right, aim[0]]])
+            line = np.array([[LEFT, aim[0]], [axes.right, aim[0]]])
         else:
-            line = np.array([[*x[:done], axis.right], [*aim, aim[-1]]]).T
+            line = np.array([[*x[:done], axes.right], [*aim, aim[-1]]]).T
         parts.append(f'<path class="vi-line-demo" d="{svg.path(line)}"/>')
-        points = np.array([x, y_of(own[:, k])]).T
+        points = np.array([x, axes.y_px(own[:, k])]).T
         parts.append(_curve(points, done, probes, "own"))
         angle = own[done - 1, k]
         labels.append((float(points[done - 1, 1]), f"{name} {svg.number(angle)}°", "vi-of-own"))
         if len(joints) <= 3:
             labels.append((float(line[-1, 1]), f"{name} = {svg.number(demo[done - 1, k], 0)}°", "vi-of-demo"))
-    return "".join(parts) + _labels(axis, labels)
+    return "".join(parts) + axes.labels(labels)
 
 
 def _curve(points: NDArray, done: int, probes: NDArray, role: str) -> str:
@@ -152,23 +130,6 @@ def _curve(points: NDArray, done: int, probes: NDArray, role: str) -> str:
     return "".join(parts)
 
 
-def _labels(axis: _Axis, labels: list[tuple[float, str, str]]) -> str:
-    """Right of the plot, at the height of what they name, moved apart where they would meet."""
-    labels = sorted(labels)
-    y = [min(max(label[0], TOP + 2), axis.bottom - 1) for label in labels]
-    for _ in range(3):
-        for i in range(1, len(y)):
-            y[i] = max(y[i], y[i - 1] + APART)
-        over = y[-1] - axis.bottom + 1 if y else 0
-        if over <= 0:
-            break
-        y[-1] -= over
-        for i in range(len(y) - 1, 0, -1):
-            y[i - 1] = min(y[i - 1], y[i] - APART)
-    x = axis.right + 7
-    return "".join(svg.text(x, place + 4, words, role) for place, (_, words, role) in zip(y, labels))
-
-
 def _x_step(last: int) -> int:
     """A quarter of the x axis: the smallest nice step with room for the last motion."""
     scale = 1
@@ -177,11 +138,6 @@ def _x_step(last: int) -> int:
             if 4 * step * scale >= last:
                 return step * scale
         scale *= 10
-
-
-def _decades(low: float, high: float) -> tuple[int, int]:
-    first, last = int(np.floor(np.log10(low))), int(np.ceil(np.log10(high)))
-    return max(first, last - 12), max(last, first + 1)
 
 
 def following(errors_deg: Sequence[float]) -> str:

@@ -2,18 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
 from ..servo import SERVOS
-from ..session import Session
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
 from . import svg
-from .plots import Plot, Style, decade_ticks, decades, log10
+from .axes import Axes, decade_ticks, decades, log10
+from .plots import Style
 from .posture_plane import PosturePlane
 from .small_landscape import WIDTH as COLUMN
 from .small_landscape import draw_small, small_plane
@@ -29,6 +30,7 @@ STYLES = (Style("learner", "solid", "circle"), Style("opponent", "dashed", "squa
 LEFT = 44  # px of the plot of errors
 LEAST_DEG = 1e-3  # of the axis of errors
 LIMIT = 240  # vertices of a curve or path
+ONE_DIGIT_TO = 100  # of the figures beneath, so that they do not meet
 OF = ("own", "opponent")  # their classes
 STATES = {"ready": "is at the start", "moving": "is still moving"}
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
@@ -49,6 +51,16 @@ class Standing:
     snapshot: Snapshot
     errors_deg: Sequence[float]
     arrived: int | None
+
+
+class Racer(Protocol):
+    """Its motions, of which the one at `cursor` is the present."""
+
+    @property
+    def history(self) -> Sequence[Snapshot]: ...
+
+    @property
+    def cursor(self) -> int: ...
 
 
 def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray) -> str:
@@ -75,11 +87,11 @@ def draw_empty() -> str:
     return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
-def draw_race(scene: Scene, sessions: Sequence[Session], standings: Sequence[Standing]) -> str:
+def draw_race(scene: Scene, racers: Sequence[Racer], standings: Sequence[Standing]) -> str:
     """HTML over the ground: names, paths or errors, standings, the sentence."""
     plane, parts = small_plane(scene, MOST_HIGH), []
     for k, standing in enumerate(standings):
-        inside = _path(plane, sessions[k], k) if plane.has_plane else ""
+        inside = _path(plane, racers[k], k) if plane.has_plane else ""
         parts.append(_column(k, inside) + _words(standing, k))
     if not plane.has_plane:
         parts.append(draw_errors(standings))
@@ -94,7 +106,7 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     everything = np.maximum(np.concatenate(errors), LEAST_DEG)
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
-    plot = Plot(LEFT, TOP + 19, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
+    plot = Axes(LEFT, TOP + 19, WIDTH - 8, TOP + MOST_HIGH, (0, last), (low, high), up=log10)
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(
@@ -141,7 +153,8 @@ def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
 def _whereabouts(standings: Sequence[Standing], which: Sequence[int]) -> str:
     said = []
     for k in which:
-        said.append(f"the {ROLES[k]} {_state(standings[k].snapshot)}, {_short(standings[k].errors_deg[-1])}° off")
+        off = svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)
+        said.append(f"the {ROLES[k]} {_state(standings[k].snapshot)}, {off}° off")
     words = "; ".join(said)
     return words[0].upper() + words[1:] + "."
 
@@ -152,8 +165,8 @@ def _words(standing: Standing, k: int) -> str:
     settings, y = snapshot.settings, TOP + MOST_HIGH + BELOW
     figures = (
         ("motions", str(snapshot.motion), ""),
-        ("largest error", _short(standing.errors_deg[-1]), "°"),
-        ("E", _short(snapshot.E), " px²"),
+        ("largest error", svg.short(standing.errors_deg[-1], ONE_DIGIT_TO), "°"),
+        ("E", svg.short(snapshot.E, ONE_DIGIT_TO), " px²"),
     )
     parts = [
         STYLES[k].sample(x, 8),
@@ -169,10 +182,10 @@ def _words(standing: Standing, k: int) -> str:
     return "".join(parts)
 
 
-def _path(plane: PosturePlane, session: Session, k: int) -> str:
+def _path(plane: PosturePlane, racer: Racer, k: int) -> str:
     """The motions up to the present, with the mark of that learner at their end."""
-    kept = svg.thinned(session.cursor + 1, LIMIT)
-    points = plane.place(np.degrees(np.array([session.history[i].theta for i in kept])))
+    kept = svg.thinned(racer.cursor + 1, LIMIT)
+    points = plane.place(np.degrees(np.array([racer.history[i].theta for i in kept])))
     (x, y), line = points[-1], ("vi-line-own", "vi-line-opponent")[k]
     now = f'<circle class="vi-now" cx="{x:.1f}" cy="{y:.1f}" r="4.6"/>'
     if k:
@@ -198,7 +211,3 @@ def _state(snapshot: Snapshot) -> str:
 
 def _motions(count: int) -> str:
     return "1 motion" if count == 1 else f"{count} motions"
-
-
-def _short(value: float) -> str:
-    return svg.number(value, 2 if value < 10 else 1 if value < 100 else 0)

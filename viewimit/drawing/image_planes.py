@@ -1,20 +1,18 @@
-"""Where the four images stand in the panel, which part of each is shown, and the silhouettes in them.
+"""Where the four images stand in the panel, which part of each is shown, and the arms in them.
 
 An arm covers a small part of its image, so that a window follows the arm's whole range instead of the frame.
 """
 
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..simulation.world import World
-from ..snapshot import Snapshot
+from ..simulation.appearance import ArmImages
 from . import svg
-from .silhouettes import Silhouettes
 
 WIDTH = 424
 # view: (x, y, width, height) in the drawing; by whether whole frames are shown
@@ -24,8 +22,6 @@ BOXES = {
 }
 MARGIN = 10  # image px around the points: about half a link's thickness
 CLEARLY = 0.02  # share of the points by which one corner is worse than another
-POSTURES_A_JOINT, POSTURES = 9, 200  # of the grid with two joints; drawn at random with more
-NEAR = np.radians(20)  # of a posture, with more joints
 
 
 class Window(NamedTuple):
@@ -44,61 +40,34 @@ class Window(NamedTuple):
 Windows = dict[bool, dict[str, Window]]
 
 
-def image_windows(world: World, held: Sequence[NDArray] = ()) -> Windows:
-    """Windows of the four views by whether whole frames are shown.
-
-    held: postures, (m,) rad. With more than two joints an arm reaches nearly everywhere, so that windows show what is
-    near these postures, not the whole range.
-    """
-    theta = _postures(world, held)
-    points = {}
-    for pair, look in (("lr", world.demo_images), ("LR", world.own_images)):
-        images, visible = look(theta)
-        for side, view in enumerate(pair):
-            points[view] = images[..., 2 * side : 2 * side + 2][visible[..., side]].reshape(-1, 2)
-    width, height = world.scene.head.image
+def image_windows(reach: Mapping[str, NDArray], frame: tuple[int, int]) -> Windows:
+    """Windows of the four views by whether whole frames are shown. reach: where points may be, (k, 2) px by view;
+    frame: width and height of the images, px."""
     windows: Windows = {False: {}, True: {}}
     for whole, boxes in BOXES.items():
         for pair in ("lr", "LR"):
-            spans = {view: _span(points[view], (width, height), whole) for view in pair}
+            spans = {view: _span(reach[view], frame, whole) for view in pair}
             scale = min(
                 min(boxes[view][2] / (high - low)[0], boxes[view][3] / (high - low)[1])
                 for view, (low, high) in spans.items()
             )
             sizes = {view: np.array(boxes[view][2:]) / scale for view in pair}
             corners = {view: (low + high - sizes[view]) / 2 for view, (low, high) in spans.items()}
-            free = _free_corners({view: (points[view] - corners[view]) / sizes[view] for view in pair})
+            free = _free_corners({view: (reach[view] - corners[view]) / sizes[view] for view in pair})
             for view in pair:
                 numbers = map(float, (*corners[view], *sizes[view], scale))
                 windows[whole][view] = Window(*numbers, *free)
     return windows
 
 
-def holds(windows: Windows, world: World, snapshot: Snapshot) -> bool:
-    """Whether the windows show both arms' points, as they would be without noise."""
-    if len(snapshot.theta) <= 2:
-        return True
-    for pair, (points, visible) in (
-        ("lr", world.demo_images(snapshot.theta_demo)),
-        ("LR", world.own_images(snapshot.theta)),
-    ):
-        for side, view in enumerate(pair):
-            x, y, w, h = windows[False][view][:4]
-            place = (points[visible[:, side], 2 * side : 2 * side + 2] - (x, y)) / (w, h)
-            if ((place < 0) | (place > 1)).any():
-                return False
+def holds(windows: Windows, points: Mapping[str, NDArray]) -> bool:
+    """Whether the windows show all these points, (k, 2) px by view."""
+    for view, seen in points.items():
+        x, y, w, h = windows[False][view][:4]
+        place = (seen - (x, y)) / (w, h)
+        if ((place < 0) | (place > 1)).any():
+            return False
     return True
-
-
-def _postures(world: World, held: Sequence[NDArray]) -> list[NDArray]:
-    """The moving joints' angles, one flat array a joint: over the range of two, or near the postures to be held."""
-    lower, upper = world.scene.lower, world.scene.upper
-    if len(lower) <= 2:
-        axes = [np.linspace(low, high, POSTURES_A_JOINT) for low, high in zip(lower, upper)]
-        return [axis.ravel() for axis in np.meshgrid(*axes)]
-    centres = np.array([np.radians(world.scene.posture_deg)[world.scene.moving], *held])
-    near = np.random.default_rng(0).uniform(-NEAR, NEAR, (len(centres), -(-POSTURES // len(centres)), len(lower)))
-    return list(np.clip(centres[:, None] + near, lower, upper).reshape(-1, len(lower)).T)
 
 
 def _span(points: NDArray, frame: tuple[int, int], whole: bool) -> tuple[NDArray, NDArray]:
@@ -130,26 +99,15 @@ def _corners_and_scales(windows: tuple[Window, ...]) -> tuple[NDArray, NDArray]:
     return np.array([window[:2] for window in windows]), np.array([window.scale for window in windows])
 
 
-def draw_arm(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, whole: bool, arm: str):
-    """Paths of an arm's two images, by view: (hulls, skeleton); and its links' origins, (2, n + 1, 2) px.
-
-    What was drawn last is kept: the demonstrator rests while the learner moves.
-    """
-    world = silhouettes.world
-    views, theta, T_world_base, cameras = (
-        ("LR", snapshot.theta, world.T_world_own, world.own_pair)
-        if arm == "learner"
-        else ("lr", snapshot.theta_demo, world.T_world_demo, world.demo_pair)
-    )
-    key = theta.tobytes(), whole
-    kept = silhouettes.memory.get(arm)
-    if kept and kept[0] == key and kept[1] is windows:
-        return kept[2]
-    hulls, origins = silhouettes.seen(world.link_frames(theta, T_world_base), cameras)
-    hulls, bones = placed(hulls, windows[whole], views), placed(origins, windows[whole], views)
+def draw_arm(arm: ArmImages, windows: Windows, whole: bool, views: str) -> dict[str, tuple[str, str]]:
+    """Paths of an arm's two images, by view: (hulls, skeleton). What was drawn last of it is kept with it."""
+    kept = arm.memory.get(whole)
+    if kept and kept[0] is windows:
+        return kept[1]
+    hulls, bones = placed(arm.hulls, windows[whole], views), placed(arm.origins, windows[whole], views)
     paths = dict(zip(views, zip(svg.polygons(hulls), map(svg.path, bones))))
-    silhouettes.memory[arm] = key, windows, (paths, origins)
-    return paths, origins
+    arm.memory[whole] = windows, paths
+    return paths
 
 
 def photograph(jpeg: bytes, window: Window, frame: tuple[int, int]) -> str:

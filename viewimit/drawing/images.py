@@ -6,28 +6,25 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
+from ..geometry.pairs import PAIRS
+from ..simulation.appearance import Bodies
 from ..snapshot import Snapshot
 from . import image_planes, svg
-from .image_planes import WIDTH, Window, Windows, image_windows
+from .image_planes import WIDTH, Window, Windows
 from .metrics import draw_legend, draw_metrics, residual_lengths
-from .silhouettes import Silhouettes
 from .theme import HEAD, OBSERVED, RECOVERED, RING
-
-__all__ = ["arrow_gain", "draw_images", "image_windows"]
 
 HEIGHT = 280
 GAINS = (10, 5, 2)
 SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
-FIRST, SECOND = np.array([(0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3)]).T  # pairs of the views l, r, L, R
-INTO, SOURCE = np.concatenate([SECOND, FIRST]), np.concatenate([FIRST, SECOND])
+INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T  # views that a line is drawn in, and whose points it is of
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
 CAPTIONS = {"L": "own left", "R": "own right", "l": "", "r": ""}
 
 
 def draw_images(
     snapshot: Snapshot,
-    silhouettes: Silhouettes,
+    bodies: Bodies,
     windows: Windows,
     chosen: int | None = None,
     whole_frames: bool = False,
@@ -48,15 +45,15 @@ def draw_images(
     points = image_planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     lines = _epipolar_lines(snapshot, images, shown, chosen)
-    content = _bodies(snapshot, silhouettes, windows, whole_frames)
-    frame = silhouettes.world.scene.head.image
+    content = _arms(bodies, windows, whole_frames)
     parts = []
     for k, view in enumerate("lrLR"):
-        behind = image_planes.photograph(pictures[view], shown[view], frame) if view in pictures else ""
+        behind = image_planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
         inside = behind + content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
         if view in "LR" and chosen is not None:
             inside += _readout(snapshot, chosen, k - 2, shown[view], image_planes.BOXES[whole_frames][view])
-        parts.append(image_planes.plane(view, shown[view], whole_frames, frame, CAPTIONS[view] if wide else "", inside))
+        caption = CAPTIONS[view] if wide else ""
+        parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, caption, inside))
     parts.append(draw_legend(whole_frames, gain, chosen))
     parts.append(draw_metrics(snapshot, lengths, 253))
     return (
@@ -74,19 +71,16 @@ def arrow_gain(lengths: NDArray) -> float:
     return next((gain for gain in GAINS if gain * largest <= LONGEST), 1)
 
 
-def _bodies(snapshot: Snapshot, silhouettes: Silhouettes, windows: Windows, whole: bool) -> dict[str, str]:
+def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     """Silhouettes and skeletons by view; in L and R also the recovered skeleton."""
     drawn = {}
-    own, _ = image_planes.draw_arm(snapshot, silhouettes, windows, whole, "learner")
-    demo, origins = image_planes.draw_arm(snapshot, silhouettes, windows, whole, "demonstrator")
-    for view, (hulls, bones) in demo.items():
+    for view, (hulls, bones) in image_planes.draw_arm(bodies.demo, windows, whole, "lr").items():
         drawn[view] = f'<g class="vi-demo"><path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/></g>'
     found = {"L": "", "R": ""}
-    if snapshot.transfer is not None:
-        recovered = snapshot.transfer.recover(origins[0], origins[1])
-        both = image_planes.placed(np.stack([recovered[:, :2], recovered[:, 2:]]), windows[whole], "LR")
+    if bodies.recovered is not None:
+        both = image_planes.placed(bodies.recovered, windows[whole], "LR")
         found = {view: f'<path class="vi-bone vi-found" d="{svg.path(both[k])}"/>' for k, view in enumerate("LR")}
-    for view, (hulls, bones) in own.items():
+    for view, (hulls, bones) in image_planes.draw_arm(bodies.own, windows, whole, "LR").items():
         drawn[view] = f'<path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/>{found[view]}'
     return drawn
 
@@ -148,10 +142,9 @@ def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, box: tu
 def _epipolar_lines(snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None):
     """The chosen point's lines by view: from the left and the right image of the other pair, from the partner."""
     drawn = dict.fromkeys("lrLR", "")
-    if chosen is None or snapshot.usable.sum() < MIN_POINTS:
+    if chosen is None or snapshot.fundamental is None:
         return drawn
-    used = images[:, snapshot.usable]
-    f, f33 = fit_affine_fundamental(used[FIRST], used[SECOND])
+    f, f33 = snapshot.fundamental
     # f_p·p + f_q·q + f33 = 0 is a line of q for a given p, and of p for a given q
     normal = np.concatenate([f[:, 2:], f[:, :2]])
     of_source = np.concatenate([f[:, :2], f[:, 2:]])

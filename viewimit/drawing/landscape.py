@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
+from ..settings import Settings
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from . import relief, svg
 from .observability import described, draw_observability
+from .plots import figure
 from .posture_plane import PosturePlane
 from .theme import OBSERVED
 
@@ -21,6 +23,7 @@ CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than t
 PATH_LIMIT, DOT_LIMIT = 90, 60  # vertices of the path; motions up to which each has a dot
 INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
+CAPTION = 14  # px above a picture that stands alone
 NOW = 5.8  # px, radius of the big dot
 
 
@@ -28,7 +31,7 @@ class LandscapePicture:
     """html: the picture; draw_path: what lies over it. landscape: None while it is computed, or if `problem` says why
     there is none.
 
-    The demonstrator's mark is the truth, for the viewer.
+    The demonstrator's mark is the truth, for the viewer. contours: what they are of, in place of CONTOURS.
     """
 
     def __init__(
@@ -38,6 +41,7 @@ class LandscapePicture:
         snapshot: Snapshot,
         problem: str = "computing …",
         spread: NDArray | None = None,
+        contours: str | None = None,
     ):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks and their labels, over the path
@@ -53,7 +57,15 @@ class LandscapePicture:
         else:
             inside = self._draw(landscape, snapshot)
         note = described(joints, spread) if spread is not None else ""
-        self.html = plane.wrap(plane.frame("vi-plane") + inside + plane.axes(note, CONTOURS[snapshot.settings.camera]))
+        self._ground = (
+            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.camera])
+        )
+        self.html = plane.wrap(self._ground)
+
+    def draw_alone(self, settings: Settings) -> str:
+        """The picture without a path, with the words of what it was made."""
+        inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._above}</g>'
+        return figure(settings, inside, height=self._plane.height + CAPTION)
 
     def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None = None) -> str:
         """The motions up to the cursor, later ones faint. theta: (m,) rad, where the arm is seen while it moves."""
@@ -99,7 +111,8 @@ class LandscapePicture:
         # where the path will probably run
         way = [labels.take_point(*(start + share * (marks[1] - start)), 7) for share in np.linspace(0, 0.9, 12)]
         inset = ""
-        if np.max(np.abs(demo - lowest)) < CLOSE_DEG:
+        fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
+        if fine and np.max(np.abs(demo - lowest)) < CLOSE_DEG:
             inset = self._inset(landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start])
         self._above = _marks(marks) + self._leaders(marks, demo, lowest) + self._above
         contours = relief.contours(grid, landscape.E, labels, marks[1])

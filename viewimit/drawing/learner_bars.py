@@ -28,23 +28,3 @@ def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray) -> str:
             f'<circle cx="{x:.1f}" cy="{y}" r="5" class="vi-bar-learner"/></svg><b>{value}</b></div>'
         )
     return f'<div class="vi-bars{" vi-many" if many else ""}">{"".join(rows)}</div>'
-
-
-CSS = """
-.vi-bars{padding:0 8px 2px;font-size:14px}
-.vi-bar{display:flex;align-items:center;gap:8px;height:22px}
-.vi-bar svg{flex:1;min-width:0;height:22px}
-.vi-bar b{color:var(--learner);min-width:58px;text-align:right;font-variant-numeric:tabular-nums}
-.vi-many{display:grid;grid-template-columns:1fr 1fr;column-gap:10px;font-size:13px}
-.vi-many .vi-bar{gap:4px;min-width:0}
-.vi-many .vi-bar b{min-width:46px}
-.vi-bar-rail{stroke:var(--rule);stroke-width:4;stroke-linecap:round}
-.vi-bar-gap{stroke:var(--residual);stroke-width:2.4}
-.vi-bar-learner{fill:var(--learner)}
-.vi-bar-demonstrator{fill:var(--demonstrator);stroke:var(--demonstrator-edge);stroke-width:1}
-.vi-keys{display:flex;flex-wrap:wrap;gap:5px 9px;padding:2px 12px;font-size:12.5px;color:var(--secondary)}
-.vi-keys kbd{font:600 12px Inter,sans-serif;border:1px solid var(--rule);border-radius:4px;padding:1px 6px;
-background:var(--card);color:var(--ink)}
-.mantine-Slider-markLabel{display:none}
-.vi-lesson{padding:0 14px 2px;font-size:13px;line-height:1.35;color:var(--secondary)}
-"""

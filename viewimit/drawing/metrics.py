@@ -83,6 +83,7 @@ def gauge(condition: float) -> tuple[str, str]:
 
 
 def _short(value: float, whole_from: float = 1000) -> str:
+    """One digit whatever the size, unlike `svg.short`: large figures that change all the time should not jump."""
     if value >= 99_999.5:
         return "∞" if np.isinf(value) else f"{value:.0e}".replace("e+0", "e")
     return svg.number(value, 1 if value < whole_from else 0)

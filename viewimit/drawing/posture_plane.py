@@ -1,10 +1,13 @@
 """The plane of two joints' angles as a plot: the second joint to the right, the first upwards, one scale."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..simulation.scene import Scene
 from . import svg
+from .axes import Axes, angle_ticks
 from .labels import Labels
 
 WIDTH = 424
@@ -14,7 +17,8 @@ PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene withou
 
 
 class PosturePlane:
-    """scale: px a degree. box: (x, y, w, h) px of the plot. labels: what is taken of it. width: px, with its axes."""
+    """scale: px a degree. box: (x, y, w, h) px of the plot. labels: what is taken of it. width: px, with its axes;
+    range_deg: of the two joints, in place of the scene's."""
 
     def __init__(
         self,
@@ -22,36 +26,42 @@ class PosturePlane:
         width: float = WIDTH,
         most_high: float = MOST_HIGH,
         margins: tuple[float, float, float, float] = MARGINS,
+        range_deg: Sequence[tuple[float, float]] | None = None,
     ):
         self._width = width
         left, right, self._top, self._bottom = margins
         self.has_plane = len(scene.moving_joints) == 2
-        ranges = scene.range_deg if self.has_plane else PAPER_RANGE_DEG
+        ranges = (range_deg or scene.range_deg) if self.has_plane else PAPER_RANGE_DEG
         self._joints = [svg.joint_symbol(joint) for joint in scene.moving_joints] if self.has_plane else ["", ""]
         self._low, self._high = np.array(ranges, float).T
         span = self._high - self._low
         self.scale = float(min((width - left - right) / span[1], most_high / span[0]))
         w, h = span[1] * self.scale, span[0] * self.scale
         self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
-        self.labels = Labels(self.box[0], self._top, self.box[0] + w, self._top + h)
+        edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
+        up, across = zip(self._low.tolist(), self._high.tolist())
+        self._axes = Axes(*edges, across, up)
+        self.labels = Labels(*edges)
+
+    @property
+    def height(self) -> float:
+        """px, with its axes"""
+        return self._top + self.box[3] + self._bottom
 
     def place(self, degrees: NDArray) -> NDArray:
         """(..., 2) degrees → px"""
-        px = np.empty(degrees.shape)
-        px[..., 0] = self.box[0] + (degrees[..., 1] - self._low[1]) * self.scale
-        px[..., 1] = self._top + (self._high[0] - degrees[..., 0]) * self.scale
-        return px
+        return self._axes.place(degrees[..., 1], degrees[..., 0])
 
     def grid(self, axes: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
         """px of the columns and of the rows of a grid over axes, rad"""
         first, second = (np.degrees(axis) for axis in axes)
-        columns = self.place(np.stack([np.full(len(second), self._low[0]), second], -1))[:, 0]
-        return columns, self.place(np.stack([first, np.full(len(first), self._low[1])], -1))[:, 1]
+        return self._axes.x_px(second), self._axes.y_px(first)
 
     def wrap(self, inside: str, over: str = "") -> str:
         """A drawing of the plane's size. over: class of an element that lies over another."""
-        height = self._top + self.box[3] + self._bottom
-        drawing = f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {height:.1f}">{inside}</svg></div>'
+        drawing = (
+            f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {self.height:.1f}">{inside}</svg></div>'
+        )
         return f'<div class="{over}">{drawing}</div>' if over else drawing
 
     def frame(self, classes: str) -> str:
@@ -92,19 +102,13 @@ class PosturePlane:
             svg.text(left - 8, top + h / 4 + 4, self._joints[0], "vi-end"),
         ]
         ticks = []
-        for angle in _ticks(self._low[1], self._high[1]):
-            x = self.place(np.array([self._low[0], angle]))[0]
+        for angle, words in angle_ticks(self._low[1], self._high[1]):
+            x = float(self._axes.x_px(angle))
             ticks.append(f"M{x:.1f} {bottom:.1f}v4")
             anchor = "vi-2nd vi-end" if x > self._width - 16 else "vi-2nd vi-mid"
-            parts.append(svg.text(min(x, self._width - 2), bottom + 15, svg.number(angle, 0) + "°", anchor))
-        for angle in _ticks(self._low[0], self._high[0]):
-            y = self.place(np.array([angle, self._low[1]]))[1]
+            parts.append(svg.text(min(x, self._width - 2), bottom + 15, words, anchor))
+        for angle, words in angle_ticks(self._low[0], self._high[0]):
+            y = float(self._axes.y_px(angle))
             ticks.append(f"M{left:.1f} {y:.1f}h-4")
-            parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), svg.number(angle, 0) + "°", "vi-2nd vi-end"))
+            parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), words, "vi-2nd vi-end"))
         return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
-
-
-def _ticks(low: float, high: float) -> NDArray:
-    span = high - low
-    step = 45 if span > 130 or span == 90 else 30 if span > 45 else 15
-    return np.arange(np.ceil(low / step) * step, high + 1e-9, step)

@@ -21,6 +21,7 @@ MOST_LEVELS = 9
 FINE = np.array([1, 1.5, 2, 3, 5, 7])
 DARKEST = 0.78
 FLOOR = 2000  # E below the largest divided by that is shaded as the valley's floor
+FINE_GRID = 40  # postures a joint from which every second is enough for the shading
 SPACING = 2.6  # px between vertices of a contour
 AWAY = np.radians(40)  # a label may stand off its ray by that
 _OWN, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes meet in one page
@@ -30,33 +31,34 @@ Grid = tuple[NDArray, NDArray]
 
 def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
     """E: (rows, columns) at px grid = (x of columns, y of rows); box: x, y, w, h px of the plot."""
-    E = E[::2, ::2]  # the browser interpolates
+    every = 2 if min(E.shape) >= FINE_GRID else 1  # whoever shows it interpolates
+    E = E[::every, ::every]
     top = np.nanmax(E)
     bottom = max(np.nanmin(E), top / FLOOR, 1e-12)
     with np.errstate(invalid="ignore"):
         height = np.log(np.maximum(E, bottom) / bottom) / max(np.log(top / bottom), 1e-9)
     blind = np.isnan(height)
     alpha = np.where(blind, 0, 255 * DARKEST * np.clip(height, 0, 1) ** 0.85)
-    parts = [_masked(grid, alpha, box, "vi-hills")]
+    parts = [_masked(grid, every, alpha, box, "vi-hills")]
     if blind.any():
         name = f"vi-h{_OWN}-{next(_ids)}"
         parts.append(
             f'<pattern id="{name}" width="6" height="6" patternUnits="userSpaceOnUse">'
             '<path class="vi-blind" d="M0 6L6 0"/></pattern>'
         )
-        parts.append(_masked(grid, 255.0 * blind, box, f'" fill="url(#{name})'))
+        parts.append(_masked(grid, every, 255.0 * blind, box, f'" fill="url(#{name})'))
     return "".join(parts)
 
 
-def _masked(grid: Grid, alpha: NDArray, box: tuple[float, float, float, float], fill: str) -> str:
-    """A rectangle of one colour through a grey picture whose pixels are centred on every second grid point."""
+def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, float, float], fill: str) -> str:
+    """A rectangle of one colour through a grey picture whose pixels are centred on grid points, `every` apart."""
     x, y = grid
     buffer = io.BytesIO()
     Image.fromarray(np.rint(alpha[::-1]).astype(np.uint8)).save(buffer, "PNG")
     data = base64.b64encode(buffer.getvalue()).decode()
     rows, columns = alpha.shape
-    dx, dy = 2 * (x[1] - x[0]), 2 * (y[0] - y[1])
-    top = y[2 * (rows - 1)]
+    dx, dy = every * (x[1] - x[0]), every * (y[0] - y[1])
+    top = y[every * (rows - 1)]
     left, upper, w, h = box
     name, place = f"vi-m{_OWN}-{next(_ids)}", f'x="{left:.1f}" y="{upper:.1f}" width="{w:.1f}" height="{h:.1f}"'
     return (

@@ -56,7 +56,7 @@ SHAPES = {
 
 def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: bool = True) -> tuple[str, str]:
     """State and sentence. previous: the snapshots before this one, the latest last."""
-    used, E = int(snapshot.usable.sum()), f"E {_short(snapshot.E)} px²"
+    used, E = int(snapshot.usable.sum()), f"E {svg.short(snapshot.E)} px²"
     if snapshot.transfer is None:
         seen = f"only {used} points are" if used != 1 else "only 1 point is"
         if used == 0:
@@ -66,9 +66,9 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
         return "stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on."
     condition = float(snapshot.transfer.condition)
     method = TRANSFERS[snapshot.settings.transfer]
-    gauge = f"{method.condition_name} {_short(condition, 0)}"
+    gauge = f"{method.condition_name} {svg.number(condition, 0)}"
     if snapshot.flatness >= RED > condition:
-        return "ill-conditioned", f"{FLATNESS} {_short(snapshot.flatness, 0)}: {FLAT}; {E}."
+        return "ill-conditioned", f"{FLATNESS} {svg.number(snapshot.flatness, 0)}: {FLAT}; {E}."
     if condition >= RED:
         return "ill-conditioned", f"{gauge}, far too high: {method.ill}; {E}."
     if condition >= AMBER:
@@ -109,7 +109,7 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 
 def _arrival(snapshot: Snapshot) -> str:
     if snapshot.expected_error:
-        return f"the images' noise leaves about {_short(float(np.degrees(snapshot.expected_error)))}°"
+        return f"the images' noise leaves about {svg.short(float(np.degrees(snapshot.expected_error)))}°"
     return _rest(snapshot) or "E no longer falls"
 
 
@@ -121,12 +121,3 @@ def _rest(snapshot: Snapshot) -> str:
 
 def _motions(count: int) -> str:
     return "1 motion" if count == 1 else f"{count} motions"
-
-
-def _short(value: float, digits: int = 1) -> str:
-    """Fewer digits the larger the number."""
-    if not np.isfinite(value):
-        return svg.number(value)
-    if value < 10 and digits:
-        return svg.number(value, 2)
-    return svg.number(value, digits if value < 1000 else 0)

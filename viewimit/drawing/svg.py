@@ -13,6 +13,16 @@ from ..equations import number
 CELL = 1.4
 
 
+def short(value: float, one_digit_to: float = 1000) -> str:
+    """Fewer digits the larger the number: two below 10, one below `one_digit_to`, then none."""
+    return number(value, 2 if value < 10 else 1 if value < one_digit_to else 0)
+
+
+def short_E(E: float, one_digit_to: float = 1000) -> str:
+    """px²; a conflict below 0.01 nobody could see."""
+    return "< 0.01" if E < 0.01 else short(E, one_digit_to)
+
+
 def degrees(rad: float, digits: int = 1) -> str:
     """An angle in rad as degrees."""
     return number(np.degrees(rad), digits) + "°"
@@ -102,6 +112,18 @@ def polygons(corners: NDArray) -> list[str]:
 
 
 _POLYGONS = ["", "M%.1f %.1fz", *("M%.1f %.1fl%.1f %.1f" + " %.1f %.1f" * count + "z" for count in range(64))]
+
+
+def cross(place: NDArray, size: float) -> str:
+    """An upright cross at (2,) px; size: px from its middle to its ends."""
+    x, y = place
+    return f'<path class="vi-cross" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'
+
+
+def saltire(place: NDArray) -> str:
+    """The mark of what the paper says, at (2,) px."""
+    x, y = place
+    return f'<path class="vi-x-paper" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'
 
 
 def text(x: float, y: float, content: str, classes: str = "") -> str:

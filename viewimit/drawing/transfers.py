@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..analysis.study import Studied
 from ..simulation.scene import Scene
 from ..transfer import TRANSFERS
 from . import svg
 from .observability import draw_bars
-from .small_landscape import WIDTH, Studied, draw_small, small_plane
+from .small_landscape import WIDTH, draw_small, small_plane
 
 GAP, ROW = 10, 131  # px between columns, a row's height
 MOST_HIGH, TOP = 82, 15  # px of a plot, and from its row's top

@@ -4,7 +4,7 @@ A new experiment is a file, and a line here; ON_PICTURES are those that look at 
 """
 
 from .experiment import Experiment
-from .paper import fig7, fig7_figure, fig8, fig9, fig9_figure, fig10, fig10_figure
+from .paper import fig7, fig7_figure, fig8, fig8_figure, fig9, fig9_figure, fig10, fig10_figure
 
 EXPERIMENTS: dict[str, Experiment] = {
     "fig7": Experiment("Fig. 7: landscape and minima", fig7.run, fig7_figure.draw),
@@ -12,7 +12,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "fig10": Experiment("Fig. 10: trajectory imitation", fig10.run, fig10_figure.draw, options=("motion",)),
 }
 ON_PICTURES: dict[str, Experiment] = {
-    "fig8": Experiment("Fig. 8: landscape of pictures", fig8.run),
+    "fig8": Experiment("Fig. 8: landscape of pictures", fig8.run, fig8_figure.draw),
     "fig9": Experiment("Fig. 9: posture imitation", fig9.on_pictures, fig9_figure.draw),
 }
 

@@ -1,7 +1,6 @@
 """An experiment's result as files: tables as CSV and NPZ, figures as SVG and PNG, and a manifest that says of what."""
 
 import csv
-import importlib.util
 import json
 import platform
 from importlib.metadata import PackageNotFoundError, version
@@ -10,19 +9,18 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from ..drawing import standalone
+from ..drawing.plots import described
+from .experiment import Experiment, Result
 from .paper.claims import Claim
 from .tables import Table, Tables
 
-PACKAGES = ("viewimit", "numpy", "matplotlib")
+PACKAGES = ("viewimit", "numpy", "resvg_py")
 
 
-def can_draw() -> bool:
-    """Whether figures can be made: they need matplotlib."""
-    return importlib.util.find_spec("matplotlib") is not None
-
-
-def write(name: str, result, folder: Path) -> list[Path]:
-    """Of fig7, fig9 or fig10, into a folder that is made if need be; figures only where `can_draw`. Raises OSError."""
+def write(name: str, experiment: Experiment, result: Result, folder: Path) -> list[Path]:
+    """What an experiment has found, under its name, into a folder that is made if need be; a PNG only where one can be
+    rendered. Raises OSError."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     tables: Tables = result.tables
@@ -34,10 +32,11 @@ def write(name: str, result, folder: Path) -> list[Path]:
         if columns:
             written.append(folder / f"{name}-{table}.csv")
             _write_csv(written[-1], columns)
-    if can_draw():
-        from .pictures import draw  # loads matplotlib
-
-        written += draw(name, result, folder)
+    if experiment.draw is not None:
+        drawing = standalone.standalone(experiment.figure(result), experiment.title, described(result.settings))
+        for suffix in (".svg", ".png") if standalone.can_render() else (".svg",):
+            written.append(folder / f"{name}{suffix}")
+            standalone.write(written[-1], drawing)
     manifest = folder / f"{name}.json"
     said = _manifest(name, result, [path.name for path in written])
     manifest.write_text(json.dumps(said, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")

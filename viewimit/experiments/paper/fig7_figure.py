@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from ...analysis.convexity import GOOD, RADII_DEG
 from ...drawing import relief, svg
+from ...drawing.axes import Axes, decade_ticks, decades, log10
 from ...drawing.labels import CHARACTER
-from ...drawing.plots import Plot, decade_ticks, decades, figure, log10, sentence, style_of
+from ...drawing.plots import figure, sentence, style_of
 from ...drawing.posture_plane import PosturePlane
 from ...drawing.theme import OBSERVED
 from ...simulation.scene import Scene
@@ -57,23 +58,18 @@ def _relief(plane: PosturePlane, found: Fig7, surface: Surface) -> str:
     for place in (demo, *minima):
         plane.labels.take_point(*place, 9)
     parts = [relief.shading(grid, E, plane.box), relief.contours(grid, E, plane.labels, lowest)]
-    if surface.convexity is not None:
-        parts.append(_ellipse(plane, surface))
+    parts.append(_ellipse(plane, surface))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
-    parts += [_cross(place, "vi-cross", CROSS if k == 0 else CROSS / 2) for k, place in enumerate(minima)]
+    parts += [svg.cross(place, CROSS if k == 0 else CROSS / 2) for k, place in enumerate(minima)]
     return "".join(parts)
 
 
 def _ellipse(plane: PosturePlane, surface: Surface) -> str:
-    """Where the parabola δθᵀQδθ has one value, through the farthest posture up to which it holds."""
-    curved = surface.convexity
-    values, axes = np.linalg.eigh(curved.Q)
-    if not values[0] > 0 or not curved.holds_to_deg:
+    """How far the parabola δθᵀQδθ holds."""
+    ring = surface.convexity.ring_deg() if surface.convexity else None
+    if ring is None:
         return ""
-    angle = np.linspace(0, 2 * np.pi, 73)
-    reach = curved.holds_to_deg * np.sqrt(values[0] / values)
-    ring = np.degrees(surface.minima.theta[0]) + (reach * np.stack([np.cos(angle), np.sin(angle)], -1)) @ axes.T
-    return f'<path class="vi-x-ellipse" d="{svg.path(plane.place(ring))}"/>'
+    return f'<path class="vi-x-ellipse" d="{svg.path(plane.place(np.degrees(surface.minima.theta[0]) + ring))}"/>'
 
 
 def _biases(scene: Scene, found: Fig7 | None) -> str:
@@ -84,7 +80,7 @@ def _biases(scene: Scene, found: Fig7 | None) -> str:
     most = float(np.ceil(max([BIAS_DEG, *largest, *np.abs(here).ravel()])))
     left, top, right, bottom = CLOSE
     wide = most * (right - left) / (bottom - top)
-    plot = Plot(*CLOSE, (-wide, wide), (-most, most))
+    plot = Axes(*CLOSE, (-wide, wide), (-most, most))
     shown = 5.0 * max(1, most // 10)
     ticks = [(angle, svg.number(angle, 0) + "°") for angle in (-shown, 0, shown)]
     parts = [plot.frame("Minimum − demonstrator", "", ticks, ticks, OUT)]
@@ -95,10 +91,10 @@ def _biases(scene: Scene, found: Fig7 | None) -> str:
     for transfer, study in reversed(studies.items()):
         style = style_of(transfer, _transfers(found))
         parts.append(style.marks(plot.place(study.bias_deg[:, 1], study.bias_deg[:, 0]), DOT))
-    parts += [_cross(plot.place(*bias[::-1]), "vi-cross", CROSS) for bias in here]
+    parts += [svg.cross(plot.place(*bias[::-1]), CROSS) for bias in here]
     if found is None or found.demonstrator_deg == PAPER_DEMONSTRATOR_DEG:
         paper = np.subtract(PAPER_MINIMUM_DEG, PAPER_DEMONSTRATOR_DEG)
-        parts.append(_saltire(plot.place(*paper[::-1])))
+        parts.append(svg.saltire(plot.place(*paper[::-1])))
     return "".join(parts)
 
 
@@ -107,7 +103,7 @@ def _validity(found: Fig7 | None) -> str:
     curves = {name: each.convexity for name, each in found.surfaces.items() if each.convexity} if found else {}
     worst = np.concatenate([*(100 * curved.worst for curved in curves.values()), np.empty(0)])
     x, y = (float(RADII_DEG[0]), float(RADII_DEG[-1])), (decades(worst, *PERCENT)[0], np.nanmax([*worst, PERCENT[1]]))
-    plot = Plot(*VALID, x, y, log10, log10)
+    plot = Axes(*VALID, x, y, log10, log10)
     ticks = [(value, f"{words} %") for value, words in decade_ticks(*y, 3)]
     degrees = [(radius, f"{radius}°") for radius in (1, 3, 10, 30)]
     parts = [plot.frame("E − δθᵀQδθ, relative", "", degrees, ticks, OUT)]
@@ -123,8 +119,8 @@ def _legend(found: Fig7 | None) -> str:
     here, transfers = _here(found), _transfers(found)
     off = "" if not len(here) else f" ({svg.number(here[0, 0])}°, {svg.number(here[0, 1])}°) off"
     demonstrator = f'<path class="vi-seen" d="{svg.diamonds(np.array([[8, 0]]), OBSERVED + 1)}"/>'
-    entries = [(demonstrator, "demonstrator"), (_cross(np.array([8, 0]), "vi-cross", CROSS), f"smallest E{off}")]
-    entries.append((_saltire(np.array([8, 0])), "the paper's"))
+    entries = [(demonstrator, "demonstrator"), (svg.cross(np.array([8, 0]), CROSS), f"smallest E{off}")]
+    entries.append((svg.saltire(np.array([8, 0])), "the paper's"))
     entries.append(('<ellipse class="vi-x-ellipse" cx="8" cy="0" rx="8" ry="4"/>', "δθᵀQδθ, where it holds"))
     places = [(2, 175), (122, 175), (2, 191), (122, 191)]
     parts = [_entry(*place, *entry) for place, entry in zip(places, entries)]
@@ -151,13 +147,3 @@ def _transfers(found: Fig7 | None) -> Sequence[str]:
     """The one of the settings first."""
     own = found.settings.transfer if found else next(iter(TRANSFERS))
     return [own, *(name for name in TRANSFERS if name != own)]
-
-
-def _cross(place: NDArray, classes: str, size: float) -> str:
-    x, y = place
-    return f'<path class="{classes}" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'
-
-
-def _saltire(place: NDArray) -> str:
-    x, y = place
-    return f'<path class="vi-x-paper" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...drawing import svg
-from ...drawing.plots import Plot, Style, decade_ticks, decades, figure, log10, sentence, style_of
+from ...drawing.axes import Axes, decade_ticks, decades, log10
+from ...drawing.plots import Style, figure, sentence, style_of
 from ...servo import SERVOS
 from ...simulation.scene import Scene
 from .claims import TOLERANCES
@@ -39,19 +40,19 @@ def draw(scene: Scene, found: Fig9 | None = None) -> str:
     return figure(found.settings, "".join(parts) + _legend(found))
 
 
-def _plots(scene: Scene, found: Fig9 | None) -> tuple[Plot, Plot]:
+def _plots(scene: Scene, found: Fig9 | None) -> tuple[Axes, Axes]:
     low, high = np.min(scene.range_deg), np.max(scene.range_deg)
     E = np.concatenate([run.E for run in found.runs]) if found and found.runs else np.empty(0)
     if found is not None:
         E = np.maximum(np.append(E, found.E_demo), FLOOR_E)
     x = (0.0, float(max(MOTIONS, *(len(run.E) - 1 for run in (found.runs if found else ())), 0)))
     return (
-        Plot(LEFT, ANGLES[0], RIGHT, ANGLES[1], x, (float(low), float(high)), np.log1p),
-        Plot(LEFT, CONFLICT[0], RIGHT, CONFLICT[1], x, decades(E, SMALLEST_E, LARGEST_E), np.log1p, log10),
+        Axes(LEFT, ANGLES[0], RIGHT, ANGLES[1], x, (float(low), float(high)), np.log1p),
+        Axes(LEFT, CONFLICT[0], RIGHT, CONFLICT[1], x, decades(E, SMALLEST_E, LARGEST_E), np.log1p, log10),
     )
 
 
-def _frames(scene: Scene, angles: Plot, conflict: Plot, found: Fig9 | None) -> str:
+def _frames(scene: Scene, angles: Axes, conflict: Axes, found: Fig9 | None) -> str:
     names = [svg.joint_symbol(joint) for joint in scene.moving_joints]
     if found and len(names) <= 3:
         names = [f"{name} {svg.number(angle, 0)}°" for name, angle in zip(names, found.settings.demonstrator_deg)]
@@ -64,7 +65,7 @@ def _frames(scene: Scene, angles: Plot, conflict: Plot, found: Fig9 | None) -> s
     )
 
 
-def _run(angles: Plot, conflict: Plot, run: Run, faint: bool) -> str:
+def _run(angles: Axes, conflict: Axes, run: Run, faint: bool) -> str:
     style = _style(run.law)
     kept = _thinned(len(run.E), FAINT_VERTICES if faint else VERTICES)
     classes = style.line + (" vi-x-faint" if faint else "")
@@ -90,7 +91,7 @@ def _ends(style: Style, places: NDArray, good: bool) -> str:
     return f'<path class="vi-x-off-mark" d="{form % tuple(places.ravel().tolist())}"/>'
 
 
-def _values(conflict: Plot, runs: list[Run]) -> str:
+def _values(conflict: Axes, runs: list[Run]) -> str:
     """E where the runs ended, beside the plot."""
     ended = sorted(
         (float(conflict.place(0, max(run.E[-1], FLOOR_E))[1]), k) for k, run in enumerate(runs) if run.E[-1] > 0
@@ -98,8 +99,7 @@ def _values(conflict: Plot, runs: list[Run]) -> str:
     parts, above = [], -np.inf
     for rank, (y, k) in enumerate(ended):
         above = max(min(y, conflict.bottom - 13 * (len(ended) - 1 - rank)), above + 13)
-        E, style = runs[k].E[-1], _style(runs[k].law)
-        words = "E < 0.01 px²" if E < 0.01 else f"E {svg.number(E, 2 if E < 10 else 0)} px²"
+        style, words = _style(runs[k].law), f"E {svg.short_E(runs[k].E[-1], 10)} px²"
         parts.append(svg.text(LEGEND, above, words, f"vi-x-of-{style.role}"))
     return "".join(parts)
 

@@ -1,0 +1,13 @@
+"""What the browser is given as it is: the page's stylesheet, complete with the drawings' and the font. No script."""
+
+from pathlib import Path
+
+from viewimit.drawing.theme import DRAWING_CSS, font_face, variables
+
+PAGE_CSS = Path(__file__).with_name("page.css").read_text("utf-8")
+
+
+def stylesheet() -> str:
+    """All of the page's CSS, for both colour schemes."""
+    schemes = f':root{{{variables(False)}}}:root[data-mantine-color-scheme="dark"]{{{variables(True)}}}'
+    return "\n".join((schemes, font_face(), PAGE_CSS, DRAWING_CSS))

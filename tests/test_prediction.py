@@ -48,11 +48,14 @@ def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_whe
     then = first.snapshot.transfer
     now = first.run().with_fields(frozen=then)
     own, drift = now.views.own, np.ones_like(now.views.demo)
-    expected = own - then.recover(now.views.demo_left + 1, now.views.demo_right + 1)
-    np.testing.assert_allclose(predicted_conflict(now, drift, noise_px=0.5)(own), expected)
-    for asked in (predicted_conflict(now, drift), predicted_conflict(now, noise_px=0.5)):
-        assert not np.allclose(asked(own), expected, atol=0.1)
-    assert not np.allclose(predicted_conflict(now, drift, noise_px=0.5)(own, "epipolar"), expected, atol=0.1)
+
+    def of_frozen(by_px):
+        return own - then.recover(now.views.demo_left + by_px, now.views.demo_right + by_px)
+
+    np.testing.assert_allclose(predicted_conflict(now, drift, noise_px=0.5)(own), of_frozen(1.0))
+    assert not np.allclose(predicted_conflict(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_conflict(now, drift)(own), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_conflict(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
 
 
 def test_one_jump_of_the_demonstrator_is_no_drift():

@@ -8,7 +8,6 @@ from viewimit.assets import ROOT
 
 from viewimit.experiments.bench import baselines
 from viewimit.history import RECENT, STRIDE
-from viewimit.prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -29,10 +28,6 @@ def walked(session, motions):
     for _ in range(motions):
         session.step()
     return session
-
-
-def drift_of(session):
-    return demo_drift(session.history.recent(DRIFT_MOMENTS))
 
 
 def same(a, b):
@@ -321,33 +316,6 @@ def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
     assert session.snapshot.status == "moving"
 
 
-def test_the_noise_is_measured_at_rest():
-    for noise_px, frames in ((0.0, 1), (0.5, 1), (0.5, 25)):
-        session = Session(Settings(noise_px=noise_px, frames=frames, points=20, missing=0.1))
-        told = session.observation(session.snapshot).noise_px
-        assert told == pytest.approx(noise_px / np.sqrt(frames), rel=0.1, abs=1e-9)  # 560 degrees of freedom: 3 %
-
-
-def test_averaged_frames_bring_the_demonstrators_images_nearer_to_the_truth():
-    exact = Session(Settings()).snapshot.views.demo
-    error = [np.abs(Session(Settings(noise_px=1.0, frames=n)).snapshot.views.demo - exact).mean() for n in (1, 100)]
-    assert error[1] < 0.2 * error[0]
-
-
-def test_a_servo_may_ask_another_transfer_and_for_weights():
-    session = Session(Settings(transfer="epipolar"))
-    now = session.snapshot
-    ask, own = predicted_conflict(now), now.views.own
-    np.testing.assert_allclose(ask(own), now.e)
-    other = Session(Settings(transfer="linear")).snapshot
-    np.testing.assert_allclose(ask(own, "linear"), other.e)
-    unknown = own.copy()
-    unknown[3] = np.nan
-    assert ask(unknown).shape == (9, 4)
-    weighed = ask(own, None, own)
-    assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
-
-
 def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
     """One motion a degree of the demonstrator: without looking ahead the learner would lag by that degree."""
     session = run(Session(Settings(transfer="linear", servo="broyden", demonstrator_deg=(45, -90))))
@@ -358,22 +326,6 @@ def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
         session.step()
         lag.append(np.degrees(session.snapshot.theta) - (45 + (k + 1) * 0.5, -90 + k + 1) - bias)
     assert np.abs(lag[3:]).max() < 0.8  # the bias of the affine camera changes on the way
-
-
-def test_one_jump_of_the_demonstrator_is_no_drift():
-    session = walked(Session(Settings(transfer="linear")), 4)
-    session.pose(np.radians([70, -40]))
-    assert not drift_of(session).any()
-    session.step()
-    assert not drift_of(session).any()
-    for angle in (71, 72):
-        session.pose(np.radians([angle, -40]))
-        drift = drift_of(session).any()
-        session.step()
-    assert drift  # it has moved twice
-    session.step()
-    session.step()
-    assert not drift_of(session).any()
 
 
 def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arrives():

@@ -38,7 +38,7 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
     than a transfer needs they are infinite. Behind a moving demonstrator seen with noise, noise_px > 0, the transfer of
     the last convergence serves (Section 5.4): fitted anew at postures apart it would add its own noise to theirs.
     """
-    demo, demo_seen = now.views.demo + drift, now.views.visible[:, :2].all(-1)
+    demo, demo_seen = now.views.demo + drift, np.asarray(now.views.visible[:, :2].all(-1))
     frozen = now.frozen if drift.any() and noise_px > 0 else None
 
     def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:

@@ -126,7 +126,7 @@ class Session:
 
     def observation(self, now: Snapshot) -> Observation:
         """What a servo is told of a moment of the history."""
-        start = np.radians(np.array(now.settings.start_deg, float))
+        start = now.settings.start_rad
         return Observation(
             own=now.views.own,
             seen=now.views.visible[:, 2:],

@@ -3,6 +3,8 @@
 from collections.abc import Collection
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from .perception.latency import MOST_LAG
 from .servo import SERVOS
@@ -43,6 +45,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     delay: int = 0
     seed: int = 7
     camera: str = "points"
+
+    @property
+    def start_rad(self) -> NDArray:
+        """(m,) rad. Raises ValueError for the scene's own start: the settings of a session say which that is."""
+        if self.start_deg is None:
+            raise ValueError("start_deg is not given: the scene has a start of its own")
+        return np.radians(self.start_deg)
 
     def __post_init__(self) -> None:
         _require_choice("transfer", self.transfer, TRANSFERS)

@@ -80,7 +80,7 @@ def follow(
     The session itself stays as it is, too. tell: the share done.
     """
     settings, scene, world, eyes = session.settings, session.scene, session.world, session.eyes
-    start, model, moved = np.radians(settings.start_deg), learned_images(session), 0
+    start, model, moved = settings.start_rad, learned_images(session), 0
     theta, sent = session.snapshot.theta, session.snapshot.commanded
 
     def look() -> Observation:

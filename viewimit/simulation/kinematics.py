@@ -1,4 +1,7 @@
-"""Posing the demonstrator by its hand. It is a puppet here: this uses its model, so no servo may."""
+"""Where an arm's hand is, how the joints move it, and a posture that brings it somewhere.
+
+For people who pose the demonstrator, and for the truth about a learner: it needs the arm's model, which no servo has.
+"""
 
 import numpy as np
 from numpy.typing import NDArray

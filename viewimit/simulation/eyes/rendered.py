@@ -54,7 +54,7 @@ class RenderedEyes:
 
     def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
         """What the actuator makes of a command is where the motors are told to go; `sent` plays no part."""
-        start, scene = np.radians(settings.start_deg), self.world.scene
+        start, scene = settings.start_rad, self.world.scene
         actuator = Actuator(settings.gain_error, settings.quantum_deg)
         return self._arm.drive(theta, np.clip(actuator.move(start, commanded - start), scene.lower, scene.upper))
 

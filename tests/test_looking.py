@@ -1,0 +1,84 @@
+"""What a learner gets to see: how often it looks at whom, how noise is known, and which look shows a motion."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from viewimit.looking import Observer
+from viewimit.perception.latency import MOST_LAG
+from viewimit.session import Session
+from viewimit.settings import Settings
+from viewimit.simulation.eyes import ProjectedEyes
+from viewimit.simulation.scene import load_scene
+
+START, DEMO = np.radians((25, -45)), np.radians((45, -90))
+
+
+class CountingEyes(ProjectedEyes):
+    """Remember what they were asked for."""
+
+    def __init__(self):
+        super().__init__(load_scene("panda"), 10)
+        self.asked = []
+
+    def demo_images(self, theta):
+        self.asked.append("demo")
+        return super().demo_images(theta)
+
+    def own_images(self, theta):
+        self.asked.append("own")
+        return super().own_images(theta)
+
+
+@pytest.fixture
+def eyes():
+    return CountingEyes()
+
+
+@pytest.fixture
+def observer(eyes):
+    return Observer(eyes, START)
+
+
+def test_the_demonstrator_is_looked_at_again_only_when_it_or_its_disturbance_has_changed(eyes, observer):
+    settings = Settings(noise_px=0.1)
+    for look in range(3):
+        observer.four_views(settings, START, DEMO, look)
+    assert eyes.asked.count("demo") == 1 and eyes.asked.count("own") == 3
+    observer.four_views(settings, START, DEMO + 0.1, 3)
+    assert eyes.asked.count("demo") == 2
+    for change in ({"noise_px": 0.2}, {"missing": 0.1}, {"outliers": 0.1}, {"frames": 2}, {"seed": 8}):
+        observer.demo(settings, DEMO)
+        asked = eyes.asked.count("demo")
+        observer.demo(msgspec.structs.replace(settings, **change), DEMO)
+        assert eyes.asked.count("demo") == asked + 1, change
+
+
+def test_every_look_at_the_own_body_has_noise_of_its_own_and_repeats_itself(observer):
+    settings = Settings(noise_px=0.3)
+    first, second, again = (observer.own(settings, START, look)[0] for look in (0, 1, 0))
+    np.testing.assert_array_equal(first, again)
+    assert not np.allclose(first, second)
+    assert not np.allclose(first, observer.own(msgspec.structs.replace(settings, seed=8), START, 0)[0])
+
+
+@pytest.mark.parametrize("delay", range(MOST_LAG + 1))
+def test_the_first_motion_tells_how_late_images_come_and_later_ones_are_not_asked(eyes, observer, delay):
+    now = Session(Settings(start_deg=(25, -45), delay=delay)).snapshot
+    assert observer.wait(now, START + 0.1) == (delay, delay)
+    assert observer.wait(now, START) == (MOST_LAG, None)  # no motion that could show
+    asked = len(eyes.asked)
+    assert observer.wait(now.with_fields(lag=2), START + 0.1) == (2, 2) and len(eyes.asked) == asked
+
+
+def test_the_noise_is_measured_at_rest():
+    for noise_px, frames in ((0.0, 1), (0.5, 1), (0.5, 25)):
+        session = Session(Settings(noise_px=noise_px, frames=frames, points=20, missing=0.1))
+        told = session.observation(session.snapshot).noise_px
+        assert told == pytest.approx(noise_px / np.sqrt(frames), rel=0.1, abs=1e-9)  # 560 degrees of freedom: 3 %
+
+
+def test_averaged_frames_bring_the_demonstrators_images_nearer_to_the_truth():
+    exact = Session(Settings()).snapshot.views.demo
+    error = [np.abs(Session(Settings(noise_px=1.0, frames=n)).snapshot.views.demo - exact).mean() for n in (1, 100)]
+    assert error[1] < 0.2 * error[0]

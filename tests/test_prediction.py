@@ -1,0 +1,75 @@
+"""What a servo may ask about images that it predicts, and how a demonstrator goes on."""
+
+import numpy as np
+
+from viewimit.prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+
+def drift_of(session):
+    return demo_drift(session.history.recent(DRIFT_MOMENTS))
+
+
+def test_a_servo_may_ask_another_transfer_and_for_weights():
+    session = Session(Settings(transfer="epipolar"))
+    now = session.snapshot
+    ask, own = predicted_conflict(now), now.views.own
+    np.testing.assert_allclose(ask(own), now.e)
+    other = Session(Settings(transfer="linear")).snapshot
+    np.testing.assert_allclose(ask(own, "linear"), other.e)
+    unknown = own.copy()
+    unknown[3] = np.nan
+    assert ask(unknown).shape == (9, 4)
+    assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # nothing can be told of such images
+    weighed = ask(own, None, own)
+    assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
+
+
+def test_images_of_a_batch_are_answered_as_each_of_them():
+    now = Session(Settings(transfer="projective")).snapshot
+    ask, own = predicted_conflict(now), now.views.own
+    batch = own + np.random.default_rng(0).normal(0, 2, (2, 3, *own.shape))
+    for by in (None, "epipolar"):
+        together = ask(batch, by)
+        for index in np.ndindex(2, 3):
+            np.testing.assert_allclose(together[index], ask(batch[index], by), atol=1e-8)
+
+
+def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
+    now = Session(Settings(transfer="linear")).snapshot
+    drift = np.full_like(now.views.demo, 3.0)
+    ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
+    np.testing.assert_allclose(predicted_conflict(now, drift)(now.views.own), ahead.e)
+
+
+def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
+    first = Session(Settings(transfer="linear", start_deg=(25, -45)))
+    then = first.snapshot.transfer
+    now = first.run().with_fields(frozen=then)
+    own, drift = now.views.own, np.ones_like(now.views.demo)
+
+    def of_frozen(by_px):
+        return own - then.recover(now.views.demo_left + by_px, now.views.demo_right + by_px)
+
+    np.testing.assert_allclose(predicted_conflict(now, drift, noise_px=0.5)(own), of_frozen(1.0))
+    assert not np.allclose(predicted_conflict(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_conflict(now, drift)(own), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_conflict(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
+
+
+def test_one_jump_of_the_demonstrator_is_no_drift():
+    session = Session(Settings(transfer="linear"))
+    session.run(4)
+    session.pose(np.radians([70, -40]))
+    assert not drift_of(session).any()
+    session.step()
+    assert not drift_of(session).any()
+    for angle in (71, 72):
+        session.pose(np.radians([angle, -40]))
+        drift = drift_of(session).any()
+        session.step()
+    assert drift  # it has moved twice
+    session.step()
+    session.step()
+    assert not drift_of(session).any()

@@ -19,7 +19,7 @@ from viewimit.app.jobs import experiment_child
 from viewimit.app.page import KEPT_EVERY
 from viewimit.app.panels.help import help_html
 from viewimit.app.sessions.autosave import Keeper
-from viewimit.app.sessions.codec import encode
+from viewimit.app.sessions.codec import decode, encode
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
 from viewimit.analysis import landscape
@@ -250,6 +250,13 @@ def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
     assert len(kept) > 8 and isinstance(resumed[3].servo_state, CautiousState) and resumed[3] is not kept[3]
     assert_same(kept, resumed)
     keeper.stop()
+
+
+def test_the_transfer_frozen_at_convergence_is_kept():
+    history = stepped(40).history
+    back = decode(encode(history))
+    assert isinstance(back[-1].frozen.penalty, Penalty)
+    assert_same(tuple(back), tuple(history))
 
 
 @pytest.mark.parametrize("methods, name, without", [(TRANSFERS, "ridge", Penalty), (SERVOS, "cautious", BroydenState)])

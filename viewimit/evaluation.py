@@ -7,7 +7,7 @@ from .views import FourViews
 
 
 def residual(transfer, views: FourViews) -> NDArray:
-    """e: (..., N, 4) px, from the recovered points to the learner's own, in [L, R]; `rank3` has those in [l, r] too."""
+    """e: (..., N, 4) px, from the recovered points to the learner's own; a transfer may have those in [l, r] too."""
     return transfer.residual(views)
 
 

@@ -1,7 +1,6 @@
 """What every affine transfer comes down to: one 4 x 4 map between centred image points."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,24 +34,15 @@ def _mapped(matrix: NDArray, points: NDArray) -> NDArray:
     return (points @ columns).transpose(2, 1, 0).reshape(batch + points.shape)
 
 
-class _Mapped(Protocol):
-    """Of one posture."""
-
-    demo_mean: NDArray
-    own_mean: NDArray
-
-    @property
-    def matrix(self) -> NDArray: ...
-
-
-def map_equation(fitted: _Mapped, demo: NDArray, name: str) -> Equation:
-    """What stands in place of Eq. (4) if a point, (4,) px in [l, r], is recovered by one map of centred points."""
-    centred = demo - fitted.demo_mean
-    recovered = fitted.own_mean + fitted.matrix @ centred
+def map_equation(matrix: NDArray, demo_mean: NDArray, own_mean: NDArray, demo: NDArray, name: str) -> Equation:
+    """What stands in place of Eq. (4) if a point, demo: (4,) px in [l, r], is recovered by one map (4, 4) of points
+    about their centroids, (4,) px each."""
+    centred = demo - demo_mean
+    recovered = own_mean + matrix @ centred
     return Equation(
         "",
         f"in place of (4), point {name}: centroid + map · (c − its centroid), px",
         rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}={column(4)}+{holes(4, 4)}{column(4)}={column(4)}",
-        (name, *each(fitted.own_mean, 0), *each(fitted.matrix, 2), *each(centred, 1), *each(recovered, 1)),
+        (name, *each(own_mean, 0), *each(matrix, 2), *each(centred, 1), *each(recovered, 1)),
         wide=True,
     )

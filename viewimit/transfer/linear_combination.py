@@ -48,7 +48,7 @@ def fit(views: FourViews) -> LinearTransfer:
 
 
 def equations(fitted: LinearTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
-    return (map_equation(fitted, demo, name),)
+    return (map_equation(fitted.matrix, fitted.demo_mean, fitted.own_mean, demo, name),)
 
 
 METHOD = TransferMethod(

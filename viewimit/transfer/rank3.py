@@ -6,6 +6,7 @@ E = 1/(2N) Σ λ_k(W), k = 1…5, of W's eight eigenvalues, ascending. The demon
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +24,7 @@ RANK = 3
 class Rank3Transfer(Transfer):
     """scatter: (..., 8, 8) px² of the centred [l r L R]; demo_mean, own_mean: (..., 4) px; flat: σ1/σ3 of [l r]."""
 
-    weighs_noise = True
+    weighs_noise: ClassVar[bool] = True
     scatter: NDArray
     demo_mean: NDArray
     own_mean: NDArray
@@ -80,7 +81,7 @@ def fit(views: FourViews) -> Rank3Transfer:
 
 
 def equations(fitted: Rank3Transfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
-    return (map_equation(fitted, demo, name),)
+    return (map_equation(fitted.matrix, fitted.demo_mean, fitted.own_mean, demo, name),)
 
 
 def conflict_equation(E: float) -> Equation:

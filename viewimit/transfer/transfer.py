@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from numpy.typing import ArrayLike, NDArray
 
@@ -66,13 +66,10 @@ class TransferMethod:
         return self.fit(views)
 
 
-class Transfer:
+class Transfer(FittedTransfer):
     """E by Eq. (6) from the points that `recover` finds."""
 
-    weighs_noise = False
-
-    def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
-        raise NotImplementedError
+    weighs_noise: ClassVar[bool] = False
 
     def residual(self, views: FourViews) -> NDArray:
         return views.own - self.recover(views.demo_left, views.demo_right)

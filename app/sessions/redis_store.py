@@ -1,6 +1,7 @@
 """Sessions in a Redis, one hash each: what several servers behind one proxy share."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 try:
     import redis
@@ -63,7 +64,7 @@ class RedisStore:
     def close(self) -> None:
         self._redis.close()
 
-    def _run(self, change, key: str):
+    def _run(self, change: Callable[[Any], Any], key: str) -> Any:
         """Read and change as one: tried again if somebody else came between."""
         try:
             return self._redis.transaction(change, _name(key), value_from_callable=True)

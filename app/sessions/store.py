@@ -15,9 +15,11 @@ class Store(Protocol):
 
     def claim(self, key: str, writer: str) -> dict[str, bytes]:
         """Its parts, none if there is no such session; from now on `writer` alone may write them."""
+        ...
 
     def save(self, key: str, writer: str, parts: dict[str, bytes], gone: Iterable[str] = ()) -> bool:
         """Write parts and remove others, all or nothing. False if somebody else has claimed the session."""
+        ...
 
     def touch(self, keys: Iterable[str]) -> None:
         """A sign of life of these sessions; those without one for KEPT_S are removed."""

@@ -109,8 +109,8 @@ def _success(args: argparse.Namespace, scene: Scene) -> tuple[list[dict], str]:
             name,
             lambda tell: success.run(settings, pairs, transfers, servos, args.max_motions, tell=tell),  # noqa: B023
         )
-    pairs = f"{what}, {args.points} points of {args.scene}"
-    return [{"pairs": pairs, **asdict(result)} for result in results], tables.success_table(results, pairs)
+    heading = f"{what}, {args.points} points of {args.scene}"
+    return [{"pairs": heading, **asdict(result)} for result in results], tables.success_table(results, heading)
 
 
 def _asked(args: argparse.Namespace) -> list[tuple[list[str], list[str]]]:

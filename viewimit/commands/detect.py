@@ -66,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
             for picture in (picture for path in paths for picture in pictures(path)):
                 found = detect(picture, hue_deg, args.middle)
                 rows[view] += [
-                    (count, str(k), *map(float, found.points[k]), float(found.confidence[k]))
+                    (count, str(k), float(found.points[k, 0]), float(found.points[k, 1]), float(found.confidence[k]))
                     for k in range(len(hue_deg))
                     if found.found[k]
                 ]

@@ -32,7 +32,7 @@ def write(path: Path, history: Sequence[Snapshot], joints: Sequence[int]) -> Non
         rows.writerows(zip(*(column.tolist() for column in columns.values())))
 
 
-def _columns(history: Sequence[Snapshot], joints: Sequence[int]) -> dict[str, np.ndarray]:
+def _columns(history: Sequence[Snapshot], joints: Sequence[int]) -> dict[str, Any]:
     """Each of one value a motion, in full: moved is the motion that led there; usable, the points seen in all views."""
     angles: dict[str, Any] = {
         "theta": [moment.theta for moment in history],

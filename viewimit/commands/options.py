@@ -2,7 +2,7 @@
 
 import argparse
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import msgspec
 import numpy as np
@@ -109,9 +109,11 @@ def naming(option: str) -> Iterator[None]:
     """Faults found inside are the user's, in that option."""
     try:
         yield
-    except (ValueError, OSError) as error:
-        named = isinstance(error, OSError) and error.filename is not None
-        raise BadInput(f"{option}: {f'{error.filename}: {error.strerror}' if named else error}") from None
+    except OSError as error:
+        what = error if error.filename is None else f"{error.filename}: {error.strerror}"
+        raise BadInput(f"{option}: {what}") from None
+    except ValueError as error:
+        raise BadInput(f"{option}: {error}") from None
 
 
 def between(convert: Callable, low: float, high: float) -> Callable:
@@ -144,5 +146,5 @@ def angles(text: str) -> tuple[float, ...]:
         raise argparse.ArgumentTypeError(f"needs degrees separated by commas, such as 45,-90, got {text!r}") from None
 
 
-def posture(theta_deg) -> str:
+def posture(theta_deg: Iterable[float]) -> str:
     return f"({', '.join(f'{angle:.4g}°' for angle in theta_deg)})"

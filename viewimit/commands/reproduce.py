@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
@@ -99,7 +100,7 @@ def _motion(name: str, settings):
     return load(name, load_scene(settings.scene, settings.robot, settings.joints))
 
 
-def _with_bar(name: str, work: Callable) -> object:
+def _with_bar(name: str, work: Callable[..., Any]) -> Any:
     """A bar on standard error if that is a terminal."""
     with tqdm(total=1.0, desc=name, disable=None, bar_format="{desc} {percentage:3.0f}% {bar} {elapsed}") as bar:
         return work(lambda share, _: bar.update(share - bar.n))

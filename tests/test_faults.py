@@ -38,7 +38,7 @@ class Here:
 
     def __init__(self, folder):
         tally = Tally()
-        scheduler = Scheduler(tally.rows[0])
+        scheduler = Scheduler(tally.rows[0].live, tally.rows[0].clear)
         self.door = Door(40, (), tally, tally.rows[0])
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.door.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)

@@ -8,7 +8,8 @@ import pytest
 import viser.transforms as vtf
 from hypothesis import given
 from hypothesis import strategies as st
-from viewimit.app.viser_private import joint_quaternion, quaternion, serving_with
+from viewimit.app.scene.rotations import joint_quaternion, quaternion
+from viewimit.app.viser_private import serving_with
 from viser import GuiHtmlHandle
 from viser._messages import GuiHtmlProps, SceneNodeUpdateMessage, SetOrientationMessage
 

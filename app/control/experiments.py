@@ -7,8 +7,7 @@ import msgspec
 from viewimit.experiments import EXPERIMENTS
 from viewimit.session import Session
 
-from ..jobs.experiments import ExperimentWorker, Run, Wish
-from .checks import choice
+from ..jobs.experiments import ExperimentWorker, Request, Run
 from .motions import Motions
 
 TITLES = {
@@ -18,11 +17,20 @@ TITLES = {
 }
 
 
-class Experiments:
-    """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
+def titles() -> dict[str, str]:
+    """By name, of those that there are now."""
+    return {name: TITLES[name] for name in EXPERIMENTS}
 
-    latest: the run asked for last; runs: by experiment, its latest. All look at projected points, whatever the page
-    looks with: pictures would take them hours.
+
+def short_title(name: str) -> str:
+    """As "Fig. 7"."""
+    return titles()[name].split(":")[0]
+
+
+class Experiments:
+    """chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest.
+
+    All look at projected points, whatever the page looks with: pictures would take them hours.
     """
 
     def __init__(
@@ -39,12 +47,6 @@ class Experiments:
         self.chosen = next(iter(EXPERIMENTS))
         self.latest: Run | None = None
         self.runs: dict[str, Run] = {}
-        self.wishes: dict[str, Callable] = {
-            "experiment": self.choose,
-            "run": self.run_or_cancel,
-            "run told": self.take,
-            "download": self.download,
-        }
 
     @property
     def going_on(self) -> bool:
@@ -60,22 +62,19 @@ class Experiments:
         """Of the experiment that is chosen."""
         return self.runs.get(self.chosen)
 
-    def choose(self, value) -> None:
-        self.chosen = choice(value, {title: name for name, title in TITLES.items()}, "experiment")
-
     def run_or_cancel(self) -> None:
         if self.going_on:
             self._worker.cancel(self._page_id)
             return
         options = {"motion": self._motions.asked_for()} if self.chosen == "fig10" else {}
         settings = msgspec.structs.replace(self._session.settings, camera="points")
-        self._worker.ask(self._page_id, Wish(self.chosen, settings, options), self._tell)
+        self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._tell)
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
         self.latest = self.runs[run.name] = run
         if run.state == "failed":
-            raise ValueError(f"{TITLES[run.name].split(':')[0]} failed: {run.problem}")
+            raise ValueError(f"{short_title(run.name)} failed: {run.problem}")
 
     def download(self) -> None:
         if self.shown is None or not self.shown.archive:

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from viewimit.drawing import svg
 from viewimit.experiments.paper.claims import Claim
 
+from ..control.experiments import short_title
 from ..jobs.experiments import Run
 
-TITLES = {"fig7": "Fig. 7", "fig9": "Fig. 9", "fig10": "Fig. 10"}
 PASS = (
     '<svg class="vi-mark" viewBox="0 0 16 16"><circle cx="8" cy="8" r="7" class="vi-mark-pass"/>'
     '<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>pass'
@@ -24,7 +24,7 @@ def draw_progress(run: Run | None, chosen: str) -> str:
     if run is None:
         state, share, words = "idle", 0.0, "not run yet"
     else:
-        name = "" if run.name == chosen else f"{TITLES[run.name]}: "
+        name = "" if run.name == chosen else f"{short_title(run.name)}: "
         state, share, words = run.state, run.share, name + _words(run)
     percent = round(100 * share)
     return (
@@ -56,7 +56,7 @@ def _held(claims: Sequence[Claim]) -> str:
 def draw_verdict(run: Run | None) -> str:
     """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
     if run is not None and run.problem:
-        return f'<div class="vi-verdict"><p>{TITLES[run.name]} failed: {svg.escape(run.problem)}</p></div>'
+        return f'<div class="vi-verdict"><p>{short_title(run.name)} failed: {svg.escape(run.problem)}</p></div>'
     if run is None or not run.claims:
         return ""
     head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))

@@ -1,7 +1,6 @@
 """One page: a model, what is shown of it, and the loop that carries out what its visitor does.
 
-Built in viser's thread, then ticked by the scheduler alone. With camera images it takes its turns beside the scheduler;
-the page is ticked, and drawn, as ever.
+Built in viser's thread, then ticked by the scheduler alone.
 """
 
 import threading

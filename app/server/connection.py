@@ -36,7 +36,6 @@ PING_EVERY, PONG_WITHIN = 15.0, 15.0  # s: one that does not take what is sent d
 CLOSED_WITHIN = 2.0  # s that a client is given to say goodbye
 UNSENT = 1 << 18  # bytes that the system keeps for a client that is slow to take them
 OPEN_FILES = 200  # connections at a time that are no seats yet, such as page loads
-STARTING = frozenset({"ViewerCameraMessage"})
 log = logging.getLogger(__name__)
 
 FULL = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
@@ -70,7 +69,7 @@ class Door:
     def guard(self, server: ViserServer) -> None:
         """Whose clients pass it; nobody gets a seat before."""
         self._server = server
-        viser_private.loop_of(server).call_soon_threadsafe(self._guarded.set)
+        server.get_event_loop().call_soon_threadsafe(self._guarded.set)
 
     def serve(self, plain: Callable, handler, host, port, *, process_request, **options):
         def connect(protocol, websockets_server, **limits) -> GuardedConnection:
@@ -96,10 +95,15 @@ class Door:
         self._log.warn(f"{connection.name}: refused {what}")
 
     def client_of(self, connection: "GuardedConnection"):
-        return None if self._server is None else viser_private.client_of(self._server, connection)
+        """Whose connection it is; None before its first camera message."""
+        if self._server is None:
+            return None
+        one = viser_private.connection_of
+        clients = self._server.get_clients().items()
+        return next((client for number, client in clients if one(self._server, number) is connection), None)
 
     def belongs_to_another(self, uuid: str) -> bool:
-        return any(viser_private.widget_of(client, uuid) for client in self._server.get_clients().values())
+        return any(uuid in viser_private.own(client).widgets for client in self._server.get_clients().values())
 
     @property
     def full(self) -> bool:

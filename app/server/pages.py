@@ -92,7 +92,7 @@ class App:
         share_scene(server)
         server.on_client_connect(self._connect)
         server.on_client_disconnect(self._disconnect)
-        self._scheduler.start(viser_private.loop_of(server))
+        self._scheduler.start(server.get_event_loop())
 
     def stop(self) -> None:
         """Nothing moves any more, and all that the visitors did is kept."""

@@ -48,23 +48,23 @@ class Page:
         resumed: Memory | None = None,
     ):
         self._client, self._shedding, self._keep = client, services.shedding, keep
-        self._queue, self._redraw, self._sent_at = CommandQueue(), Redraw(), -SEND_EVERY
-        self.model = PageModel(client.client_id, settings, services, self._queue, self._send)
-        self._commands = CommandLoop(self.model, self._queue, services.shedding, self._announce_pictures)
+        self.queue, self._redraw, self._sent_at = CommandQueue(), Redraw(), -SEND_EVERY
+        self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
+        self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures)
         if resumed is not None:
             self._resume(resumed)
         wide = client.camera.image_width >= WIDE
         with client.atomic():
-            layout, state = Layout(client, self._queue, wide), self.model.state(0.0)
+            layout, state = Layout(client, self.queue, wide), self.model.state(0.0)
             self._panels = [panel() for panel in PANELS]
             for panel in self._panels:
                 panel.build(layout, state)
             layout.dock()
-            self._scene = Scene3D(client, self._queue, COVERED[wide], services.share_opponent)
+            self._scene = Scene3D(client, self.queue, COVERED[wide], services.share_opponent)
 
     def put(self, command: Command) -> None:
         """As if the visitor had done it; from any thread."""
-        self._queue.put(command)
+        self.queue.put(command)
 
     def panel(self, kind: type):
         """The page's panel of this class."""
@@ -111,11 +111,11 @@ class Page:
         """Show what the visitor had chosen; the loop is paused. Camera images are taken in the first turn."""
         if memory.history[memory.head.cursor].settings.camera == "rendered":
             self.model.begin_like(memory)
-            self._queue.put(Resume(memory))
+            self.queue.put(Resume(memory))
         else:
             self.model.go_on(memory)
         if memory.head.motion is not None:
-            self._queue.put(LoadMotion.parse(memory.head.motion))
+            self.queue.put(LoadMotion.parse(memory.head.motion))
 
     def _show(self, now: float) -> None:
         poses = self.model.poses(now)

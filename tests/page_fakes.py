@@ -5,7 +5,6 @@ import threading
 import time
 from functools import partial
 
-from viewimit.app.control.commands.command import parsed
 from viewimit.app.control.commands.display import ChoosePoint, FitView, NextPoint, Switch, ToggleComparison, ToggleHelp
 from viewimit.app.control.commands.duel import ChooseOpponent, ToggleDuel
 from viewimit.app.control.commands.experiments import (
@@ -184,7 +183,7 @@ class Visit:
         )
 
     def put(self, name, value):
-        self.page.put(parsed(CONTROLS[name], value))
+        self.page.queue.put_value(CONTROLS[name], value)
 
     def act(self, name):
         self.page.put(BUTTONS[name])

@@ -59,7 +59,7 @@ class Motions:
         return 0, FRAMES - 1
 
     def describe(self) -> tuple[str, str]:
-        """State and sentence, as the pill has them."""
+        """State and sentence, as the line under the scene has them."""
         if self._recorder is not None:
             if self._recorder.seconds == 0:
                 return "recording", "move the demonstrator by its sliders or its hand."

@@ -2,8 +2,9 @@
 
 import threading
 from collections.abc import Callable
+from typing import Any
 
-from .commands.command import Command
+from .commands.command import Command, Refused
 
 PENDING_LIMIT = 200  # actions that wait, per page
 
@@ -30,6 +31,14 @@ class CommandQueue:
             elif full:
                 return
             self._waiting.append(command)
+
+    def put_value(self, parse: Callable[[Any], Command], value: Any) -> None:
+        """The command that a browser's value stands for, checked here and nowhere else: parse may raise ValueError."""
+        try:
+            command = parse(value)
+        except ValueError as refusal:
+            command = Refused(str(refusal))
+        self.put(command)
 
     def take(self, wanted: Callable[[Command], bool] = _all) -> list[Command]:
         """What is wanted of it, in order; the rest waits."""

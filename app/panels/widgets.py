@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from ..control.commands.command import Command, parsed
+from ..control.commands.command import Command
 from ..control.queue import CommandQueue
 from ..viser_private import push_html
 
@@ -14,7 +14,7 @@ def on_value(handle, queue: CommandQueue, parse: Callable[[Any], Command]) -> No
     @handle.on_update
     async def _(event) -> None:
         if event.client_id is not None:  # None: the page itself wrote it
-            queue.put(parsed(parse, event.target.value))
+            queue.put_value(parse, event.target.value)
 
 
 def on_click(handle, queue: CommandQueue, command: Command) -> None:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle
 
-from ..control.commands.command import parsed
 from ..control.commands.session import PoseHand
 from ..control.queue import CommandQueue
 
@@ -26,7 +25,7 @@ class HandGizmo:
         @self._gizmo.on_update
         async def _(event) -> None:
             self._dragging = event.phase != "end"
-            queue.put(parsed(PoseHand.parse, event.target.position))
+            queue.put_value(PoseHand.parse, event.target.position)
             if not self._dragging:
                 self._shown = None
                 self.drops += 1

@@ -70,11 +70,3 @@ class MovingArrival(Arrival):
     """One that moves the demonstrator."""
 
     moves: ClassVar[bool] = True
-
-
-def parsed(parse: Callable[[Any], Command], value: Any) -> Command:
-    """The command that a browser's value stands for, checked here and nowhere else."""
-    try:
-        return parse(value)
-    except ValueError as refusal:
-        return Refused(str(refusal))

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from page_fakes import BUTTONS, Hands, QuietExperiments, quiet_model
-from viewimit.app.control.commands.command import Arrival, parsed
+from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
+from viewimit.app.control.commands.command import Arrival
 from viewimit.app.control.commands.display import Switch
 from viewimit.app.control.commands.session import ChoosePreset, PoseJoint, Reset, Step
 from viewimit.app.control.disturbances import DISTURBANCES
@@ -253,14 +253,20 @@ def test_what_a_person_did_is_done_in_that_order(page):
 
 def test_a_refused_value_becomes_a_command_that_says_so(page):
     _, _, model, _ = page
+    queue = CommandQueue()
+    queue.put_value(CONTROLS["joint0"], "1e9x")
+    (refused,) = queue.take()
     with pytest.raises(ValueError, match="'1e9x' is not a number"):
-        parsed(change_of_noise, "1e9x").apply(model, 0.0)
-    first, second = (Arrival("landscape", lambda made: None, made) for made in (1, 2))
-    assert first.control == second.control
+        refused.apply(model, 0.0)
 
 
-def change_of_noise(value):
-    return PoseJoint.parse(0, value)
+def test_of_what_a_worker_makes_of_a_kind_the_newest_arrives():
+    queue, arrived = CommandQueue(), []
+    for kind, made in (("landscape", 1), ("duel", 2), ("landscape", 3)):
+        queue.put(Arrival(kind, arrived.append, made))
+    for command in queue.take():
+        command.apply(None, 0.0)
+    assert arrived == [2, 3]
 
 
 def test_reset_keeps_the_world_and_its_drawings(page):
@@ -286,7 +292,7 @@ def test_motions_keep_their_distance_in_time(page, speed):
 
 
 @pytest.fixture
-def laboratory():
+def experimenting():
     """A visitor with experiments and motions: session, worker, experiments, motions, visitor, what was sent."""
     worker, sent = QuietExperiments(), []
     model, queue = quiet_model(Settings(), worker, lambda *file: sent.append(file))
@@ -309,8 +315,8 @@ def laboratory():
     ],
     ids=lambda value: repr(value)[:40],
 )
-def test_what_cannot_be_asked_of_the_experiments_is_refused_and_changes_nothing(laboratory, name, value):
-    session, worker, experiments, motions, visitor, sent = laboratory
+def test_what_cannot_be_asked_of_the_experiments_is_refused_and_changes_nothing(experimenting, name, value):
+    session, worker, experiments, motions, visitor, sent = experimenting
     before = session.snapshot
     with pytest.raises(ValueError):
         visitor.set(name, value)
@@ -319,8 +325,8 @@ def test_what_cannot_be_asked_of_the_experiments_is_refused_and_changes_nothing(
 
 
 @pytest.mark.parametrize("title, name", [(title, name) for name, title in TITLES.items()])
-def test_an_experiment_is_asked_for_with_what_the_session_has_now(laboratory, title, name):
-    session, worker, _, _, visitor, _ = laboratory
+def test_an_experiment_is_asked_for_with_what_the_session_has_now(experimenting, title, name):
+    session, worker, _, _, visitor, _ = experimenting
     session.change(transfer="linear", noise_px=0.5, seed=3)
     session.pose(np.radians([60.0, -60.0]))
     visitor.set("experiment", title)
@@ -335,8 +341,8 @@ def test_an_experiment_is_asked_for_with_what_the_session_has_now(laboratory, ti
     assert set(TITLES) == set(EXPERIMENTS)
 
 
-def test_run_becomes_cancel_while_an_experiment_goes_on(laboratory):
-    _, worker, experiments, _, visitor, sent = laboratory
+def test_run_becomes_cancel_while_an_experiment_goes_on(experimenting):
+    _, worker, experiments, _, visitor, sent = experimenting
     visitor.act("run", 0.0)
     for state in ("waiting", "running", "writing"):
         worker.tell(Run("fig7", state))
@@ -354,8 +360,8 @@ def test_run_becomes_cancel_while_an_experiment_goes_on(laboratory):
     assert len(worker.asked) == 2
 
 
-def test_a_result_stays_while_other_experiments_are_looked_at(laboratory):
-    _, worker, experiments, _, visitor, _ = laboratory
+def test_a_result_stays_while_other_experiments_are_looked_at(experimenting):
+    _, worker, experiments, _, visitor, _ = experimenting
     visitor.act("run", 0.0)
     done = Run("fig7", "done", figure="<svg/>", archive=b"zip")
     worker.tell(done)
@@ -371,16 +377,16 @@ def test_a_result_stays_while_other_experiments_are_looked_at(laboratory):
     assert experiments.shown is done and experiments.latest.name == "fig9" and experiments.going_on
 
 
-def test_a_failed_run_is_kept_and_said(laboratory):
-    _, worker, experiments, _, visitor, _ = laboratory
+def test_a_failed_run_is_kept_and_said(experimenting):
+    _, worker, experiments, _, visitor, _ = experimenting
     visitor.act("run", 0.0)
     with pytest.raises(ValueError, match="Fig. 7 failed: too few points"):
         experiments.take(Run("fig7", "failed", problem="too few points"))
     assert experiments.shown.problem == "too few points" and not experiments.going_on
 
 
-def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(laboratory):
-    session, worker, _, motions, visitor, _ = laboratory
+def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(experimenting):
+    session, worker, _, motions, visitor, _ = experimenting
     visitor.set("experiment", TITLES["fig10"])
     motions.recorded = motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
     visitor.set("motion", "recorded")

@@ -14,34 +14,28 @@ import numpy as np
 
 from viewimit.settings import BEST, Settings
 
-from .benchmark import QuietClient, QuietHandle
+from .control.commands.method import switch_camera
+from .control.commands.session import ChooseSpeed, Play
 from .control.scheduler import Scheduler
+from .control.services import Services
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
 from .jobs.landscapes import LandscapeWorker
 from .page import Page
-from .server.seat_counts import Tally
+from .panels.status import StatusPanel
+from .quiet_client import quiet_client
 
 SECONDS = 20.0
 WAITS_S = 60.0  # for the first pictures
 RESTLESS = Settings(servo="gradient-retuned", start_deg=(25, -45))  # goes on for hundreds of motions
 
 
-def quiet_client(page_id: int) -> QuietClient:
-    client = QuietClient(page_id)
-    client.gui.main_panel = QuietHandle()
-    return client
-
-
 class TimedPage(Page):
     """ticks: s that each took."""
 
-    def __init__(self, page_id: int, camera: CameraProcess, scheduler: Scheduler, settings: Settings):
+    def __init__(self, page_id: int, services: Services, settings: Settings):
         self.ticks: list[float] = []
-        workers = LandscapeWorker(), ExperimentWorker(), camera
-        super().__init__(
-            quiet_client(page_id), *workers, lambda: None, settings, lambda memory: None, scheduler.load, None
-        )
+        super().__init__(quiet_client(page_id), services, settings, lambda memory: None)
 
     def tick(self, now: float) -> None:
         began = time.perf_counter()
@@ -49,36 +43,36 @@ class TimedPage(Page):
         self.ticks.append(time.perf_counter() - began)
 
     def play(self, speed: str) -> None:
-        self._inbox.put("speed", speed)
-        self._inbox.act("play")
+        self.put(ChooseSpeed.parse(speed))
+        self.put(Play())
 
     def switch_on(self) -> None:
         """Raises TimeoutError if no pictures come."""
-        self._inbox.put("camera", True)
+        self.put(switch_camera(True))
         until = time.monotonic() + WAITS_S
-        while self._turns.busy or self._session.settings.camera == "points":
+        while self.busy or self.model.session.settings.camera == "points":
             if time.monotonic() > until:
-                raise TimeoutError(f"no pictures after {WAITS_S:g} s: {self._message}")
+                raise TimeoutError(f"no pictures after {WAITS_S:g} s: {self.panel(StatusPanel).html}")
             time.sleep(0.05)
 
     @property
     def motions(self) -> int:
-        return len(self._session.history) - 1
+        return len(self.model.session.history) - 1
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of each part (%(default)s)")
     seconds = parser.parse_args().seconds
-    scheduler, camera = Scheduler(Tally().rows[0]), CameraProcess()
-    other = TimedPage(1, camera, scheduler, RESTLESS)
+    scheduler, camera, loop = Scheduler(lambda: None), CameraProcess(), asyncio.new_event_loop()
+    services = Services(LandscapeWorker(), ExperimentWorker(), camera, scheduler.shedding, lambda: None)
+    threading.Thread(target=loop.run_forever, name="viewimit-pages", daemon=True).start()
+    other = TimedPage(1, services, RESTLESS)
     other.play("10 a second")
     scheduler.add(other)
-    loop = asyncio.new_event_loop()
-    threading.Thread(target=loop.run_forever, daemon=True).start()
     scheduler.start(loop)
     print(f"ticks of another page, which makes 10 motions a second: {_ticks(other, seconds)}, alone")
-    pictured = TimedPage(2, camera, scheduler, msgspec.structs.replace(RESTLESS, frames=BEST.frames))
+    pictured = TimedPage(2, services, msgspec.structs.replace(RESTLESS, frames=BEST.frames))
     scheduler.add(pictured)
     pictured.switch_on()
     pictured.play("all it can")
@@ -87,6 +81,7 @@ def main() -> None:
     rate = (pictured.motions - before) / (time.monotonic() - since)
     print(f"motions a second of a page that looks with pictures: {rate:.1f}")
     scheduler.stop()
+    services.experiments.stop()
     camera.stop()
 
 

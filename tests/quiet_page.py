@@ -4,12 +4,14 @@ import asyncio
 import time
 from types import SimpleNamespace
 
-from viewimit.app.benchmark import QuietClient, QuietHandle
 from viewimit.app.control.scheduler import TICK
-from viewimit.app.control.shedding import Load
+from viewimit.app.control.services import Services
+from viewimit.app.control.shedding import LoadShedding
+from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.landscapes import LandscapeWorker
 from viewimit.app.page import Page
+from viewimit.app.quiet_client import QuietClient, QuietHandle
 
 from viewimit.settings import Settings
 
@@ -58,8 +60,9 @@ class QuietPage:
     def __init__(self, settings=None, keep=lambda memory: None, resumed=None):
         self.client, self.now = QuietClient(id(self)), 100.0
         self.client.gui = self.gui = Gui()
-        workers = LandscapeWorker(), ExperimentWorker(), None
-        self.page = Page(self.client, *workers, lambda: None, settings or Settings(), keep, Load(TICK), resumed)
+        camera, shedding = CameraProcess(), LoadShedding(TICK)
+        services = Services(LandscapeWorker(), ExperimentWorker(), camera, shedding, lambda: None)
+        self.page = Page(self.client, services, settings or Settings(), keep, resumed)
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if widget.label == label)

@@ -36,6 +36,18 @@ ORDER = (  # each imports only what stands above it, or itself
     "cli",
     "__main__",
 )
+# rooms and modules of app/: each imports only what stands in a line above its own, or itself
+APP_ORDER = (
+    {"viser_private", "quiet_client", "static"},
+    {"jobs", "sessions"},
+    {"control"},
+    {"scene"},
+    {"panels"},
+    {"page"},
+    {"benchmark", "camera_benchmark", "server"},
+    {"serve"},
+)
+MOST_ARGUMENTS = 6  # of a constructor, besides self
 # image points, nothing of the world
 ESTIMATORS_SEE = {"transfer": {"geometry", "views", "evaluation", "equations"}, "servo": {"evaluation", "equations"}}
 MOST_FILES, MOST_AT_THE_TOP = 24, 20  # of a folder; entries of app/
@@ -94,6 +106,35 @@ def test_parts_import_only_what_stands_above_them(part):
     above = set(ORDER[: ORDER.index(part) + 1])
     for path in in_part(part):
         assert parts_imported(path) - {"__version__"} <= above, path
+
+
+def test_rooms_of_the_page_import_only_what_stands_above_them():
+    for path in in_part("app"):
+        if path.parent.name == "app" and path.name == "__init__.py":
+            continue
+        room = module_of(path)[2]
+        place = next(k for k, rooms in enumerate(APP_ORDER) if room in rooms)
+        above = set().union(*APP_ORDER[:place], {room})
+        found = {module[2] for module, _ in imports_of(path) if module[:2] == ("viewimit", "app") and len(module) > 2}
+        found |= {
+            alias.name for module, node in imports_of(path) if module == ("viewimit", "app") for alias in node.names
+        }
+        assert found <= above, path
+
+
+def test_control_knows_no_widgets():
+    for path in EVERYTHING:
+        if module_of(path)[1:3] in (("app", "control"), ("app", "jobs")):
+            named = {module for module, _ in imports_of(path)}
+            assert not {"viser", "viser_private"} & {part for module in named for part in module}, path
+
+
+def test_no_constructor_takes_more_than_anybody_keeps_apart():
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef) and node.name == "__init__":
+                arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+                assert len(arguments) - 1 <= MOST_ARGUMENTS, f"{path}:{node.lineno}"
 
 
 @pytest.mark.parametrize("part", ESTIMATORS_SEE)

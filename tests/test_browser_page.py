@@ -11,10 +11,8 @@ from urllib.parse import urlparse
 import numpy as np
 import pytest
 from PIL import Image
+from viewimit.app.control.names import servo_names, transfer_names
 from viewimit.app.control.presets import PRESETS
-
-from viewimit.servo import SERVOS
-from viewimit.transfer import TRANSFERS
 
 pytestmark = pytest.mark.browser
 
@@ -168,9 +166,9 @@ def test_every_preset_runs(page):
 
 
 def test_every_method_can_be_chosen(page):
-    for name in (method.title for method in TRANSFERS.values()):
+    for name in transfer_names().values():
         choose(page, "Transfer", name)
-    for name in (servo.title for servo in SERVOS.values()):
+    for name in servo_names().values():
         choose(page, "Servo", name)
         press(page, "ArrowRight")
         page.wait_for_timeout(700)

@@ -18,7 +18,7 @@ needed = pytest.mark.skipif(
 @pytest.fixture
 def here(tmp_path):
     server = Here(tmp_path)
-    server.camera = server.app._camera
+    server.camera = server.app.services.camera
     yield server
     server.stop()
     assert not server.camera.running

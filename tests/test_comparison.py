@@ -4,20 +4,14 @@ import re
 
 import numpy as np
 import pytest
-from viewimit.app.control.inbox import Inbox
-from viewimit.app.panels.comparison import Comparison
+from viewimit.app.control.comparison import Comparison
+from viewimit.app.control.queue import CommandQueue
 
 from viewimit.analysis.study import study
 from viewimit.drawing.transfers import draw_quarter, draw_together
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
-
-
-class Shown(list):
-    """Panels that keep what they are to show."""
-
-    show_transfers = list.append
 
 
 class LaterWorker(dict):
@@ -34,13 +28,16 @@ class LaterWorker(dict):
 
 @pytest.fixture
 def compared():
-    session, shown, worker, inbox = Session(Settings()), Shown(), LaterWorker(), Inbox()
-    comparison = Comparison(1, shown, inbox, worker)
+    session, shown, worker, queue = Session(Settings()), [], LaterWorker(), CommandQueue()
+    comparison = Comparison(1, worker, queue)
 
     def tick():
-        for wish, made in inbox.take()[0].items():
-            comparison.wishes[wish](made)
-        comparison.tick(session.world, session.snapshot)
+        before = comparison.html
+        for command in queue.take():
+            command.apply(None, 0.0)
+        comparison.ask(session.world, session.snapshot)
+        if comparison.html != before:
+            shown.append(comparison.html)
 
     return session, shown, worker, comparison, tick
 
@@ -49,7 +46,7 @@ def test_nothing_is_computed_unless_it_is_shown_and_would_differ(compared):
     session, shown, worker, comparison, tick = compared
     tick()
     assert not worker
-    comparison.wishes["transfers"]()
+    comparison.toggle()
     tick()
     assert len(worker) == len(TRANSFERS) and "computing" in shown[-1]
     worker.make(4)
@@ -62,7 +59,8 @@ def test_nothing_is_computed_unless_it_is_shown_and_would_differ(compared):
     session.pose(np.radians([60.0, -60.0]))
     tick()
     assert len(worker) == 4
-    comparison.wishes["transfers"]()
+    comparison.toggle()
+    shown.append(comparison.html)
     worker.make(4)
     tick()
     assert shown[2:] == [None] and not worker
@@ -70,7 +68,7 @@ def test_nothing_is_computed_unless_it_is_shown_and_would_differ(compared):
 
 def test_a_moving_demonstrator_is_followed_and_its_last_posture_is_what_remains(compared):
     session, shown, worker, comparison, tick = compared
-    comparison.wishes["transfers"]()
+    comparison.toggle()
     tick()
     worker.make(4)
     tick()
@@ -98,14 +96,14 @@ def plain(html):
 
 def test_what_was_made_in_another_scene_is_not_shown(compared):
     session, shown, worker, comparison, tick = compared
-    comparison.wishes["transfers"]()
+    comparison.toggle()
     tick()
     late = [make() for make, _ in worker.values()]
     session.change(scene="panda-facing", demonstrator_deg=None)
     tick()
     count = len(shown)
     for transfer, made in zip(TRANSFERS, late):
-        comparison.wishes[f"compared: {transfer}"](made)
-    assert len(shown) == count and "computing" in shown[-1]
+        comparison.take(transfer, made)
+    assert len(shown) == count and "computing" in shown[-1] and comparison.html == shown[-1]
     with pytest.raises(ValueError, match="nothing to compare for the rank3 transfer: no luck"):
-        comparison.wishes["compared: rank3"](RuntimeError("no luck"))
+        comparison.take("rank3", RuntimeError("no luck"))

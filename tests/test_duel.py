@@ -3,10 +3,9 @@
 import msgspec
 import numpy as np
 import pytest
+from page_fakes import Hands, quiet_model
 from viewimit.app.control.duel import ARRIVED_DEG, Duel
-from viewimit.app.control.player import Pace
-from viewimit.app.control.presets import presets_from
-from viewimit.app.control.visitor import View, Visitor
+from viewimit.app.control.player import Player
 
 from viewimit.analysis.joint_errors import RECENT, ErrorTrace, recent_errors_deg
 from viewimit.drawing.curves import following
@@ -14,22 +13,13 @@ from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 
 
-class QuietControls:
-    """Takes what would be shown."""
-
-    def __getattr__(self, name):
-        return lambda *args: None
-
-
 @pytest.fixture
 def race():
-    """A visitor at the start of a duel: session, pace, duel, visitor."""
-    session = Session(msgspec.structs.replace(BEST, noise_px=0.1))
-    pace = Pace(session)
-    duel = Duel(session, pace)
-    visitor = Visitor(session, pace, QuietControls(), View(), presets_from(BEST), duel, lambda: None, duel.wishes)
+    """A visitor at the start of a duel: session, player, duel, visitor."""
+    model, _ = quiet_model(msgspec.structs.replace(BEST, noise_px=0.1))
+    visitor = Hands(model)
     visitor.act("duel", 0.0)
-    return session, pace, duel, visitor
+    return model.session, model.player, model.duel, visitor
 
 
 def alone(settings, motions):
@@ -40,7 +30,7 @@ def alone(settings, motions):
 
 
 def test_each_moves_as_it_would_alone(race):
-    session, pace, duel, visitor = race
+    session, player, duel, visitor = race
     for _ in range(9):
         visitor.act("step", 0.0)
     for racer in (session, duel.opponent):
@@ -50,33 +40,33 @@ def test_each_moves_as_it_would_alone(race):
 
 
 def test_a_duel_begins_at_the_start_and_ends_where_the_learner_is(race):
-    session, pace, duel, visitor = race
+    session, player, duel, visitor = race
     visitor.act("step", 0.0)
     visitor.act("duel", 0.0)
-    assert duel.opponent is None and session.snapshot.motion == 1 and len(pace.runners) == 1
+    assert duel.opponent is None and session.snapshot.motion == 1 and len(player.runners) == 1
     visitor.act("duel", 0.0)
-    assert session.snapshot.motion == duel.opponent.snapshot.motion == 0 and pace.playing
+    assert session.snapshot.motion == duel.opponent.snapshot.motion == 0 and player.playing
 
 
 @pytest.mark.parametrize("speed", [0.0, 10.0])
 def test_one_that_rests_waits_for_the_other(race, speed):
-    session, pace, duel, _ = race
-    pace.speed = speed
+    session, player, duel, _ = race
+    player.speed = speed
     for tick in range(400):
-        pace.advance(0.05 * tick)
+        player.advance(0.05 * tick)
     assert session.snapshot.status == "converged"
     assert duel.opponent.snapshot.motion > session.snapshot.motion
-    assert pace.cursor == duel.opponent.cursor and pace.last == len(duel.opponent.history) - 1
+    assert player.cursor == duel.opponent.cursor and player.last == len(duel.opponent.history) - 1
 
 
 def test_undo_and_scrub_keep_them_together(race):
-    session, pace, duel, visitor = race
+    session, player, duel, visitor = race
     for _ in range(5):
         visitor.act("step", 0.0)
     visitor.act("undo", 0.0)
     assert session.cursor == duel.opponent.cursor == 4
     visitor.set("history", 1)
-    assert session.cursor == duel.opponent.cursor == 1 and pace.last == 5
+    assert session.cursor == duel.opponent.cursor == 1 and player.last == 5
     duel.opponent.step()
     duel.opponent.step()
     visitor.set("history", 3)
@@ -168,27 +158,27 @@ def test_following_is_the_rms_of_the_last_motions():
 
 
 def test_a_runner_is_seen_on_its_way(race):
-    session, pace, duel, visitor = race
+    session, player, duel, visitor = race
     start = [racer.snapshot.theta for racer in (session, duel.opponent)]
     visitor.act("step", 10.0)
-    for runner, before in zip(pace.runners, start):
+    for runner, before in zip(player.runners, start):
         theta, moving = runner.theta(10.225)
         assert moving and np.allclose(theta, (before + runner.session.snapshot.theta) / 2)
 
 
 def test_both_hold_still_where_too_few_points_are_seen_and_go_on_once_they_are(race):
-    session, pace, duel, visitor = race
+    session, player, duel, visitor = race
     visitor.set("missing", 100)
     for tick in range(20):
-        pace.advance(float(tick))
-    assert session.snapshot.transfer is duel.opponent.snapshot.transfer is None and pace.cursor == 0
+        player.advance(float(tick))
+    assert session.snapshot.transfer is duel.opponent.snapshot.transfer is None and player.cursor == 0
     visitor.set("missing", 0)
-    pace.advance(30.0)
+    player.advance(30.0)
     assert session.snapshot.motion == duel.opponent.snapshot.motion == 1
 
 
 def test_nobody_races_against_the_same_method():
     session = Session(Settings(servo="gradient"))
-    duel = Duel(session, Pace(session))
+    duel = Duel(session, Player(session))
     duel.toggle()
     assert (duel.opponent.settings.transfer, duel.opponent.settings.servo) == (BEST.transfer, BEST.servo)

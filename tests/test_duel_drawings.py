@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from viewimit.app.control.duel import Duel
-from viewimit.app.control.player import Pace
+from viewimit.app.control.player import Player
 from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape
@@ -40,12 +40,12 @@ def numbers(text):
 
 def raced(settings, motions, transfer="epipolar", servo="gradient"):
     session = Session(settings)
-    pace = Pace(session)
-    duel = Duel(session, pace)
+    player = Player(session)
+    duel = Duel(session, player)
     duel.transfer, duel.servo = transfer, servo
     duel.toggle()
     for motion in range(motions):
-        pace.step(float(motion))
+        player.step(float(motion))
     return session, duel
 
 

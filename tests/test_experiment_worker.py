@@ -17,14 +17,14 @@ import numpy as np
 import pytest
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.jobs.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
-from viewimit.app.jobs.experiments import ExperimentWorker, Wish
+from viewimit.app.jobs.experiments import ExperimentWorker, Request
 from viewimit.app.server.seat_counts import SeatCounts
 
 from viewimit.experiments.paper import fig9
 from viewimit.settings import Settings
 
-SHORT = Wish("fig9", Settings(), {"starts": (1, 1), "max_motions": 20})
-LONG = Wish("fig9", Settings(), {"starts": (9, 9)})
+SHORT = Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 20})
+LONG = Request("fig9", Settings(), {"starts": (9, 9)})
 PATIENCE = 60.0  # s, on a busy machine
 
 
@@ -82,7 +82,7 @@ def running_pid(told):
 
 def test_a_run_tells_its_share_its_figure_its_verdict_and_its_files(worker):
     told = Told()
-    worker.ask(1, Wish("fig9", Settings(), {"starts": (1, 1), "max_motions": 1500}), told)
+    worker.ask(1, Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 1500}), told)
     last = told.wait_for("done", "failed")
     assert told.states == ["waiting", "running", "writing", "done"]
     shares = [run.share for run in told]
@@ -118,8 +118,8 @@ def test_cancel_ends_the_process_within_two_seconds(worker, tmp_path):
 
 def test_what_an_experiment_refuses_is_told_to_its_page_alone(worker, capfd):
     told, other = Told(), Told()
-    worker.ask(1, Wish("fig10", Settings(missing=0.9)), told)
-    worker.ask(2, Wish("fig9", Settings(), {"speed": 3}), other)
+    worker.ask(1, Request("fig10", Settings(missing=0.9)), told)
+    worker.ask(2, Request("fig9", Settings(), {"speed": 3}), other)
     assert "too few points" in told.wait_for("failed", "done").problem
     assert re.match(r"TypeError: .*'speed'", other.wait_for("failed", "done").problem)
     assert "too few points" not in "".join(run.problem for run in other)
@@ -195,7 +195,7 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
         def tick(self, now):
             ticks.append(time.monotonic())
 
-    scheduler, told = Scheduler(SeatCounts().rows[0]), Told()
+    scheduler, told = Scheduler(SeatCounts().rows[0].live), Told()
     scheduler.add(Page())
     scheduler.start(event_loop)
     worker.ask(1, LONG, told)

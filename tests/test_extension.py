@@ -200,7 +200,7 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
     assert last.servo_state.saved > 0 and f">{number(last.servo_state.saved, 6)}<" in page.shown
     assert len(re.findall(r"vi-line-E", page.shown)) == 1  # the curves
-    assert all(words in help_html() for words in (RIDGE.assumes, RIDGE.fails, Cautious.assumes, Cautious.fails))
+    assert all(words in help_html("") for words in (RIDGE.assumes, RIDGE.fails, Cautious.assumes, Cautious.fails))
 
 
 def test_too_large_a_condition_is_said_in_the_transfers_words(monkeypatch):

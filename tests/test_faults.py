@@ -38,7 +38,7 @@ class Here:
 
     def __init__(self, folder):
         counts = SeatCounts()
-        scheduler = Scheduler(counts.rows[0])
+        scheduler = Scheduler(counts.rows[0].live, counts.rows[0].clear)
         self.access = AccessControl(40, (), counts, counts.rows[0])
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)

@@ -4,23 +4,23 @@ import time
 
 import pytest
 from protocol import wait_until
-from viewimit.app.control.player import Pace
+from viewimit.app.control.player import Player
 from viewimit.app.control.scheduler import TICK, Scheduler
-from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, Load
+from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, LoadShedding
 from viewimit.app.server.seat_counts import SeatCounts
 
 from viewimit.session import Session
 from viewimit.settings import Settings
 
 
-def after(load: Load, ticks: int, busy: float) -> tuple[float, float]:
+def after(load: LoadShedding, ticks: int, busy: float) -> tuple[float, float]:
     for _ in range(ticks):
         load.ticked(busy * TICK)
     return load.plots, load.panels
 
 
 def test_plots_give_way_first_then_panels_and_panels_recover_first():
-    load = Load(TICK)
+    load = LoadShedding(TICK)
     assert after(load, 1000, busy=0.5) == (1.0, 1.0)
     plots, panels = after(load, 60, busy=AIM + 0.35)
     assert 1 < plots < SLOWEST and panels == 1.0
@@ -33,7 +33,7 @@ def test_plots_give_way_first_then_panels_and_panels_recover_first():
 
 
 def test_sessions_that_run_as_fast_as_they_compute_share_the_time_for_it():
-    load = Load(TICK)
+    load = LoadShedding(TICK)
     for _ in range(2):  # from the second tick on it is known how many there are
         budgets = [load.step_budget() for _ in range(8)]
         load.ticked(0.0)
@@ -44,20 +44,20 @@ def test_sessions_that_run_as_fast_as_they_compute_share_the_time_for_it():
     assert load.step_budget() == pytest.approx(STEPS * TICK)
 
 
-def test_a_pace_keeps_to_its_budget():
-    pace = Pace(Session(Settings(servo="gradient")))
-    pace.speed = 0
-    pace.toggle()
-    pace.advance(0.0, lambda: 0.0)
-    assert pace.cursor == 0
-    pace.advance(0.0, lambda: 0.02)
-    assert pace.cursor > 1
+def test_a_player_keeps_to_its_budget():
+    player = Player(Session(Settings(servo="gradient")))
+    player.speed = 0
+    player.toggle()
+    player.advance(0.0, lambda: 0.0)
+    assert player.cursor == 0
+    player.advance(0.0, lambda: 0.02)
+    assert player.cursor > 1
 
 
 class Slow:
     """A page whose panels and plots cost too much for the tick, as a real one draws them."""
 
-    def __init__(self, load: Load):
+    def __init__(self, load: LoadShedding):
         self.load, self.poses, self.panels, self.next = load, 0, 0, 0.0
 
     def tick(self, now: float) -> None:
@@ -73,8 +73,8 @@ class Slow:
 
 def test_poses_recover_their_pace_by_slower_panels(event_loop):
     counts = SeatCounts()
-    scheduler = Scheduler(counts.rows[0])
-    pages = [Slow(scheduler.load) for _ in range(4)]  # 1.6 of the time there is
+    scheduler = Scheduler(counts.rows[0].live, counts.rows[0].clear)
+    pages = [Slow(scheduler.shedding) for _ in range(4)]  # 1.6 of the time there is
     for page in pages:
         scheduler.add(page)
     scheduler.start(event_loop)
@@ -85,7 +85,7 @@ def test_poses_recover_their_pace_by_slower_panels(event_loop):
         return pages[0].poses - poses > 2 * (pages[0].panels - panels)
 
     wait_until(poses_prevail, 30)
-    assert scheduler.load.panels > 1.5
+    assert scheduler.shedding.panels > 1.5
     assert counts.well
     scheduler.stop()
     assert not counts.well

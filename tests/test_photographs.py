@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from viewimit.app import viser_private
-from viewimit.app.scene.fixtures import BEHIND, Stage, on_plate
+from viewimit.app.scene.fixtures import BEHIND, Fixtures, on_plate
 from viewimit.app.scene.meshes import link_meshes
 
 from viewimit.drawing.image_planes import image_windows
@@ -84,7 +84,7 @@ def test_pictures_in_3d_are_as_their_cameras_see_them_and_are_sent_once(session,
     sent = []
     monkeypatch.setattr(viser_private, "push_jpeg", lambda node, picture: sent.append(picture))
     client, world = SimpleNamespace(scene=Recording()), session.world
-    stage = Stage(client, world, False)
+    stage = Fixtures(client, world, False)
     nodes = client.scene.nodes
     stage.show_pictures(PICTURES)
     stage.show_pictures(PICTURES)

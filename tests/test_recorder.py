@@ -5,7 +5,7 @@ import json
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.control.motions import FILE, MOST_BYTES, NAMES, Motions
+from viewimit.app.control.motions import FILE, MOST_BYTES, Motions
 from viewimit.app.control.recorder import Playback, Recorder
 
 from viewimit.analysis.motion import FRAMES, MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
@@ -177,7 +177,7 @@ class TestMotions:
     @pytest.mark.parametrize("name", MOTIONS)
     def test_made_up_motions_are_made_aside_about_the_present_posture(self, desk, name):
         desk.pose(60, -60)
-        desk.motions.choose(NAMES[name])
+        desk.motions.choose(name)
         desk.motions.replay()
         assert desk.demonstrator == (60, -60) and len(desk.aside) == 1
         desk.make()

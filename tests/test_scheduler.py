@@ -5,7 +5,10 @@ import time
 
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.jobs.landscapes import LandscapeWorker
-from viewimit.app.server.seat_counts import SeatCounts
+
+
+def no_heartbeat() -> None:
+    pass
 
 
 class Counting:
@@ -30,7 +33,7 @@ def wait_until(condition, seconds=5.0):
 
 
 def test_a_failing_page_is_told_and_the_others_go_on(capsys, event_loop):
-    scheduler = Scheduler(SeatCounts().rows[0])
+    scheduler = Scheduler(no_heartbeat)
     good, bad, fault = Counting(), Counting(RuntimeError("broken")), None
     scheduler.add(bad)
     scheduler.add(good)
@@ -46,11 +49,11 @@ def test_a_failing_page_is_told_and_the_others_go_on(capsys, event_loop):
     assert "RuntimeError: broken" in capsys.readouterr().err
 
 
-def test_the_newest_wish_for_a_landscape_wins():
+def test_the_newest_request_for_a_landscape_wins():
     worker, gate, made = LandscapeWorker(), threading.Event(), []
     worker.ask(0, lambda: gate.wait(5), lambda _: None)
-    for wish in range(5):
-        worker.ask(1, lambda wish=wish: wish, made.append)
+    for k in range(5):
+        worker.ask(1, lambda k=k: k, made.append)
     worker.ask(2, lambda: "other", made.append)
     gate.set()
     wait_until(lambda: len(made) == 2)
@@ -67,7 +70,7 @@ def test_a_failing_landscape_does_not_end_the_worker(capsys):
 
 
 def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(capsys, event_loop):
-    scheduler, good, bad = Scheduler(SeatCounts().rows[0]), Counting(), Counting(RuntimeError("broken"))
+    scheduler, good, bad = Scheduler(no_heartbeat), Counting(), Counting(RuntimeError("broken"))
     bad.fail = lambda error: 1 / 0
     scheduler.add(bad)
     scheduler.add(good)

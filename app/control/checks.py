@@ -39,3 +39,10 @@ def switch(value) -> bool:
     if not isinstance(value, bool):
         raise ValueError(f"{str(value)[:40]!r} is neither on nor off")
     return value
+
+
+def words(value, what: str) -> str:
+    """Raises ValueError."""
+    if not isinstance(value, str):
+        raise ValueError(f"no {what} {str(value)[:40]!r}")
+    return value

@@ -24,20 +24,20 @@ class Amount:
         value = getattr(settings, self.name) * self.per
         return round(value) if isinstance(self.step, int) else round(value, 6)
 
-    def asked(self, value) -> dict:
-        """Settings that the slider's value, sent by a browser, asks for. Raises ValueError for what is no number."""
-        return {self.name: number(value) / self.per}
+    def asked(self, value: object) -> float:
+        """What the slider's value, sent by a browser, is in the settings. Raises ValueError for what is no number."""
+        return number(value) / self.per
 
 
 @dataclass(frozen=True)
 class Count(Amount):
     """An amount of whole things. Each takes time, so no more may be asked for than the slider has."""
 
-    def asked(self, value) -> dict:
+    def asked(self, value: object) -> int:
         found = round(number(value))
         if not self.low <= found <= self.high:
             raise ValueError(f"{self.label.lower()} must be between {self.low} and {self.high}, got {found}")
-        return {self.name: found}
+        return found
 
 
 DISTURBANCES = {

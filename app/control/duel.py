@@ -1,42 +1,30 @@
 """A duel: the visitor's learner against a second one with another method, from the same start, motion for motion."""
 
-from collections.abc import Callable
-
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.joint_errors import ErrorTrace
 from viewimit.drawing.duel import ARRIVED_DEG, Standing
-from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
-from viewimit.transfer import TRANSFERS
 
 from ..jobs.camera_images import CameraProcess
 from ..jobs.session_eyes import SessionEyes
-from .checks import named
-from .player import DENSE, Pace, Runner
+from .player import DENSE, Player, Runner
 
 
 class Duel:
-    """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
-
-    The opponent has the settings of the visitor's session but for its own transfer and servo. opponent: None without
+    """The opponent has the settings of the visitor's session but for its own transfer and servo. opponent: None without
     a duel; transfer, servo: what it has or would have, at first the paper's. eyes: opens the opponent's.
     """
 
-    def __init__(self, session: Session, pace: Pace, eyes: SessionEyes | None = None):
-        self._session, self._pace = session, pace
+    def __init__(self, session: Session, player: Player, eyes: SessionEyes | None = None):
+        self._session, self._player = session, player
         self._eyes = eyes or SessionEyes(CameraProcess())
         self.opponent: Session | None = None
         self.transfer, self.servo = "epipolar", "gradient"
         self._traces = ErrorTrace(), ErrorTrace()
-        self.wishes: dict[str, Callable] = {
-            "duel": self.toggle,
-            "opponent's transfer": lambda value: self._choose(transfer=named(value, TRANSFERS, "transfer")),
-            "opponent's servo": lambda value: self._choose(servo=named(value, SERVOS, "servo")),
-        }
 
     def toggle(self) -> None:
         """Begin at the start, playing; or end, which leaves the visitor's learner where it is."""
@@ -44,13 +32,13 @@ class Duel:
             if self._settings == self._session.settings:  # a race against itself
                 self.transfer, self.servo = BEST.transfer, BEST.servo
             self.opponent = Session(self._settings, self._eyes, DENSE)
-            self._pace.runners.append(Runner(self.opponent))
+            self._player.runners.append(Runner(self.opponent))
             self.begin_again()
-            self._pace.playing = True
+            self._player.playing = True
         else:
             self.opponent = None
             self._eyes.close()
-            del self._pace.runners[1:]
+            del self._player.runners[1:]
 
     def begin_again(self) -> None:
         """Both back to the start, with the settings as they are now."""
@@ -61,7 +49,7 @@ class Duel:
         """The visitor's session has begun anew: so does the opponent."""
         if self.opponent is not None:
             self.opponent.begin(self._settings)
-        self._pace.settle()
+        self._player.settle()
 
     def follow(self) -> None:
         """What has changed for the visitor's learner, the demonstrator's posture above all, changes for both."""
@@ -77,9 +65,9 @@ class Duel:
     def _settings(self) -> Settings:
         return msgspec.structs.replace(self._session.settings, transfer=self.transfer, servo=self.servo)
 
-    def _choose(self, **method: str) -> None:
-        for name, value in method.items():
-            setattr(self, name, value)
+    def choose(self, transfer: str | None = None, servo: str | None = None) -> None:
+        """Another method for the opponent: a race that goes on begins again."""
+        self.transfer, self.servo = transfer or self.transfer, servo or self.servo
         if self.opponent is not None:
             self.begin_again()
 

@@ -7,16 +7,19 @@ import msgspec
 from viewimit.experiments import EXPERIMENTS
 from viewimit.session import Session
 
-from ..jobs.experiments import ExperimentWorker, Run, Wish
-from .checks import named
+from ..jobs.experiments import ExperimentWorker, Request, Run
 from .motions import Motions
 
 
-class Experiments:
-    """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
+def titles() -> dict[str, str]:
+    """By name, of those that there are now."""
+    return {name: experiment.title for name, experiment in EXPERIMENTS.items()}
 
-    latest: the run asked for last; runs: by experiment, its latest. All look at projected points, whatever the page
-    looks with: pictures would take them hours.
+
+class Experiments:
+    """chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest.
+
+    All look at projected points, whatever the page looks with: pictures would take them hours.
     """
 
     def __init__(
@@ -33,12 +36,6 @@ class Experiments:
         self.chosen = next(iter(EXPERIMENTS))
         self.latest: Run | None = None
         self.runs: dict[str, Run] = {}
-        self.wishes: dict[str, Callable] = {
-            "experiment": self.choose,
-            "run": self.run_or_cancel,
-            "run told": self.take,
-            "download": self.download,
-        }
 
     @property
     def going_on(self) -> bool:
@@ -54,9 +51,6 @@ class Experiments:
         """Of the experiment that is chosen."""
         return self.runs.get(self.chosen)
 
-    def choose(self, value) -> None:
-        self.chosen = named(value, EXPERIMENTS, "experiment")
-
     def run_or_cancel(self) -> None:
         if self.going_on:
             self._worker.cancel(self._page_id)
@@ -64,7 +58,7 @@ class Experiments:
         offered = {"motion": self._motions.asked_for}
         options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options}
         settings = msgspec.structs.replace(self._session.settings, camera="points")
-        self._worker.ask(self._page_id, Wish(self.chosen, settings, options), self._tell)
+        self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._tell)
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from viewimit.analysis.motion import FRAMES, MOTIONS, Motion, decode, encode, require_motion
 from viewimit.session import Session
 
-from .checks import choice, number
 from .recorder import Playback, Recorder
 
 RECORDED = "recorded"
@@ -19,12 +18,10 @@ FILE = "viewimit-motion.json"
 
 
 class Motions:
-    """wishes: what may be asked, by the names in the inbox; each may raise ValueError.
+    """A made-up motion goes about the posture that the demonstrator has.
 
-    A made-up motion goes about the posture that the demonstrator has.
-
-    pose(theta): moves the demonstrator; aside(make, then): makes what takes long beside the sessions, and puts
-    `then`'s argument into the inbox; send(name, data): a file for the visitor.
+    pose(theta): moves the demonstrator; aside(make): makes what takes long beside the sessions, and hands it to
+    `take`; send(name, data): a file for the visitor.
     """
 
     def __init__(
@@ -43,15 +40,6 @@ class Motions:
         self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
         self._then: Callable[[Playback], None] | None = None  # what waits for a motion that is being made
         self._scene = session.scene
-        self.wishes: dict[str, Callable] = {
-            "motion": self.choose,
-            "record": self.record,
-            "replay": self.replay,
-            "moment": self.scrub,
-            "save motion": self.save,
-            "motion file": self.load,
-            "motion made": self.take,
-        }
 
     @property
     def recording(self) -> bool:
@@ -71,7 +59,7 @@ class Motions:
         return 0, FRAMES - 1
 
     def describe(self) -> tuple[str, str]:
-        """State and sentence, as the pill has them."""
+        """State and sentence, as the line under the scene has them."""
         if self._recorder is not None:
             if self._recorder.seconds == 0:
                 return "recording", "move the demonstrator by its sliders or its hand."
@@ -99,8 +87,8 @@ class Motions:
                 self._shown.advance(self._clock())
                 self._show()
 
-    def choose(self, value) -> None:
-        name = choice(value, {words: name for name, words in NAMES.items()}, "motion")
+    def choose(self, name: str) -> None:
+        """name: of NAMES"""
         if name == RECORDED:
             self._require_recorded()
         self._forget_shown()
@@ -127,10 +115,10 @@ class Motions:
             return
         self._with_motion(lambda shown: (shown.play(self._clock()), self._show()))
 
-    def scrub(self, value) -> None:
-        """value: a frame."""
+    def scrub(self, frame: float) -> None:
+        """Show that frame."""
         self._require_no_recording()
-        frame, last = number(value), self.moment[1]
+        last = self.moment[1]
         if not 0 <= frame <= last:
             raise ValueError(f"no frame {frame:g}; there are 0 to {last}")
         if self._shown is not None:
@@ -145,7 +133,7 @@ class Motions:
     def save(self) -> None:
         self._with_motion(lambda shown: self._send(FILE, encode(shown.motion)))
 
-    def load(self, data) -> None:
+    def load(self, data: bytes | int) -> None:
         """data: what a file holds, or its size if that is too large."""
         self._require_no_recording()
         if not isinstance(data, bytes):

@@ -70,7 +70,7 @@ class Runner:
         return start + (theta - start) * share * share * (3 - 2 * share), True
 
 
-class Pace:
+class Player:
     """speed: motions a second, 0 as fast as it computes. While all servos rest nothing is stepped.
 
     runners: the visitor's own first; all are stepped motion for motion, and one that rests waits for the others.

@@ -1,5 +1,7 @@
 """What a page has drawn last, and when: nothing is sent when nothing changes, nor more often than anybody sees."""
 
+from collections.abc import Hashable
+
 import numpy as np
 
 from viewimit.snapshot import Snapshot
@@ -7,30 +9,23 @@ from viewimit.snapshot import Snapshot
 EARLY = 0.9  # of a period: ticks jitter
 
 
-class Drawn:
-    """By names of what is drawn."""
+class Redraw:
+    """By what is drawn: a panel, or a name."""
 
     def __init__(self):
-        self._state: dict[str, tuple] = {}
-        self._at: dict[str, float] = {}
+        self._state: dict[Hashable, tuple] = {}
+        self._at: dict[Hashable, float] = {}
 
-    def due(self, what: str, now: float, period: float) -> bool:
+    def due(self, what: Hashable, now: float, period: float) -> bool:
         """Whether that long has passed, s, since this was last answered with yes."""
         if now - self._at.get(what, -np.inf) < EARLY * period:
             return False
         self._at[what] = now
         return True
 
-    def changed(self, what: str, *state) -> bool:
+    def changed(self, what: Hashable, *state) -> bool:
         """Whether this differs from what was told last; of snapshots, whether they are others."""
         before, self._state[what] = self._state.get(what), state
         if before is None or len(before) != len(state):
             return True
         return any(a is not b and (isinstance(a, Snapshot) or a != b) for a, b in zip(before, state))
-
-    def forget(self, what: str) -> None:
-        """It is to be drawn anew."""
-        self._state.pop(what, None)
-
-    def forget_all(self) -> None:
-        self._state.clear()

@@ -8,21 +8,31 @@ import concurrent.futures
 import threading
 import time
 import traceback
+from collections.abc import Callable
+from typing import Protocol
 
-from ..server.seat_counts import WorkerCounts
-from .shedding import Load
+from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
 
 
-class Scheduler:
-    """Pages are added when they are built and removed when their tab is gone. row: gets a sign of life every tick."""
+class Ticked(Protocol):
+    """A page. tick(now): s of a monotonic clock; fail(error): what its tick raised, for it to say."""
 
-    def __init__(self, row: WorkerCounts):
-        self._row = row
+    def tick(self, now: float) -> None: ...
+
+    def fail(self, error: Exception) -> None: ...
+
+
+class Scheduler:
+    """Pages are added when they are built and removed when their tab is gone. heartbeat(): called every tick;
+    on_stop(): when there will be no more."""
+
+    def __init__(self, heartbeat: Callable[[], None], on_stop: Callable[[], None] = lambda: None):
+        self._heartbeat, self._on_stop = heartbeat, on_stop
         self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
-        self._pages: list = []
-        self.load = Load(TICK)
+        self._pages: list[Ticked] = []
+        self.shedding = LoadShedding(TICK)
         self._running = False
         self._task: concurrent.futures.Future | None = None
 
@@ -34,20 +44,21 @@ class Scheduler:
     def stop(self) -> None:
         """Not from the loop's own thread."""
         self._running = False
-        concurrent.futures.wait([self._task], 2.0)
-        self._row.clear()
+        if self._task is not None:
+            concurrent.futures.wait([self._task], 2.0)
+        self._on_stop()
 
-    def add(self, page) -> None:
+    def add(self, page: Ticked) -> None:
         with self._lock:
             self._pages.append(page)
 
-    def remove(self, page) -> None:
+    def remove(self, page: Ticked) -> None:
         """Afterwards it is ticked no more, nor is it just being ticked."""
         with self._turn, self._lock:
             if page in self._pages:
                 self._pages.remove(page)
 
-    def _tell(self, page, error: Exception) -> None:
+    def _tell(self, page: Ticked, error: Exception) -> None:
         """Let a page say its own fault; one that cannot even do that is ticked no more."""
         try:
             page.fail(error)
@@ -55,7 +66,7 @@ class Scheduler:
             traceback.print_exc()
             self.remove(page)
 
-    def _tick(self, page) -> None:
+    def _tick(self, page: Ticked) -> None:
         if page not in self._pages:  # it has just been removed
             return
         try:
@@ -68,14 +79,14 @@ class Scheduler:
         next_tick = time.monotonic()
         while self._running:
             began = time.monotonic()
-            self._row.live()
+            self._heartbeat()
             with self._lock:
                 pages = list(self._pages)
             for page in pages:
                 with self._turn:
                     self._tick(page)
                 await asyncio.sleep(0)  # what was drawn is sent
-            self.load.ticked(time.monotonic() - began)
+            self.shedding.ticked(time.monotonic() - began)
             # one long tick is made up for by the next short one; further behind, ticks are skipped, not chased
             next_tick = max(next_tick + TICK, time.monotonic() - TICK)
             await asyncio.sleep(max(next_tick - time.monotonic(), 0))

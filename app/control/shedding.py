@@ -8,7 +8,7 @@ SLOWEST = 5.0  # times the usual period
 STEPS = 0.4  # of a tick: for sessions that run as fast as they compute, all together
 
 
-class Load:
+class LoadShedding:
     """Written by the scheduler, read by its pages. strain: 0 nothing gives way, 1 plots do most, 2 panels too."""
 
     def __init__(self, tick_s: float):

@@ -19,7 +19,7 @@ MOST_BYTES = 64 << 20  # of the zip
 
 
 def work(connection: Connection, folder: str) -> None:
-    """Carry out the one wish (name, settings, options) that comes through the connection. folder: for the files."""
+    """Carry out the one request (name, settings, options) that comes through the connection. folder: for the files."""
     stand_back(NICENESS)  # numpy is loaded by what is received
     try:
         _carry_out(connection, *connection.recv(), Path(folder))

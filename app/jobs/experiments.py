@@ -23,7 +23,7 @@ GOING_ON = ("waiting", "running", "writing")
 
 
 @dataclass(frozen=True)
-class Wish:
+class Request:
     """name: of EXPERIMENTS; options: its own, by name."""
 
     name: str
@@ -57,7 +57,7 @@ class Run:
 @dataclass(eq=False)
 class _Job:
     page_id: int
-    wish: Wish
+    request: Request
     tell: Callable[[Run], None]
     run: Run
     process: multiprocessing.process.BaseProcess | None = None
@@ -75,12 +75,12 @@ class ExperimentWorker:
         self._thread = threading.Thread(target=self._serve, name="viewimit-experiments", daemon=True)
         self._thread.start()
 
-    def ask(self, page_id: int, wish: Wish, tell: Callable[[Run], None]) -> None:
-        """A newer wish takes the place of the page's waiting one. Raises ValueError while one of the page runs."""
+    def ask(self, page_id: int, request: Request, tell: Callable[[Run], None]) -> None:
+        """A newer request takes the place of the page's waiting one. Raises ValueError while one of the page runs."""
         with self._changed:
             if self._running_of(page_id) is not None:
                 raise ValueError("an experiment of this page still runs: wait for it, or cancel it")
-            self._waiting[page_id] = _Job(page_id, wish, tell, Run(wish.name))
+            self._waiting[page_id] = _Job(page_id, request, tell, Run(request.name))
             self._tell_waiting()
             self._changed.notify()
 
@@ -168,7 +168,7 @@ class ExperimentWorker:
 
     def _listen(self, job: _Job, connection: Connection, began: float) -> None:
         try:
-            connection.send((job.wish.name, job.wish.settings, job.wish.options))
+            connection.send((job.request.name, job.request.settings, job.request.options))
             while job.run.goes_on:
                 kind, *content = connection.recv()
                 with self._changed:

@@ -1,15 +1,49 @@
-"""What takes long is made beside the scheduler, in one thread for all pages; of a kind, a page's newest wish wins."""
+"""Landscapes are made beside the scheduler, in one thread for all pages; of a kind, a page's newest request wins."""
 
 import threading
 import traceback
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+import numpy as np
+
+from viewimit.analysis.landscape import Landscape, conflict_at, grid_axes, landscape
+from viewimit.analysis.observability import joint_uncertainty
+from viewimit.analysis.study import study
+from viewimit.drawing import duel
+from viewimit.drawing.landscape import LandscapePicture
+from viewimit.drawing.transfers import draw_costs, draw_quarter
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 
 LEARNERS_OWN = ("start_deg", "servo", "gain_error", "quantum_deg")
+TOO_FEW = "fewer than five points are seen in all four images"
+
+
+@dataclass(frozen=True, eq=False)
+class MadeLandscape:
+    """E over all postures, drawn. E_true: px², with the learner in the demonstrator's posture."""
+
+    world: World
+    picture: LandscapePicture
+    E_true: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Quarter:
+    """One transfer's drawing among all, and what was asked for: a world and what E depends on."""
+
+    asked: tuple
+    html: str
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What lies under the paths of a duel, drawn. html: of both learners' landscapes."""
+
+    world: World
+    html: str
 
 
 def landscape_key(snapshot: Snapshot, but: tuple[str, ...] = ()) -> tuple:
@@ -29,11 +63,40 @@ def compute(world: World, snapshot: Snapshot) -> Landscape | None:
     return landscape(world, TRANSFERS[snapshot.settings.transfer], views.demo, views.visible[:, :2], grid_axes(world))
 
 
+def make_landscape(world: World, snapshot: Snapshot) -> MadeLandscape:
+    """For the transfer that is used."""
+    made = compute(world, snapshot)
+    views, theta = snapshot.views, snapshot.theta_demo
+    seen = world, TRANSFERS[snapshot.settings.transfer], views.demo, views.visible[:, :2]
+    E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
+    spread = joint_uncertainty(*seen, theta)
+    picture = LandscapePicture(made, world.scene, snapshot, TOO_FEW, spread)
+    return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None)
+
+
+def make_quarter(asked: tuple, world: World, snapshot: Snapshot, transfer: str) -> Quarter:
+    """For one transfer of all."""
+    joints, theta_demo = world.scene.moving_joints, snapshot.theta_demo
+    if len(joints) == 2:
+        return Quarter(asked, draw_quarter(world.scene, study(world, snapshot, transfer), theta_demo))
+    views = snapshot.views
+    spread = joint_uncertainty(world, TRANSFERS[transfer], views.demo, views.visible[:, :2], theta_demo)
+    return Quarter(asked, draw_costs(joints, transfer, spread))
+
+
+def make_ground(world: World, both: tuple[Snapshot, Snapshot]) -> Ground:
+    """For both learners of a duel."""
+    found = [made for made in (compute(world, snapshot) for snapshot in both) if made is not None]
+    if len(found) < len(both):
+        return Ground(world, duel.draw_empty_ground())
+    return Ground(world, duel.draw_ground(world.scene, found, both[0].theta_demo))
+
+
 class LandscapeWorker:
     """`ask` returns at once; `done(result or exception)` is called from the worker's thread."""
 
     def __init__(self):
-        self._wishes: dict[tuple[int, str], tuple] = {}
+        self._requests: dict[tuple[int, str], tuple] = {}
         self._changed = threading.Condition()
         threading.Thread(target=self._run, name="viewimit-landscapes", daemon=True).start()
 
@@ -41,20 +104,20 @@ class LandscapeWorker:
         self, page_id: int, make: Callable[[], object], done: Callable[[object], None], kind: str = "landscape"
     ) -> None:
         with self._changed:
-            self._wishes[page_id, kind] = make, done
+            self._requests[page_id, kind] = make, done
             self._changed.notify()
 
     def forget(self, page_id: int) -> None:
         with self._changed:
-            for wish in [wish for wish in self._wishes if wish[0] == page_id]:
-                del self._wishes[wish]
+            for key in [key for key in self._requests if key[0] == page_id]:
+                del self._requests[key]
 
     def _run(self) -> None:
         while True:
             with self._changed:
-                while not self._wishes:
+                while not self._requests:
                     self._changed.wait()
-                make, done = self._wishes.pop(next(iter(self._wishes)))
+                make, done = self._requests.pop(next(iter(self._requests)))
             try:
                 made = make()
             except Exception as error:  # one page's fault must not end the others' landscapes; its page says so

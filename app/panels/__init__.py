@@ -1,1 +1,41 @@
-"""One file a panel: what it is built of, and what it shows of a session. What a visitor did goes to control/."""
+"""One file a panel: what it is built of, and what it shows of a page's state. What a visitor did becomes commands.
+
+`PANELS` is the page in the order in which it is built; a panel is one class in one file, and one line here.
+"""
+
+from .curves import CurvesPanel
+from .demonstrator import DemonstratorPanel
+from .display import DisplayPanel
+from .disturbances import DisturbancesPanel
+from .duel import DuelPanel
+from .equations import ConflictPanel, EquationsPanel, LawPanel
+from .experiments import ExperimentsPanel
+from .history import HistoryPanel
+from .images import ImagesPanel
+from .keys import KeysPanel
+from .landscape import LandscapePanel
+from .learner import LearnerPanel
+from .method import MethodPanel
+from .panel import Panel
+from .playback import PlaybackPanel
+from .status import StatusPanel
+
+PANELS: list[type[Panel]] = [
+    PlaybackPanel,
+    HistoryPanel,
+    DemonstratorPanel,
+    LearnerPanel,
+    MethodPanel,
+    DisturbancesPanel,
+    DisplayPanel,
+    KeysPanel,
+    StatusPanel,
+    ImagesPanel,
+    ConflictPanel,
+    LandscapePanel,
+    LawPanel,
+    CurvesPanel,
+    EquationsPanel,
+    DuelPanel,
+    ExperimentsPanel,
+]

@@ -2,54 +2,68 @@
 
 from html import escape
 
-from viser import ClientHandle
-
 from viewimit.experiments import EXPERIMENTS
-from viewimit.simulation.scene import Scene
 
-from ..control.experiments import Experiments
-from ..control.inbox import Inbox, on_click, on_value, put, put_html, put_label
-from ..control.motions import MOST_BYTES, NAMES, Motions
+from ..control.commands.experiments import (
+    ChooseExperiment,
+    ChooseMotion,
+    Download,
+    LoadMotion,
+    Record,
+    Replay,
+    RunOrCancel,
+    SaveMotion,
+    ShowFrame,
+)
+from ..control.experiments import titles
+from ..control.motions import NAMES
+from ..control.state import PageState
+from .panel import Layout, Panel
 from .verdict import draw_progress, draw_verdict
+from .widgets import on_click, on_value, put, put_html, put_label, put_visible
 
 POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
 
 
-class ExperimentsTab:
-    """Builds the tab in __init__, inside the container that is open; `show` writes what differs."""
+class ExperimentsPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        gui, queue, offered = layout.gui, layout.queue, list(titles().values())
+        with layout.tab("Experiments"):
+            with gui.add_folder(None):
+                gui.add_html('<span class="vi-row"></span>')
+                self._experiment = gui.add_dropdown("Experiment", offered, initial_value=offered[0])
+                self._trajectory = gui.add_dropdown("Trajectory", list(NAMES.values()), visible=False)
+                self._run = gui.add_button("Run", icon="player-play")
+            with gui.add_folder(None):
+                gui.add_html('<span class="vi-row"></span>')
+                self._progress = gui.add_html(draw_progress(None, ""))
+                self._download = gui.add_button("Download figure and data", icon="download", disabled=True)
+            self._note = gui.add_html("")
+            self._figure = gui.add_html("")
+            with gui.add_folder("Demonstrator's motion", expand_by_default=False):
+                self._build_motion(layout)
+            self._verdict = gui.add_html("")
+        on_value(self._experiment, queue, ChooseExperiment.parse)
+        on_value(self._trajectory, queue, ChooseMotion.parse)
+        on_click(self._run, queue, RunOrCancel())
+        on_click(self._download, queue, Download())
 
-    def __init__(self, client: ClientHandle, inbox: Inbox):
-        self._gui, self._inbox = client.gui, inbox
-        gui, titles = client.gui, [experiment.title for experiment in EXPERIMENTS.values()]
-        with gui.add_folder(None):
-            gui.add_html('<span class="vi-row"></span>')
-            self._experiment = gui.add_dropdown("Experiment", titles, initial_value=titles[0])
-            self._trajectory = gui.add_dropdown("Trajectory", list(NAMES.values()), visible=False)
-            self._run = gui.add_button("Run", icon="player-play")
-        with gui.add_folder(None):
-            gui.add_html('<span class="vi-row"></span>')
-            self._progress = gui.add_html(draw_progress(None, ""))
-            self._download = gui.add_button("Download figure and data", icon="download", disabled=True)
-        self._note = gui.add_html("")
-        self._figure = gui.add_html("")
-        with gui.add_folder("Demonstrator's motion", expand_by_default=False):
-            self._build_motion()
-        self._verdict = gui.add_html("")
-        on_value(self._experiment, inbox, "experiment")
-        on_value(self._trajectory, inbox, "motion")
-        on_click(self._run, inbox, "run")
-        on_click(self._download, inbox, "download")
+    def depends_on(self, state: PageState) -> tuple:
+        experiments, motions = state.experiments, state.motions
+        said = motions.name, motions.moment, motions.recording, motions.replaying, motions.describe()
+        runs = id(experiments.latest), id(experiments.shown)
+        return state.generation, experiments.chosen, *runs, experiments.sets_pictures_aside, *said, state.refusals
 
-    def show(self, experiments: Experiments, motions: Motions, scene: Scene) -> None:
-        self._show_run(experiments, scene)
-        self._show_motion(motions)
+    def show(self, state: PageState) -> None:
+        self._show_run(state)
+        self._show_motion(state)
 
-    def _show_run(self, experiments: Experiments, scene: Scene) -> None:
+    def _show_run(self, state: PageState) -> None:
+        experiments, scene = state.experiments, state.session.scene
         run, going_on = experiments.shown, experiments.going_on
         chosen = EXPERIMENTS[experiments.chosen]
         put(self._experiment, chosen.title)
-        if self._trajectory.visible != ("motion" in chosen.options):
-            self._trajectory.visible = not self._trajectory.visible
+        put_visible(self._trajectory, "motion" in chosen.options)
         put_label(self._run, *(("Cancel", "player-stop") if going_on else ("Run", "player-play")))
         put_html(self._progress, draw_progress(experiments.latest if going_on else run, experiments.chosen))
         figure = run.figure if run is not None and run.figure else chosen.empty_figure(scene)
@@ -59,7 +73,8 @@ class ExperimentsTab:
         if self._download.disabled != (run is None or not run.archive):
             self._download.disabled = not self._download.disabled
 
-    def _show_motion(self, motions: Motions) -> None:
+    def _show_motion(self, state: PageState) -> None:
+        motions = state.motions
         for dropdown in (self._trajectory, self._motion):
             put(dropdown, NAMES[motions.name])
         put_label(self._record, *(("Stop", "player-stop") if motions.recording else ("Record", "player-record")))
@@ -71,8 +86,8 @@ class ExperimentsTab:
         state, sentence = motions.describe()
         put_html(self._said, f'<div class="vi-said">{escape(sentence) if state == "ready" else ""}</div>')
 
-    def _build_motion(self) -> None:
-        gui, inbox = self._gui, self._inbox
+    def _build_motion(self, layout: Layout) -> None:
+        gui, queue = layout.gui, layout.queue
         with gui.add_folder(None):
             gui.add_html('<span class="vi-row"></span>')
             self._motion = gui.add_dropdown("Chosen motion", list(NAMES.values()))
@@ -84,13 +99,12 @@ class ExperimentsTab:
             self._said = gui.add_html("")
             save = gui.add_button("Save", icon="download")
             load = gui.add_upload_button("Load", icon="upload", mime_type="application/json")
-        on_value(self._motion, inbox, "motion")
-        on_value(self._moment, inbox, "moment")
-        on_click(self._record, inbox, "record")
-        on_click(self._replay, inbox, "replay")
-        on_click(save, inbox, "save motion")
+        on_value(self._motion, queue, ChooseMotion.parse)
+        on_value(self._moment, queue, ShowFrame.parse)
+        on_click(self._record, queue, Record())
+        on_click(self._replay, queue, Replay())
+        on_click(save, queue, SaveMotion())
 
         @load.on_upload
         async def _(event) -> None:
-            data = event.target.value.content
-            inbox.put("motion file", data if len(data) <= MOST_BYTES else len(data))
+            queue.put(LoadMotion.parse(event.target.value.content))

@@ -3,8 +3,6 @@
 from viewimit.servo import SERVOS
 from viewimit.transfer import TRANSFERS
 
-from .controls import KEYS
-
 PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "
      "its own arm (L, R), and knows nothing but points in these four images: no model of an arm, no calibration."),
@@ -29,10 +27,9 @@ PARAGRAPHS = (
 METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 
-def help_html() -> str:
-    """For a modal."""
+def help_html(keys: str) -> str:
+    """For a modal. keys: what they are, as html."""
     texts = "".join(f"<p><b>{title}</b> {text}</p>" for title, text in PARAGRAPHS)
-    keys = "".join(f"<span><kbd>{key}</kbd> {action}</span> " for key, action in KEYS)
     note = (
         "<p class='vi-help-note'>Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the "
         "simulation's truth, for the viewer only; no transfer or servo is given any of it.</p>"

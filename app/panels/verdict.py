@@ -56,8 +56,8 @@ def _held(claims: Sequence[Claim]) -> str:
 def draw_verdict(run: Run | None) -> str:
     """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
     if run is not None and run.problem:
-        name = EXPERIMENTS[run.name].short_title
-        return f'<div class="vi-verdict"><p>{name} failed: {svg.escape(run.problem)}</p></div>'
+        title = EXPERIMENTS[run.name].short_title
+        return f'<div class="vi-verdict"><p>{title} failed: {svg.escape(run.problem)}</p></div>'
     if run is None or not run.claims:
         return ""
     head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))

@@ -13,8 +13,9 @@ from viewimit.drawing.theme import half_white, rgb
 from viewimit.simulation.scene import Scene, robot_names
 from viewimit.simulation.world import World
 
-from ..viser_private import joint_quaternion, push_orientation, quaternion
+from ..viser_private import push_orientation
 from . import meshes
+from .rotations import joint_quaternion, quaternion
 
 OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}
 SHRUNK = 0.97  # of the see-through links' size, which so lie inside the learner's where both agree

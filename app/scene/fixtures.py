@@ -14,8 +14,8 @@ from viewimit.simulation.world import World
 from viewimit.views import VIEWS
 
 from .. import viser_private
-from ..viser_private import quaternion
 from . import meshes
+from .rotations import quaternion
 
 PLATE = 0.17  # m from the camera to its image plate
 BEHIND = 0.002  # m, a picture's distance from its plate
@@ -45,7 +45,7 @@ LOOKS = {
 }
 
 
-def set_stage(scene: SceneApi, look: Look) -> None:
+def add_light_and_floor(scene: SceneApi, look: Look) -> None:
     """Light and floor; a page's own shadow those of the server."""
     scene.add_light_hemisphere(
         "/light/sky", sky_color=(255, 255, 255), ground_color=(190, 190, 200), intensity=look.sky
@@ -64,7 +64,7 @@ def set_stage(scene: SceneApi, look: Look) -> None:
     )
 
 
-class Stage:
+class Fixtures:
     """What stands still in one page. Labels stay white in dark: viser gives them no colour."""
 
     def __init__(self, client: ClientHandle, world: World, dark: bool):
@@ -85,7 +85,7 @@ class Stage:
     def set_dark(self, dark: bool) -> None:
         """Light, floor and furniture for a colour scheme; the robots keep their colours."""
         self._look = LOOKS[dark]
-        set_stage(self._client.scene, self._look)
+        add_light_and_floor(self._client.scene, self._look)
         for node, part in self._tinted:
             node.color = getattr(self._look, part)
 

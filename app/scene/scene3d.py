@@ -1,6 +1,6 @@
 """The 3-D scene of one page: arms, head, frusta, body points, residuals, rays. Truth, for the viewer only."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,15 @@ from viewimit.simulation.kinematics import hand_position
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
+from ..control.commands.display import ChoosePoint
+from ..control.queue import CommandQueue
+from ..control.state import PageState
+from ..control.view import View
 from ..viser_private import push_array
 from . import meshes
 from .arms import Arm, link_name, share_meshes
-from .fixtures import LOOKS, VIEW_ROLES, Stage, plate_map, set_stage
+from .fixtures import LOOKS, VIEW_ROLES, Fixtures, add_light_and_floor, plate_map
+from .hand_gizmo import HandGizmo
 from .view import FOV, fitted_view
 
 UNTOUCHED = 0.01  # m that a camera may be off the fitted view and still count as there
@@ -25,30 +30,26 @@ POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 def share_scene(server: ViserServer) -> None:
     """What all pages share: link meshes, floor, light."""
     server.scene.configure_default_lights(enabled=False)
-    set_stage(server.scene, LOOKS[False])
+    add_light_and_floor(server.scene, LOOKS[False])
     for arm in ("learner", "demonstrator"):
         share_meshes(server, arm)
 
 
 class Scene3D:
-    """build in __init__, then draw(snapshot, …) as often as wanted; rebuild for another world.
+    """`build` for a world, then `draw_poses` and `show` as often as wanted; `build` again for another world.
 
-    share_opponent(): puts its meshes on the server's scene, before they are first shown.
+    below: px at the bottom that overlays cover; share_opponent(): puts its meshes on the server's scene, before they
+    are first shown.
     """
 
-    def __init__(
-        self,
-        client: ClientHandle,
-        on_choose: Callable[[int], None],
-        below: float,
-        share_opponent: Callable[[], None],
-    ):
-        self._client, self._on_choose, self._below = client, on_choose, below
+    def __init__(self, client: ClientHandle, queue: CommandQueue, below: float, share_opponent: Callable[[], None]):
+        self._client, self._queue, self._below = client, queue, below
         self._share_opponent = share_opponent
         self._arms: dict[str, Arm] = {}
         self._nodes: list = []
-        self._stage: Stage | None = None
-        self._dark = False
+        self._fixtures: Fixtures | None = None
+        self._gizmo = HandGizmo(client, queue)
+        self._dark, self._fits, self._canvas = False, 0, (0, 0)
         self._found = self._fitted = np.array(client.camera.position)
 
     def build(self, world: World) -> None:
@@ -57,11 +58,11 @@ class Scene3D:
             node.remove()
         for arm in self._arms.values():
             arm.remove()
-        if self._stage is not None:
-            self._stage.remove()
+        if self._fixtures is not None:
+            self._fixtures.remove()
         self._world, self._nodes, self._demo_points = world, [], None
         self._shown: dict[str, bool] = {}
-        self._stage = Stage(self._client, world, self._dark)
+        self._fixtures = Fixtures(self._client, world, self._dark)
         self._arms = {
             "learner": Arm(self._client, world, "learner", world.T_world_own),
             "demonstrator": Arm(self._client, world, "demonstrator", world.T_world_demo),
@@ -74,12 +75,28 @@ class Scene3D:
                 self._add_point(arm, i)
         self._add_moving_parts()
 
-    def set_dark(self, dark: bool) -> None:
-        """For a colour scheme."""
-        self._dark = dark
-        self._stage.set_dark(dark)
+    def depends_on(self, state: PageState) -> tuple:
+        """What `show` shows; of snapshots their identity counts."""
+        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._canvas_now()
+        return state.generation, state.shown, state.view, *posed, *state.pictures.values()
 
-    def draw(self, snapshot: Snapshot, chosen: int | None, show: dict[str, bool]) -> None:
+    def show(self, state: PageState) -> None:
+        """All but the poses of the arms. A canvas that has changed, as when panels dock, is fitted anew."""
+        view, canvas = state.view, self._canvas_now()
+        if view.dark != self._dark:
+            self._dark = view.dark
+            self._fixtures.set_dark(view.dark)
+        if canvas != self._canvas and min(canvas) > 0:
+            self._canvas = canvas
+            self._fit_untouched_view()
+        if view.fits != self._fits:
+            self._fits = view.fits
+            self._fit_view()
+        self.draw(state.shown, view)
+        self._fixtures.show_pictures(state.pictures)
+        self._gizmo.show(view.gizmo, state.present.theta_demo, self.hand_position)
+
+    def draw(self, snapshot: Snapshot, view: View) -> None:
         """Points on the plates, rays and residuals."""
         own = self._world.points_world(snapshot.theta, self._bases["learner"])
         if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
@@ -87,13 +104,9 @@ class Scene3D:
             self._demo_points = snapshot.theta_demo, points
         demo = self._demo_points[1]
         on_plates, seen = self._on_plates(snapshot)
-        self._draw_rays(on_plates, seen, demo, own, chosen, show)
-        self._draw_residuals(snapshot, own, show["residuals"])
-        self._draw_chosen(own, demo, chosen)
-
-    def show_pictures(self, pictures: Mapping[str, bytes]) -> None:
-        """JPEGs by view on the image plates; a plate without one is plain."""
-        self._stage.show_pictures(pictures)
+        self._draw_rays(on_plates, seen, demo, own, view)
+        self._draw_residuals(snapshot, own, view.residuals)
+        self._draw_chosen(own, demo, view.chosen)
 
     def draw_poses(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
         """Turn the arms only, (m,) rad each. theta_opponent: None without a duel, which hides that arm."""
@@ -111,7 +124,7 @@ class Scene3D:
         """(3,) m, the origin of the demonstrator's last link."""
         return hand_position(self._world, theta_demo, self._bases["demonstrator"])
 
-    def fit_view(self) -> None:
+    def _fit_view(self) -> None:
         """The default camera, as near as the canvas allows; `below` px of it are covered by overlays."""
         camera = self._client.camera
         width, height = camera.image_width, max(camera.image_height, 1)
@@ -120,15 +133,18 @@ class Scene3D:
         camera.position, camera.look_at = position, target
         self._fitted = position
 
-    def fit_untouched_view(self) -> None:
+    def _fit_untouched_view(self) -> None:
         """Fit again, unless the visitor has moved the camera from where the page put it or found it."""
         here = self._client.camera.position
         if min(np.linalg.norm(here - place) for place in (self._found, self._fitted)) < UNTOUCHED:
-            self.fit_view()
+            self._fit_view()
+
+    def _canvas_now(self) -> tuple[int, int]:
+        return self._client.camera.image_width, self._client.camera.image_height
 
     def _landmarks(self) -> NDArray:
         """(k, 3) m: what the default view must hold."""
-        points = [self._stage.landmarks()]
+        points = [self._fixtures.landmarks()]
         for T_world_base in self._bases.values():
             for theta in (self._world.scene.lower, self._world.scene.upper, np.radians((45, -90))):
                 if len(theta) == len(self._world.scene.moving):
@@ -159,7 +175,7 @@ class Scene3D:
 
         @handle.on_click
         async def _(_event, i=i) -> None:
-            self._on_choose(i)
+            self._queue.put(ChoosePoint(i))
 
         self._keep(handle)
 
@@ -212,12 +228,13 @@ class Scene3D:
         plates = images.swapaxes(0, 1) @ self._plate_A.swapaxes(1, 2) + self._plate_b[:, None]
         return plates, snapshot.views.visible.T
 
-    def _draw_rays(self, plates: NDArray, seen: NDArray, demo, own, chosen: int | None, show) -> None:
+    def _draw_rays(self, plates: NDArray, seen: NDArray, demo: NDArray, own: NDArray, view: View) -> None:
+        chosen = view.chosen
         far_away = np.array([0, 0, -50.0])
         push_array(self._dots, "points", np.where(seen[..., None], plates, far_away).reshape(-1, 3))
         targets = np.stack([demo, demo, own, own])
-        self._show(self._rays, show["rays"])
-        if show["rays"]:
+        self._show(self._rays, view.rays)
+        if view.rays:
             rays = np.stack([plates, targets], axis=-2)  # (4, N, 2, 3)
             push_array(self._rays, "points", rays[seen])
         picked = chosen is not None and bool(seen[:, chosen].any())

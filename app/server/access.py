@@ -58,7 +58,7 @@ class AccessControl:
     def guard(self, server: ViserServer) -> None:
         """Whose clients pass it; nobody gets a seat before."""
         self._server = server
-        viser_private.loop_of(server).call_soon_threadsafe(self._guarded.set)
+        server.get_event_loop().call_soon_threadsafe(self._guarded.set)
 
     def serve(self, plain: Callable, handler, host, port, *, process_request, **options):
         def connect(protocol, websockets_server, **limits) -> GuardedConnection:
@@ -84,11 +84,16 @@ class AccessControl:
         self._log.warn(f"{connection.name}: refused {what}")
 
     def client_of(self, connection: GuardedConnection) -> ClientHandle | None:
-        return None if self._server is None else viser_private.client_of(self._server, connection)
+        """Whose connection it is; None before its first camera message."""
+        if self._server is None:
+            return None
+        one = viser_private.connection_of
+        clients = self._server.get_clients().items()
+        return next((client for number, client in clients if one(self._server, number) is connection), None)
 
     def belongs_to_another(self, uuid: str) -> bool:
         clients = {} if self._server is None else self._server.get_clients()
-        return any(viser_private.widget_of(client, uuid) for client in clients.values())
+        return any(uuid in viser_private.own(client).widgets for client in clients.values())
 
     @property
     def full(self) -> bool:

@@ -15,6 +15,7 @@ from viewimit.settings import Settings
 
 from .. import viser_private
 from ..control.scheduler import Scheduler
+from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
@@ -45,7 +46,7 @@ def serving(
     Raises OSError for a store that cannot be used.
     """
     keeper = Keeper(open_store(options.store))
-    scheduler = Scheduler(counts.rows[worker])
+    scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
     access = AccessControl(options.clients_of(worker), options.origins, counts, counts.rows[worker], listening)
     with (
         contextlib.redirect_stdout(io.StringIO()),
@@ -81,31 +82,31 @@ class App:
         self._seats = Seats(server, keeper, settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._collecting = threading.Lock()
-        self._worker, self._experiments, self._camera = LandscapeWorker(), ExperimentWorker(), CameraProcess(pictured)
+        share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
+        camera = CameraProcess(pictured)
+        self.services = Services(LandscapeWorker(), ExperimentWorker(), camera, scheduler.shedding, share_opponent)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_scene(server)
-        self._share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
         server.on_client_connect(self._connect)
         server.on_client_disconnect(self._disconnect)
-        self._scheduler.start(viser_private.loop_of(server))
+        self._scheduler.start(server.get_event_loop())
 
     def stop(self) -> None:
         """Nothing moves any more, and all that the visitors did is kept."""
         self._scheduler.stop()
-        self._camera.stop()
+        self.services.camera.stop()
         with self._retiring:
             for client_id in list(self._pages):
                 self._retire(client_id)
             self._keeper.stop()
-        self._experiments.stop()
+        self.services.experiments.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
         key, resumed = self._seats.take(client)
         keep = (lambda memory: self._keeper.keep(key, memory)) if key else (lambda memory: None)
-        shared = self._worker, self._experiments, self._camera, self._share_opponent, self._settings
         try:
-            page = Page(client, *shared, keep, self._scheduler.load, resumed)
+            page = Page(client, self.services, self._settings, keep, resumed)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
             client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             if key:
@@ -133,8 +134,8 @@ class App:
             if page is None:
                 return
             self._scheduler.remove(page)
-            self._worker.forget(client_id)
-            self._experiments.forget(client_id)
+            self.services.landscapes.forget(client_id)
+            self.services.experiments.forget(client_id)
             whole = page.close()
             if key is not None:
                 if whole:  # else what was handed over some seconds ago stays

@@ -68,15 +68,15 @@ class MessageValidator:
             raise
 
     def _check_command(self, message: message_schema.CommandTriggerMessage) -> None:
-        if viser_private.command_of(self._client, message.uuid) is None:
+        if message.uuid not in viser_private.own(self._client).commands:
             raise Refused("a command that this page does not have")
 
     def _check_gizmo(self, message) -> None:
-        if not viser_private.has_gizmo(self._client, message.name):
+        if message.name not in viser_private.own(self._client).gizmos:
             raise Refused("a handle in the scene that this page does not have")
 
     def _check_node(self, message: message_schema.SceneNodeClickMessage) -> None:
-        if not viser_private.has_node(self._client, message.name):
+        if message.name not in viser_private.own(self._client).nodes:
             raise Refused("a node of the scene that this page does not have")
 
     def _check_upload(self, message: message_schema.FileTransferStartUpload) -> None:
@@ -85,7 +85,7 @@ class MessageValidator:
         self._uploads.begin(message)
 
     def _own(self, uuid: str):
-        widget = viser_private.widget_of(self._client, uuid)
+        widget = viser_private.own(self._client).widgets.get(uuid)
         if widget is None and self._belongs_to_another(uuid):
             raise Hostile("a widget of another client")
         if widget is None:

@@ -1,9 +1,11 @@
 """Which kept session a new connection goes on with: its browser's, unless another tab of that browser has it open."""
 
+import asyncio
 import threading
 from typing import Protocol, runtime_checkable
 
 from viser import ClientHandle, ViserServer
+from websockets.exceptions import ConnectionClosed
 
 from viewimit.settings import Settings
 
@@ -56,7 +58,28 @@ class Seats:
         """A laptop that slept, or a network that is gone, leaves connections that look open."""
         with self._lock:
             holder = self._held.get(key)
-        if holder is not None and not viser_private.answers(self._server, holder, ANSWERS_WITHIN):
-            viser_private.cut_off(self._server, holder)
+        if holder is not None and not answers(self._server, holder, ANSWERS_WITHIN):
+            cut_off(self._server, holder)
             self._retire(holder)
             self.leave(key)
+
+
+def answers(server: ViserServer, client_id: int, within: float) -> bool:
+    """Whether the client is still there: it answers a ping within so many seconds. Not from viser's own thread."""
+    connection = viser_private.connection_of(server, client_id)
+
+    async def ask() -> bool:
+        try:
+            await asyncio.wait_for(await connection.ping(), within)
+        except (asyncio.TimeoutError, ConnectionClosed):
+            return False
+        return True
+
+    return connection is not None and asyncio.run_coroutine_threadsafe(ask(), server.get_event_loop()).result()
+
+
+def cut_off(server: ViserServer, client_id: int) -> None:
+    """Close a connection that nobody answers on."""
+    connection = viser_private.connection_of(server, client_id)
+    if connection is not None:
+        server.get_event_loop().call_soon_threadsafe(connection.transport.abort)

@@ -1,99 +1,18 @@
 """A page that looks with pictures takes its turns beside the scheduler's thread: nothing waits for it but itself."""
 
-import re
 import threading
 import time
 
 import numpy as np
 import pytest
-from viewimit.app.camera_benchmark import quiet_client
-from viewimit.app.control.scheduler import TICK
-from viewimit.app.control.shedding import Load
-from viewimit.app.control.turns import Turns
+from page_fakes import Camera, Visit
+from viewimit.app.control.background import Background
 from viewimit.app.jobs import session_eyes
-from viewimit.app.jobs.camera_images import CameraLost
-from viewimit.app.jobs.experiments import ExperimentWorker
-from viewimit.app.jobs.landscapes import LandscapeWorker
-from viewimit.app.page import Page
 from viewimit.app.sessions.autosave import Memory
 
-from viewimit.settings import BEST, Settings
-from viewimit.simulation.markers import load_markers
-from viewimit.simulation.world import World
+from viewimit.settings import Settings
 
 VIEWS = ["L", "R", "l", "r"]
-
-
-class Camera:
-    """Stands for the process: looks at projected markers, as long as its gate is open. asked: by which threads."""
-
-    def __init__(self):
-        self.gate, self.asked, self.closed = threading.Event(), [], []
-        self.refusal = self.loss = None
-        self.gate.set()
-
-    def open(self, scene, key=None):
-        if self.refusal:
-            raise ValueError(self.refusal)
-        self.world = World(scene, body=load_markers(scene.robot).body)
-        return 0, 0.0
-
-    def ask(self, key, what, *arguments):
-        self.asked.append((what, threading.get_ident()))
-        assert self.gate.wait(10)
-        if self.loss:
-            raise CameraLost(self.loss)
-        if what in ("own_images", "demo_images"):
-            return getattr(self.world, what)(*arguments), (b"left", b"right")
-        return arguments[-1], ()  # an arm without weight
-
-    def close(self, key):
-        self.closed.append(key)
-
-
-class Visit:
-    """A page without a browser, ticked by hand in a clock of its own."""
-
-    def __init__(self, camera, resumed=None, settings=BEST):
-        client = quiet_client(id(self))
-        self.kept, self.now = [], 100.0
-        workers = LandscapeWorker(), ExperimentWorker(), camera
-        self.page = Page(client, *workers, lambda: None, settings, self.kept.append, Load(TICK), resumed)
-        self.session = self.page._session
-
-    def put(self, name, value):
-        self.page._inbox.put(name, value)
-
-    def act(self, action):
-        self.page._inbox.act(action)
-
-    def tick(self, count=1):
-        for _ in range(count):
-            self.now += 0.05
-            self.page.tick(self.now)
-
-    def rest(self, seconds=10.0):
-        """Tick until no turn goes on."""
-        until = time.monotonic() + seconds
-        self.tick()
-        while self.page._turns.busy:
-            assert time.monotonic() < until
-            time.sleep(0.002)
-            self.tick()
-
-    def arrive(self):
-        self.rest()
-        self.tick(40)
-
-    @property
-    def said(self):
-        return self.page._panels._status.content
-
-    @property
-    def photographs(self):
-        """Views with a picture, as drawn."""
-        planes = self.page._panels._images.content.split('<svg x="')[1:]
-        return sorted(re.search(r'vi-name[^>]*">(\w)<', plane)[1] for plane in planes if "data:image/jpeg" in plane)
 
 
 @pytest.fixture(autouse=True)
@@ -135,7 +54,7 @@ def test_a_page_that_waits_for_its_pictures_holds_no_other_up(camera, visit):
     other.act("step")
     visit.tick()
     other.tick()
-    assert visit.page._turns.busy and visit.session.snapshot.motion == 0 and other.session.snapshot.motion == 1
+    assert visit.page.busy and visit.session.snapshot.motion == 0 and other.session.snapshot.motion == 1
     camera.gate.set()
     visit.rest()
     assert visit.session.snapshot.motion == 1
@@ -146,14 +65,14 @@ def test_pause_and_speed_do_not_wait_and_the_newest_value_of_a_slider_wins(camer
     visit.rest()
     camera.gate.clear()
     visit.tick(20)  # until the next motion is due
-    assert visit.page._turns.busy
+    assert visit.page.busy
     before = len(camera.asked)
     visit.act("play")
     visit.put("speed", "4 a second")
     for angle in (50.0, 60.0, 70.0):
         visit.put("joint0", angle)
         visit.tick()
-    assert not visit.page._pace.playing and visit.page._pace.speed == 4
+    assert not visit.player.playing and visit.player.speed == 4
     assert visit.session.settings.demonstrator_deg[0] == 45
     camera.gate.set()
     visit.rest()
@@ -162,16 +81,16 @@ def test_pause_and_speed_do_not_wait_and_the_newest_value_of_a_slider_wins(camer
 
 
 def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
-    before = visit.page._panels._images.content
+    before = visit.images
     visit.act("step")
     visit.rest()
     looks = len(camera.asked)
-    theta, moving = visit.page._pace.theta(visit.now)
+    theta, moving = visit.player.theta(visit.now)
     visit.tick(3)
-    assert moving and not np.array_equal(theta, visit.page._pace.theta(visit.now)[0])
-    assert visit.page._panels._images.content == before
+    assert moving and not np.array_equal(theta, visit.player.theta(visit.now)[0])
+    assert visit.images == before
     visit.tick(20)
-    assert visit.page._panels._images.content != before and visit.photographs == VIEWS
+    assert visit.images != before and visit.photographs == VIEWS
     assert len(camera.asked) == looks
 
 
@@ -182,7 +101,7 @@ def test_a_motion_is_seen_from_when_it_is_known(camera, visit):
     visit.tick(30)  # longer than the motion is seen
     camera.gate.set()
     visit.rest()
-    np.testing.assert_array_equal(visit.page._pace.theta(visit.now)[0], start)
+    np.testing.assert_array_equal(visit.player.theta(visit.now)[0], start)
 
 
 def test_a_lost_process_costs_the_pictures_and_nothing_else(camera, visit):
@@ -194,7 +113,7 @@ def test_a_lost_process_costs_the_pictures_and_nothing_else(camera, visit):
     visit.arrive()
     assert "the process has ended: back to projected points" in visit.said
     assert visit.session.settings.camera == "points" and visit.session.settings.demonstrator_deg[0] == 60
-    assert visit.photographs == [] and not visit.page._pace.playing
+    assert visit.photographs == [] and not visit.player.playing
     visit.act("step")
     visit.tick()
     assert visit.session.snapshot.motion == 1
@@ -207,7 +126,7 @@ def test_too_many_is_said_and_the_page_stays_on_points(camera):
     camera.refusal = "camera images are in use by 8 others"
     visit.put("camera", True)
     visit.arrive()
-    assert camera.refusal in visit.said and visit.page._controls.camera.value is False
+    assert camera.refusal in visit.said and visit.camera_on is False
     assert visit.session.snapshot.motion == 1 and visit.session.settings.camera == "points"
 
 
@@ -234,7 +153,7 @@ def test_switching_off_ends_pictures_and_gives_the_eyes_back(camera, visit):
 def test_an_opponent_looks_too_and_gives_its_eyes_back(camera, visit):
     visit.act("duel")
     visit.arrive()
-    assert visit.page._duel.duel.opponent.settings.camera == "rendered" and camera.closed == []
+    assert visit.duel.opponent.settings.camera == "rendered" and camera.closed == []
     visit.act("duel")
     visit.arrive()
     assert camera.closed == [0]
@@ -299,11 +218,11 @@ def test_a_page_on_points_takes_its_turns_at_once():
     visit = Visit(Camera(), settings=Settings())
     visit.act("step")
     visit.tick()
-    assert visit.session.snapshot.motion == 1 and not visit.page._turns.busy
+    assert visit.session.snapshot.motion == 1 and not visit.page.busy
 
 
 def test_turns_end_once_and_raise_what_was_raised():
-    turns, gate = Turns(), threading.Event()
+    turns, gate = Background(), threading.Event()
     turns.begin(gate.wait, alone=True)
     assert turns.busy and turns.alone and not turns.end() and not turns.wait(0.01)
     gate.set()

@@ -1,10 +1,10 @@
-"""A page's turns, one after the other: what takes long goes on in a thread of its own while the page is ticked."""
+"""What takes long for one page goes on in a thread of its own while the page is ticked, one turn after the other."""
 
 import threading
 from collections.abc import Callable
 
 
-class Turns:
+class Background:
     """busy: from a turn's beginning until `end` has told that it has ended; alone: meanwhile the session must not be
     drawn either, without it, reading is safe."""
 

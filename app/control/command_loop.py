@@ -1,0 +1,121 @@
+"""Commands and the motions that are due, carried out turn by turn: at once, or beside the scheduler.
+
+What looks with camera images takes long, and would hold up everybody's pages.
+"""
+
+from collections.abc import Callable
+
+from ..jobs.camera_images import CameraLost
+from ..jobs.session_eyes import RemoteEyes
+from .background import Background
+from .commands.command import Command
+from .page_model import PageModel
+from .queue import CommandQueue
+from .shedding import LoadShedding
+
+BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
+MESSAGE_STAYS = 6.0  # s
+
+
+def _beside() -> float:
+    return BESIDE
+
+
+def _no_time() -> float:
+    return 0.0
+
+
+class CommandLoop:
+    """tick(now) ends a turn, begins the next, or does meanwhile what need not wait.
+
+    announce_pictures(now): the first camera images are about to be waited for.
+    """
+
+    def __init__(
+        self,
+        model: PageModel,
+        queue: CommandQueue,
+        shedding: LoadShedding,
+        announce_pictures: Callable[[float], None],
+    ):
+        self._model, self._queue, self._shedding = model, queue, shedding
+        self._announce_pictures = announce_pictures
+        self._background = Background()
+        self._asked_at = 0.0
+
+    @property
+    def busy(self) -> bool:
+        """Whether a turn goes on beside the scheduler."""
+        return self._background.busy
+
+    @property
+    def drawable(self) -> bool:
+        """Whether the session may be read: no turn changes what is drawn of it."""
+        return not self._background.alone
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Whether no turn goes on any more, after that time at most."""
+        return self._background.wait(seconds)
+
+    def tick(self, now: float) -> None:
+        self._end_turn(now)
+        if self._background.busy:
+            self._apply_meanwhile(now)
+        else:
+            self._take_turn(now)
+
+    def _take_turn(self, now: float) -> None:
+        """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes
+        camera images, at once if not."""
+        model, commands = self._model, self._queue.take()
+        opens = any(command.opens_pictures(model) for command in commands)
+        if not opens and model.session.settings.camera == "points":
+            self._carry_out(commands, now, self._shedding.step_budget)
+            return
+        for command in commands:
+            if not command.moves:
+                self._apply(command, now)
+        moving = [command for command in commands if command.moves]
+        self._asked_at = now
+        if opens:
+            self._announce_pictures(now)
+        if moving or model.motions.replaying:
+            self._background.begin(lambda: self._carry_out(moving, now, _no_time), alone=True)
+            return
+        model.motions.tick()
+        if model.player.due(now):
+            self._background.begin(lambda: model.player.advance(now, _beside), alone=False)
+
+    def _carry_out(self, commands: list[Command], now: float, budget: Callable[[], float]) -> None:
+        for command in commands:
+            self._apply(command, now)
+        self._model.motions.tick()
+        self._model.player.advance(now, budget)
+        session = self._model.session
+        if isinstance(session.eyes, RemoteEyes):
+            session.eyes.retake(session.snapshot)
+
+    def _apply_meanwhile(self, now: float) -> None:
+        """What need not wait for the turn that goes on."""
+        if not self._background.alone:
+            for command in self._queue.take(_can_overtake):
+                self._apply(command, now)
+
+    def _end_turn(self, now: float) -> None:
+        try:
+            if self._background.end():
+                self._model.player.seen_from(now, self._asked_at)
+        except CameraLost as lost:
+            self._model.leave_pictures()
+            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
+
+    def _apply(self, command: Command, now: float) -> None:
+        """Carry out one command; one that cannot be is said, and the others go on."""
+        try:
+            command.apply(self._model, now)
+        except ValueError as refusal:
+            self._model.refuse(str(refusal), now + MESSAGE_STAYS)
+
+
+def _can_overtake(command: Command) -> bool:
+    return command.can_overtake

@@ -1,0 +1,70 @@
+"""Commands to what the page shows of a session: they change nothing of it."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+
+from ..checks import number
+from ..names import NO_POINT
+from ..page_model import PageModel
+from .command import Command, Value
+
+
+@dataclass(frozen=True)
+class ChoosePoint(Value):
+    """point: None for none"""
+
+    point: int | None
+
+    @classmethod
+    def parse(cls, value: object) -> ChoosePoint:
+        return cls(None if value == NO_POINT else round(number(value)))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        count = len(model.session.world.body)
+        if self.point is not None and not 0 <= self.point < count:
+            raise ValueError(f"no point {self.point}; there are {count}")
+        model.view = replace(model.view, chosen=self.point)
+
+
+class NextPoint(Command):
+    def apply(self, model: PageModel, now: float) -> None:
+        chosen, count = model.view.chosen, len(model.session.world.body)
+        model.view = replace(model.view, chosen=0 if chosen is None else (chosen + 1) % count)
+
+
+@dataclass(frozen=True)
+class Switch(Value):
+    """One of the switches of `View`."""
+
+    name: str
+    on: bool
+
+    @classmethod
+    def parse(cls, name: str, value: object) -> Switch:
+        return cls(name, bool(value))
+
+    @property
+    def control(self) -> Hashable:
+        return Switch, self.name
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, **{self.name: self.on})
+
+
+class FitView(Command):
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, fits=model.view.fits + 1)
+
+
+class ToggleHelp(Command):
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, help=not model.view.help)
+
+
+class ToggleComparison(Command):
+    """The landscapes of all transfers, or of the one that is used."""
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.comparison.toggle()

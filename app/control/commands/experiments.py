@@ -1,0 +1,102 @@
+"""Commands to the experiments and to the demonstrator's motions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..checks import choice, number
+from ..experiments import titles
+from ..motions import MOST_BYTES, NAMES
+from ..page_model import PageModel
+from .command import Command, Value
+
+
+@dataclass(frozen=True)
+class ChooseExperiment(Value):
+    name: str
+
+    @classmethod
+    def parse(cls, value: object) -> ChooseExperiment:
+        return cls(choice(value, {title: name for name, title in titles().items()}, "experiment"))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.experiments.chosen = self.name
+
+
+class RunOrCancel(Command):
+    def apply(self, model: PageModel, now: float) -> None:
+        model.experiments.run_or_cancel()
+
+
+class Download(Command):
+    def apply(self, model: PageModel, now: float) -> None:
+        model.experiments.download()
+
+
+@dataclass(frozen=True)
+class ChooseMotion(Value):
+    name: str
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: object) -> ChooseMotion:
+        return cls(choice(value, {title: name for name, title in NAMES.items()}, "motion"))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.motions.choose(self.name)
+
+
+class Record(Command):
+    """Begin to record the demonstrator, or end it."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.motions.record()
+
+
+class Replay(Command):
+    """Play the chosen motion on, or stop."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.motions.replay()
+
+
+@dataclass(frozen=True)
+class ShowFrame(Value):
+    """A frame of the chosen motion, from 0."""
+
+    frame: float
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: object) -> ShowFrame:
+        return cls(number(value))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.motions.scrub(self.frame)
+
+
+class SaveMotion(Command):
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.motions.save()
+
+
+@dataclass(frozen=True)
+class LoadMotion(Value):
+    """data: what a file holds, or its size if that is too large."""
+
+    data: bytes | int
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, data: bytes) -> LoadMotion:
+        return cls(data if len(data) <= MOST_BYTES else len(data))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.motions.load(self.data)

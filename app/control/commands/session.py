@@ -1,0 +1,167 @@
+"""Commands to the session: play, step, go back, move the demonstrator, begin with a preset, come back."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.simulation.kinematics import pose_for_hand
+
+from ...sessions.autosave import Memory
+from ..checks import choice, number, words
+from ..names import SPEEDS
+from ..page_model import PageModel
+from .command import Command, Value
+
+
+class Play(Command):
+    """Play or pause. A duel's opponent gets what has changed for the learner before both go on."""
+
+    moves: ClassVar[bool] = True
+
+    @property
+    def can_overtake(self) -> bool:
+        return True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        if not model.player.playing:
+            model.duel.follow()
+        model.player.toggle()
+
+
+class Step(Command):
+    """One motion."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.player.pause()
+        model.duel.follow()
+        model.player.step(now)
+
+
+class Undo(Command):
+    """One motion back."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.player.pause()
+        model.player.undo(now)
+
+
+class Reset(Command):
+    """Back to the start; an error that the page has met is over."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.player.pause()
+        model.session.reset()
+        model.duel.begin()
+        model.message = None
+
+
+@dataclass(frozen=True)
+class Scrub(Value):
+    """To the moment after so many motions."""
+
+    motion: int
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: object) -> Scrub:
+        return cls(round(number(value)))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.player.pause()
+        model.player.scrub(self.motion)
+
+
+@dataclass(frozen=True)
+class ChooseSpeed(Value):
+    """motions_per_second: 0 as fast as it computes."""
+
+    motions_per_second: float
+
+    @classmethod
+    def parse(cls, value: object) -> ChooseSpeed:
+        return cls(choice(value, SPEEDS, "speed"))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.player.speed = self.motions_per_second
+
+
+@dataclass(frozen=True)
+class ChoosePreset(Value):
+    """By its name; which there are differs from page to page."""
+
+    name: str
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: object) -> ChoosePreset:
+        return cls(words(value, "preset"))
+
+    def opens_pictures(self, model: PageModel) -> bool:
+        return self.name in model.presets and model.presets[self.name].settings.camera == "rendered"
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.begin_preset(choice(self.name, model.presets, "preset"))
+
+
+@dataclass(frozen=True)
+class PoseJoint(Value):
+    """One of the demonstrator's joints, counted among those that move, to an angle in rad."""
+
+    k: int
+    angle: float
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, k: int, value: object) -> PoseJoint:
+        """value: degrees"""
+        return cls(k, float(np.radians(number(value))))
+
+    @property
+    def control(self) -> Hashable:
+        return PoseJoint, self.k
+
+    def apply(self, model: PageModel, now: float) -> None:
+        theta = model.session.snapshot.theta_demo.copy()
+        if self.k < len(theta):  # a slider of the scene before may still have sent
+            theta[self.k] = self.angle
+            model.pose(theta)
+
+
+@dataclass(frozen=True, eq=False)
+class PoseHand(Value):
+    """The demonstrator's hand to a place, (3,) m in the world, as near as its joints can bring it."""
+
+    position: NDArray
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: object) -> PoseHand:
+        return cls(np.array(value, float))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.pose(pose_for_hand(model.session.world, self.position, model.session.snapshot.theta_demo))
+
+
+@dataclass(frozen=True, eq=False)
+class Resume(Command):
+    """A kept session with camera images goes on: its first look takes them."""
+
+    memory: Memory
+    moves: ClassVar[bool] = True
+
+    def opens_pictures(self, model: PageModel) -> bool:
+        return True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.go_on(self.memory)

@@ -1,0 +1,68 @@
+"""The landscapes of all transfers in place of the one that is used: computed only while they are shown."""
+
+from functools import partial
+
+from viewimit.drawing.transfers import draw_together, waiting
+from viewimit.simulation.world import World
+from viewimit.snapshot import Snapshot
+from viewimit.transfer import TRANSFERS
+
+from ..jobs.landscapes import LandscapeWorker, Quarter, landscape_key, make_quarter
+from .commands.command import Arrival
+from .queue import CommandQueue
+
+
+class Comparison:
+    """Each transfer is asked for apart, so that the landscapes of other pages come in between.
+
+    html: all of them; None while the one that is used is shown.
+    """
+
+    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._asked: tuple | None = None  # None while nothing is shown
+        self._quarters: dict[str, Quarter] = {}
+        self._fresh: set[str] = set()  # what has come since the last drawing
+        self._on = False
+        self.html: str | None = None
+
+    def toggle(self) -> None:
+        self._on, self._asked = not self._on, None
+        if not self._on:
+            self.html = None
+
+    def ask(self, world: World, snapshot: Snapshot) -> None:
+        """Ask anew if what is shown would differ."""
+        if not self._on:
+            return
+        asked = world, *landscape_key(snapshot, but=("transfer",))
+        if asked == self._asked:
+            return
+        if self._asked is None or self._asked[0] is not world:
+            self._quarters.clear()
+            self.html = waiting("computing …")
+        self._asked = asked
+        for transfer in TRANSFERS:
+            make = partial(make_quarter, asked, world, snapshot, transfer)
+            self._worker.ask(self._page_id, make, partial(self._take_later, transfer), kind=f"compared: {transfer}")
+
+    def take(self, transfer: str, made: Quarter | Exception) -> None:
+        if isinstance(made, Exception):
+            raise ValueError(f"nothing to compare for the {transfer} transfer: {made}")
+        if self._asked is None or made.asked[0] is not self._asked[0]:  # closed, or of another scene
+            return
+        self._quarters[transfer] = made
+        self._fresh.add(transfer)
+        self._draw_if_complete()
+
+    def _take_later(self, transfer: str, made: Quarter | Exception) -> None:
+        self._queue.put(Arrival(("compared", transfer), partial(self.take, transfer), made))
+
+    def _draw_if_complete(self) -> None:
+        """Once all are as asked for; or all are newer than what is shown, while the demonstrator goes on moving."""
+        if len(self._quarters) < len(TRANSFERS):
+            return
+        as_asked = all(quarter.asked == self._asked for quarter in self._quarters.values())
+        if as_asked or len(self._fresh) == len(TRANSFERS):
+            self._fresh.clear()
+            self.html = draw_together([self._quarters[transfer].html for transfer in TRANSFERS])

@@ -1,0 +1,84 @@
+"""When a page asks for landscapes, and what has come of it."""
+
+from functools import partial
+
+from viewimit.drawing import duel as drawing
+from viewimit.drawing.landscape import LandscapePicture
+from viewimit.session import Session
+from viewimit.simulation.world import World
+from viewimit.snapshot import Snapshot
+
+from ..jobs.landscapes import Ground, LandscapeWorker, MadeLandscape, landscape_key, make_ground, make_landscape
+from .commands.command import Arrival
+from .queue import CommandQueue
+
+
+class OwnLandscape:
+    """Of the transfer that the visitor's learner uses. made: None before the first moment is known."""
+
+    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._asked: tuple | None = None
+        self._begun: Snapshot | None = None  # the first moment in the world
+        self.made: MadeLandscape | None = None
+
+    def ask(self, world: World, present: Snapshot) -> None:
+        """If it would differ. In a new world an empty one stands for it meanwhile."""
+        if self.made is None or self.made.world is not world:
+            self.begin(world, present)
+        asked = world, *landscape_key(present)
+        if asked != self._asked:
+            self._asked = asked
+            self._worker.ask(self._page_id, partial(make_landscape, world, present), self._take_later)
+
+    def begin(self, world: World, present: Snapshot) -> None:
+        """With an empty one."""
+        self._begun = present
+        self.made = MadeLandscape(world, LandscapePicture(None, world.scene, present), None)
+
+    def take(self, made: MadeLandscape | Exception) -> None:
+        """Unless the scene has changed meanwhile."""
+        if self.made is None or self._begun is None:
+            return
+        if isinstance(made, Exception):
+            world = self.made.world
+            why = f"no landscape: {made}"[:60]
+            made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
+        if made.world is self.made.world:
+            self.made = made
+
+    def _take_later(self, made: MadeLandscape | Exception) -> None:
+        self._queue.put(Arrival("landscape", self.take, made))
+
+
+class DuelLandscapes:
+    """Of both learners. html: what lies under their paths."""
+
+    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._asked: tuple | None = None
+        self._world: World | None = None  # of the duel that goes on
+        self.html = drawing.draw_empty()
+
+    def ask(self, world: World, present: Snapshot, opponent: Session | None) -> None:
+        """For landscapes of what both now see of the demonstrator, if they would differ."""
+        if opponent is None:
+            if self._world is not None:
+                self._asked, self._world, self.html = None, None, drawing.draw_empty()
+            return
+        if self._world is not world:
+            self._world, self.html = world, drawing.draw_ground(world.scene, [], present.theta_demo)
+        both = present, opponent.snapshot
+        asked = tuple(map(landscape_key, both))
+        if asked != self._asked:
+            self._asked = asked
+            self._worker.ask(self._page_id, partial(make_ground, world, both), self._take_later, kind="duel")
+
+    def take(self, made: Ground | Exception) -> None:
+        if isinstance(made, Exception):
+            raise ValueError(f"no landscapes for the duel: {made}")
+        if made.world is self._world:
+            self.html = made.html
+
+    def _take_later(self, made: Ground | Exception) -> None:
+        self._queue.put(Arrival("duel", self.take, made))

@@ -1,0 +1,230 @@
+"""What a page is about, without its widgets: a session, how fast it runs, how it is shown, and what goes with it.
+
+Commands are carried out on it; `state` tells the panels what to show.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import msgspec
+from numpy.typing import NDArray
+
+from viewimit.analysis.motion import Motion
+from viewimit.analysis.motion import encode as encode_motion
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+from ..jobs.experiments import Run
+from ..jobs.session_eyes import RemoteEyes, SessionEyes
+from ..sessions.autosave import Head, Memory
+from .appearance import Appearance
+from .commands.command import Arrival, MovingArrival
+from .comparison import Comparison
+from .duel import Duel
+from .experiments import Experiments
+from .joints import Freedom
+from .landscapes import DuelLandscapes, OwnLandscape
+from .motions import Motions
+from .player import DENSE, Player
+from .presets import Preset, presets_from
+from .queue import CommandQueue
+from .services import Services
+from .state import Message, PageState
+from .view import SWITCHES, View
+
+METHOD = {"transfer", "servo"}
+
+
+class PageModel:
+    """settings: what its session begins with; send(name, data): a file for the visitor.
+
+    generation: how often the session has begun anew, in a world of its own; refusals: how many commands could not be.
+    """
+
+    def __init__(
+        self,
+        page_id: int,
+        settings: Settings,
+        services: Services,
+        queue: CommandQueue,
+        send: Callable[[str, bytes], None],
+    ):
+        self._page_id, self._begun, self._services, self._queue = page_id, settings, services, queue
+        self._eyes, self._opponents_eyes = SessionEyes(services.camera), SessionEyes(services.camera)
+        self.session = Session(settings, self._eyes, DENSE)
+        self.player = Player(self.session)
+        self.duel = Duel(self.session, self.player, self._opponents_eyes)
+        self.view, self.freedom, self.appearance = View(), Freedom(), Appearance()
+        self.presets = presets_from(settings)
+        self.preset = next(iter(self.presets.values()))
+        self.motions = Motions(self.session, self.pose, self._make_motion, send)
+        self.experiments = Experiments(
+            services.experiments, page_id, self.session, self.motions, self._take_run_later, send
+        )
+        self.landscape = OwnLandscape(page_id, services.landscapes, queue)
+        self.duel_landscapes = DuelLandscapes(page_id, services.landscapes, queue)
+        self.comparison = Comparison(page_id, services.landscapes, queue)
+        self.generation, self.refusals = 0, 0
+        self.message: Message | None = None
+        self.unsaved: str | None = None  # why the session is not kept, as far as is known
+        self._encoded: tuple[Motion, bytes] | None = None
+
+    def pose(self, theta: NDArray) -> None:
+        """Move the demonstrator to theta, (m,) rad."""
+        self.session.pose(theta)
+        self.duel.follow()
+        self.player.wake()
+
+    def change(self, **fields) -> None:
+        """Some of the settings."""
+        world = self.session.world
+        self.session.change(**fields)
+        self.player.wake()
+        if self.session.world is not world:
+            self.begin_anew()
+        elif self.duel.opponent is not None and not METHOD.isdisjoint(fields):
+            self.duel.begin_again()
+        else:
+            self.duel.follow()
+
+    def begin_preset(self, preset: Preset) -> None:
+        self.player.pause()
+        self.session.begin(preset.settings)
+        self.player.speed = preset.motions_per_second
+        self.preset = preset
+        self.begin_anew()
+
+    def leave_pictures(self) -> None:
+        """Begin anew with projected points."""
+        self.player.pause()
+        self.session.begin(on_points(self.session.settings))
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """The session has begun anew, in a world of its own."""
+        self.duel.begin()
+        chosen = self.view.chosen
+        if chosen is not None and chosen >= len(self.session.world.body):
+            self.view = replace(self.view, chosen=None)
+        self.appearance = Appearance()
+        self.generation += 1
+
+    def go_on(self, memory: Memory) -> None:
+        """With a session that was kept; the loop is paused."""
+        self.session.resume(memory.history, memory.head.cursor)
+        self._show_as(memory.head)
+        self.view = replace(self.view, chosen=memory.head.chosen)
+        self.begin_anew()
+
+    def begin_like(self, memory: Memory) -> None:
+        """By points from where a session that was kept stands, until its first camera images are there."""
+        self.session.begin(on_points(memory.history[memory.head.cursor].settings))
+        self._show_as(memory.head)
+        self.begin_anew()
+
+    def memory(self) -> Memory:
+        """What of the page is kept. The opponent of a duel and what runs in the tab Experiments is not."""
+        session, view = self.session, self.view
+        head = Head(
+            begun=self._begun,
+            cursor=session.cursor,
+            length=len(session.history),
+            preset=self.preset.name,
+            speed=self.player.speed,
+            chosen=view.chosen,
+            show={name: getattr(view, name) for name in SWITCHES},
+            dark=view.dark,
+            motion=self._recorded(),
+        )
+        return Memory(head, tuple(session.history))
+
+    def say(self, text: str, until: float) -> None:
+        """A message for the visitor, as long as now < until, s."""
+        self.message = Message(text, until)
+
+    def refuse(self, why: str, until: float) -> None:
+        """Say why something cannot be; the widgets show again what is."""
+        self.say(why, until)
+        self.refusals += 1
+
+    def ask_for_landscapes(self) -> None:
+        """For what has changed since they were asked for last."""
+        world, present = self.session.world, self.session.snapshot
+        self.landscape.ask(world, present)
+        self.comparison.ask(world, present)
+        self.duel_landscapes.ask(world, present, self.duel.opponent)
+
+    def poses(self, now: float) -> tuple[NDArray, ...]:
+        """(m,) rad each: where the learner is seen, the demonstrator, and the opponent if there is one."""
+        learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
+        return learner, self.session.snapshot.theta_demo, *others
+
+    def state(self, now: float, shortest_motion: float = 0.0) -> PageState:
+        """What the page shows. shortest_motion: s; an arm on a shorter way is shown where it arrives."""
+        session, player, present = self.session, self.player, self.session.snapshot
+        theta, moving = player.theta(now)
+        if player.runners[0].duration < shortest_motion:
+            theta, moving = present.theta, False
+        looked, shown = self.appearance.of(session, theta, moving)
+        if self.message is not None and now > self.message.until:
+            self.message = None
+        return PageState(
+            generation=self.generation,
+            refusals=self.refusals,
+            session=session,
+            settings=session.settings,
+            present=present,
+            looked=looked,
+            pictures=session.eyes.pictures(looked) if isinstance(session.eyes, RemoteEyes) else {},
+            shown=shown,
+            on_its_way=theta if moving else None,
+            playing=player.playing,
+            speed=player.speed,
+            cursor=player.cursor,
+            last=player.last,
+            preset=self.preset,
+            presets=self.presets,
+            view=self.view,
+            landscape=self.landscape.made,
+            transfers=self.comparison.html,
+            duel=self.duel,
+            ground=self.duel_landscapes.html,
+            experiments=self.experiments,
+            motions=self.motions,
+            message=None if self.message is None else self.message.text,
+            unsaved=self.unsaved,
+        )
+
+    def close(self) -> None:
+        """Give the eyes back."""
+        self._eyes.close()
+        self._opponents_eyes.close()
+
+    def _show_as(self, head: Head) -> None:
+        self.preset = self.presets.get(head.preset, self.preset)
+        self.player.speed = head.speed
+        shown = {name: head.show[name] for name in SWITCHES if name in head.show}
+        self.view = replace(self.view, dark=head.dark, **shown)
+
+    def _make_motion(self, make: Callable[[], object]) -> None:
+        self._services.landscapes.ask(self._page_id, make, self._take_motion_later, kind="motion")
+
+    def _take_motion_later(self, made: object) -> None:
+        self._queue.put(MovingArrival("motion", self.motions.take, made))
+
+    def _take_run_later(self, run: Run) -> None:
+        self._queue.put(Arrival(("run", run.name), self.experiments.take, run))
+
+    def _recorded(self) -> bytes | None:
+        """The motion that was recorded or loaded, as a file has it."""
+        motion = self.motions.recorded
+        if motion is None:
+            return None
+        if self._encoded is None or self._encoded[0] is not motion:
+            self._encoded = motion, encode_motion(motion)
+        return self._encoded[1]
+
+
+def on_points(settings: Settings) -> Settings:
+    """The same with projected points."""
+    return msgspec.structs.replace(settings, camera="points")

@@ -1,0 +1,20 @@
+"""What all pages of a process share."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..jobs.camera_images import CameraProcess
+from ..jobs.experiments import ExperimentWorker
+from ..jobs.landscapes import LandscapeWorker
+from .shedding import LoadShedding
+
+
+@dataclass(frozen=True, eq=False)
+class Services:
+    """share_opponent(): puts its meshes on the server's scene, before they are first shown."""
+
+    landscapes: LandscapeWorker
+    experiments: ExperimentWorker
+    camera: CameraProcess
+    shedding: LoadShedding
+    share_opponent: Callable[[], None]

@@ -1,0 +1,33 @@
+"""E and the joint errors, motion by motion: a card over the scene of a wide window, or a tab."""
+
+from contextlib import nullcontext
+
+from viewimit.analysis.joint_errors import recent_errors_deg
+from viewimit.drawing.curves import draw_curves
+
+from ..control.state import PageState
+from .panel import SLOW, Layout, Panel
+from .widgets import put_html
+
+CARD_WIDTH, TAB_WIDTH = 860, 424  # px
+
+
+class CurvesPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        self._wide = layout.wide
+        with nullcontext() if layout.wide else layout.tab("Curves"):
+            self._curves = layout.gui.add_html("")
+
+    def period(self, state: PageState) -> float:
+        return SLOW
+
+    def depends_on(self, state: PageState) -> tuple:
+        return state.present, state.cursor, state.last, state.view.chosen, state.landscape
+
+    def show(self, state: PageState) -> None:
+        session = state.session
+        E_true = None if state.landscape is None else state.landscape.E_true
+        errors_deg = recent_errors_deg(session.history, session.cursor)
+        width = CARD_WIDTH if self._wide else TAB_WIDTH
+        drawn = draw_curves(session.history, session.cursor, E_true, session.scene.moving_joints, width, errors_deg)
+        put_html(self._curves, f'<div class="vi-card">{drawn}</div>' if self._wide else drawn)

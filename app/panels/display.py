@@ -1,0 +1,69 @@
+"""How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera."""
+
+from functools import partial
+
+from ..control.commands.display import ChoosePoint, FitView, Switch
+from ..control.commands.method import change_points, switch_camera
+from ..control.names import NO_POINT
+from ..control.state import PageState
+from .panel import Layout, Panel
+from .widgets import on_click, on_value, put
+
+SWITCHES = (
+    ("Rays", "rays"),
+    ("Residuals, 3-D", "residuals"),
+    ("Hand gizmo", "gizmo"),
+    ("Whole frames", "whole_frames"),
+    ("Dark", "dark"),
+)
+
+
+class DisplayPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        self._gui, queue = layout.gui, layout.queue
+        gui = self._gui
+        with gui.add_folder("Display", expand_by_default=False):
+            self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
+            self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
+            self._camera = gui.add_checkbox("Camera images", False)
+            self._switches = {name: gui.add_checkbox(label, getattr(state.view, name)) for label, name in SWITCHES}
+            fit = gui.add_button("Fit view")
+        on_value(self._chosen, queue, ChoosePoint.parse)
+        on_value(self._points, queue, change_points)
+        on_value(self._camera, queue, switch_camera)
+        for name, handle in self._switches.items():
+            on_value(handle, queue, partial(Switch.parse, name))
+        on_click(fit, queue, FitView())
+        self._generation, self._dark = -1, False
+
+    @property
+    def camera_on(self) -> bool:
+        """As the box shows it."""
+        return self._camera.value
+
+    def depends_on(self, state: PageState) -> tuple:
+        return state.generation, state.settings, state.view, state.refusals
+
+    def show(self, state: PageState) -> None:
+        settings, view = state.settings, state.view
+        if state.generation != self._generation:
+            self._generation = state.generation
+            self._offer(state)
+        put(self._chosen, NO_POINT if view.chosen is None else str(view.chosen))
+        put(self._points, self._markers or f"{settings.points} points")
+        put(self._camera, settings.camera == "rendered")
+        for name, handle in self._switches.items():
+            put(handle, getattr(view, name))
+        if view.dark != self._dark:
+            self._dark = view.dark
+            self._gui.configure_theme(dark_mode=view.dark, show_logo=False, show_share_button=False)
+
+    def _offer(self, state: PageState) -> None:
+        """The choices that depend on the scene and on what is seen of it."""
+        count = len(state.session.world.body)
+        pictured = state.settings.camera == "rendered"  # which show the markers that the robot wears, in one layout
+        self._markers = f"{count} markers" if pictured else ""
+        layouts = [f"{layout} points" for layout in state.session.scene.points]
+        self._points.options = [self._markers] if pictured else layouts
+        self._points.disabled = pictured
+        self._chosen.options = [NO_POINT, *(str(i) for i in range(count))]

@@ -1,0 +1,33 @@
+"""Which motion is shown, out of those that are kept; and how many a second are made."""
+
+from ..control.commands.session import ChooseSpeed, Scrub
+from ..control.names import SPEEDS
+from ..control.state import PageState
+from .panel import SLOW, Layout, Panel
+from .widgets import on_value, put
+
+
+class HistoryPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        gui = layout.gui
+        self._history = gui.add_slider("History", 0, 1, 1, 0)
+        self._speed = gui.add_dropdown("Speed", list(SPEEDS), initial_value=speed_name(state.speed))
+        on_value(self._history, layout.queue, Scrub.parse)
+        on_value(self._speed, layout.queue, ChooseSpeed.parse)
+
+    def period(self, state: PageState) -> float:
+        return SLOW
+
+    def depends_on(self, state: PageState) -> tuple:
+        return state.cursor, state.last, state.speed, state.refusals
+
+    def show(self, state: PageState) -> None:
+        last = max(state.last, 1)
+        if self._history.max != last:
+            self._history.max = last
+        put(self._history, state.cursor)
+        put(self._speed, speed_name(state.speed))
+
+
+def speed_name(motions_per_second: float) -> str:
+    return next(name for name, value in SPEEDS.items() if value == motions_per_second)

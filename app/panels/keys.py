@@ -1,0 +1,69 @@
+"""The keys of the page, some of them named at the bottom of the left panel; H opens the help."""
+
+from dataclasses import dataclass
+
+from ..control.commands.command import Command
+from ..control.commands.display import FitView, NextPoint, ToggleHelp
+from ..control.commands.session import Play, Reset, Step, Undo
+from ..control.state import PageState
+from .help import help_html
+from .panel import Layout, Panel
+from .widgets import on_click
+
+
+@dataclass(frozen=True)
+class Key:
+    """cap: on the key; hotkey: as viser calls it; word: what it does; sentence: in viser's list of commands; hinted:
+    named in the left panel, too."""
+
+    cap: str
+    hotkey: str
+    word: str
+    sentence: str
+    command: Command
+    hinted: bool = False
+
+
+KEYS = (
+    Key("space", "space", "play", "Play or pause", Play(), True),
+    Key("→", "arrowright", "step", "Step: one motion", Step(), True),
+    Key("←", "arrowleft", "undo", "Undo: one motion back", Undo()),
+    Key("R", "R", "reset", "Reset to the start", Reset()),
+    Key("N", "N", "next point", "Choose the next point", NextPoint()),
+    Key("V", "V", "view", "Fit the view", FitView()),
+    Key("H", "H", "help", "Help", ToggleHelp(), True),
+)
+
+
+class KeysPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        self._gui, self._queue = layout.gui, layout.queue
+        self._help = None  # the open modal
+        self._gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
+        for key in KEYS:
+            self._add_hotkey(key)
+
+    def depends_on(self, state: PageState) -> tuple:
+        return (state.view.help,)
+
+    def show(self, state: PageState) -> None:
+        if self._help is not None:
+            self._help.close()
+            self._help = None
+        if state.view.help:
+            self._help = self._gui.add_modal("viewimit: what is seen here")
+            with self._help:
+                self._gui.add_html(help_html(key_caps(KEYS)))
+                done = self._gui.add_button("Close")
+            on_click(done, self._queue, ToggleHelp())
+
+    def _add_hotkey(self, key: Key) -> None:
+        command = self._gui.add_command(key.sentence, hotkey=key.hotkey)
+
+        @command.on_trigger
+        async def _(_event) -> None:
+            self._queue.put(key.command)
+
+
+def key_caps(keys) -> str:
+    return "".join(f"<span><kbd>{key.cap}</kbd> {key.word}</span> " for key in keys)

@@ -1,0 +1,36 @@
+"""Transfer, servo, and the joints that imitate."""
+
+from ..control.commands.method import FreeJoints, change_servo, change_transfer
+from ..control.joints import chosen_joints, joint_choices
+from ..control.names import servo_names, transfer_names
+from ..control.state import PageState
+from .panel import Layout, Panel
+from .widgets import on_value, put
+
+
+class MethodPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        gui, queue, settings = layout.gui, layout.queue, state.settings
+        transfers, servos = transfer_names(), servo_names()
+        with gui.add_folder("Method"):
+            self._transfer = gui.add_dropdown(
+                "Transfer", list(transfers.values()), initial_value=transfers[settings.transfer]
+            )
+            self._servo = gui.add_dropdown("Servo", list(servos.values()), initial_value=servos[settings.servo])
+            self._joints = gui.add_dropdown("Joints", ["–"], initial_value="–")
+        on_value(self._transfer, queue, change_transfer)
+        on_value(self._servo, queue, change_servo)
+        on_value(self._joints, queue, FreeJoints.parse)
+        self._generation = -1
+
+    def depends_on(self, state: PageState) -> tuple:
+        return state.generation, state.settings, state.refusals
+
+    def show(self, state: PageState) -> None:
+        settings = state.settings
+        if state.generation != self._generation:
+            self._generation, self._choices = state.generation, joint_choices(settings)
+            self._joints.options = list(self._choices)
+        put(self._transfer, transfer_names()[settings.transfer])
+        put(self._servo, servo_names()[settings.servo])
+        put(self._joints, chosen_joints(settings, self._choices))

@@ -1,0 +1,67 @@
+"""What a panel is, and where it finds its place on the page."""
+
+from collections.abc import Hashable
+from contextlib import AbstractContextManager
+from typing import Protocol
+
+from viser import ClientHandle
+
+from ..control.queue import CommandQueue
+from ..control.state import PageState
+
+SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
+WIDTHS = {False: 440, True: 560}  # px of the right panels, in a wide window or not
+LEFT_WIDTHS = {False: 280, True: 300}
+
+
+class Layout:
+    """The left panel, which is `gui` itself, and the right ones with their tabs. wide: with room for more."""
+
+    def __init__(self, client: ClientHandle, queue: CommandQueue, wide: bool):
+        self.client, self.gui, self.queue, self.wide = client, client.gui, queue, wide
+        self.gui.main_panel.dock_left()
+        self.gui.main_panel.set_width(LEFT_WIDTHS[wide])
+        self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
+        self._tabs: dict[str, AbstractContextManager] = {}
+
+    def upper_tab(self, name: str) -> AbstractContextManager:
+        """The tab of this name in the upper panel, to build in."""
+        return self._tab(self._upper, name)
+
+    def tab(self, name: str) -> AbstractContextManager:
+        """In the lower one."""
+        return self._tab(self._lower, name)
+
+    def dock(self) -> None:
+        """To be called when all is built."""
+        self._upper.dock_right()
+        self._upper.set_width(WIDTHS[self.wide])
+        self._lower.dock_below(self._upper)
+
+    def _tab(self, panel, name: str) -> AbstractContextManager:
+        if name not in self._tabs:
+            self._tabs[name] = panel.add_tab(name)
+        return self._tabs[name]
+
+
+class Panel(Protocol):
+    """A part of the page. What a person does with it becomes commands in the layout's queue; what it shows is state.
+
+    `build` once, then `show` whenever `depends_on` differs from what was shown last.
+    """
+
+    def build(self, layout: Layout, state: PageState) -> None:
+        """Make the widgets. They need not show the state yet."""
+        ...
+
+    def depends_on(self, state: PageState) -> tuple[Hashable, ...]:
+        """What it shows; of snapshots their identity counts."""
+        ...
+
+    def show(self, state: PageState) -> None:
+        """Write what differs."""
+        ...
+
+    def period(self, state: PageState) -> float:
+        """s at least between two drawings, longer under load; 0: as often as the page looks for changes at all."""
+        return 0.0

@@ -1,0 +1,37 @@
+"""Preset, its lesson, and the buttons that move the learner."""
+
+from ..control.commands.command import Command
+from ..control.commands.session import ChoosePreset, Play, Reset, Step, Undo
+from ..control.state import PageState
+from .panel import Layout, Panel
+from .widgets import on_click, on_value, put, put_html, put_label
+
+MOTIONS: dict[str, Command] = {"Step": Step(), "Undo": Undo(), "Reset": Reset()}
+
+
+class PlaybackPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        gui, queue = layout.gui, layout.queue
+        self._preset = gui.add_dropdown("Preset", list(state.presets), initial_value=state.preset.name)
+        on_value(self._preset, queue, ChoosePreset.parse)
+        self._lesson = gui.add_html(lesson(state.preset.lesson))
+        self._play = gui.add_button("Play", icon="player-play")
+        on_click(self._play, queue, Play())
+        motion = gui.add_button_group("Motion", list(MOTIONS))
+
+        @motion.on_click
+        async def _(event) -> None:
+            if event.target.value in MOTIONS:
+                queue.put(MOTIONS[event.target.value])
+
+    def depends_on(self, state: PageState) -> tuple:
+        return state.preset.name, state.playing, state.refusals
+
+    def show(self, state: PageState) -> None:
+        put(self._preset, state.preset.name)
+        put_html(self._lesson, lesson(state.preset.lesson))
+        put_label(self._play, *(("Pause", "player-pause") if state.playing else ("Play", "player-play")))
+
+
+def lesson(text: str) -> str:
+    return f'<div class="vi-lesson">{text}</div>'

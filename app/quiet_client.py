@@ -1,0 +1,49 @@
+"""A client without a browser, for measuring a page and for testing it."""
+
+import contextlib
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+
+
+class QuietHandle:
+    """Stands for any handle of viser and what it hangs on: keeps what is assigned, sends nothing, can be a context."""
+
+    content, value, visible, disabled, label, max = "", None, True, False, "", None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return self
+
+    def __call__(self, *args, **kwargs):
+        return QuietHandle()
+
+
+@dataclass
+class QuietClient:
+    """A page's client: what is sent goes nowhere."""
+
+    client_id: int = 0
+    scene: QuietHandle = field(default_factory=QuietHandle)
+    gui: QuietHandle = field(default_factory=QuietHandle)
+    camera: SimpleNamespace = field(
+        default_factory=lambda: SimpleNamespace(image_width=552, image_height=720, position=np.ones(3))
+    )
+
+    def atomic(self):
+        return contextlib.nullcontext()
+
+
+def quiet_client(page_id: int) -> QuietClient:
+    """With a main panel that can be docked."""
+    client = QuietClient(page_id)
+    client.gui.main_panel = QuietHandle()
+    return client

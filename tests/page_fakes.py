@@ -1,0 +1,226 @@
+"""A page without a browser, and what stands for its surroundings."""
+
+import re
+import threading
+import time
+from functools import partial
+
+from viewimit.app.control.commands.display import ChoosePoint, FitView, NextPoint, Switch, ToggleComparison, ToggleHelp
+from viewimit.app.control.commands.duel import ChooseOpponent, ToggleDuel
+from viewimit.app.control.commands.experiments import (
+    ChooseExperiment,
+    ChooseMotion,
+    Download,
+    LoadMotion,
+    Record,
+    Replay,
+    RunOrCancel,
+    SaveMotion,
+    ShowFrame,
+)
+from viewimit.app.control.commands.method import (
+    FreeJoints,
+    change_disturbance,
+    change_points,
+    change_seed,
+    change_servo,
+    change_transfer,
+    switch_camera,
+)
+from viewimit.app.control.commands.session import (
+    ChoosePreset,
+    ChooseSpeed,
+    Play,
+    PoseHand,
+    PoseJoint,
+    Reset,
+    Scrub,
+    Step,
+    Undo,
+)
+from viewimit.app.control.disturbances import DISTURBANCES
+from viewimit.app.control.page_model import PageModel
+from viewimit.app.control.queue import CommandQueue
+from viewimit.app.control.scheduler import TICK
+from viewimit.app.control.services import Services
+from viewimit.app.control.shedding import LoadShedding
+from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
+from viewimit.app.jobs.experiments import ExperimentWorker
+from viewimit.app.jobs.landscapes import LandscapeWorker
+from viewimit.app.page import Page
+from viewimit.app.panels.display import DisplayPanel
+from viewimit.app.panels.images import ImagesPanel
+from viewimit.app.panels.status import StatusPanel
+from viewimit.app.quiet_client import quiet_client
+
+from viewimit.settings import BEST
+from viewimit.simulation.markers import load_markers
+from viewimit.simulation.world import World
+
+CONTROLS = {  # what a browser's values become
+    **{f"joint{k}": partial(PoseJoint.parse, k) for k in range(7)},
+    **{name: partial(change_disturbance, amount) for name, amount in DISTURBANCES.items()},
+    **{name: partial(Switch.parse, name) for name in ("rays", "residuals", "gizmo", "whole_frames", "dark")},
+    "joints": FreeJoints.parse,
+    "seed": change_seed,
+    "points": change_points,
+    "camera": switch_camera,
+    "transfer": change_transfer,
+    "servo": change_servo,
+    "hand": PoseHand.parse,
+    "preset": ChoosePreset.parse,
+    "speed": ChooseSpeed.parse,
+    "history": Scrub.parse,
+    "chosen": ChoosePoint.parse,
+    "opponent's transfer": ChooseOpponent.transfer,
+    "opponent's servo": ChooseOpponent.servo,
+    "experiment": ChooseExperiment.parse,
+    "motion": ChooseMotion.parse,
+    "moment": ShowFrame.parse,
+    "motion file": LoadMotion.parse,
+}
+BUTTONS = {
+    "play": Play(),
+    "step": Step(),
+    "undo": Undo(),
+    "reset": Reset(),
+    "next point": NextPoint(),
+    "view": FitView(),
+    "help": ToggleHelp(),
+    "transfers": ToggleComparison(),
+    "duel": ToggleDuel(),
+    "run": RunOrCancel(),
+    "download": Download(),
+    "record": Record(),
+    "replay": Replay(),
+    "save motion": SaveMotion(),
+}
+
+
+class Hands:
+    """Does at once to a model what a visitor does with a browser: raises ValueError for what cannot be."""
+
+    def __init__(self, model, queue=None):
+        self.model, self.queue = model, queue
+
+    def set(self, name, value):
+        CONTROLS[name](value).apply(self.model, 0.0)
+
+    def act(self, name, now=0.0):
+        BUTTONS[name].apply(self.model, now)
+
+    def arrive(self):
+        """Carry out what workers have put into the queue."""
+        for command in self.queue.take():
+            command.apply(self.model, 0.0)
+
+
+class QuietLandscapes:
+    """Takes what is asked of it, and makes nothing."""
+
+    def ask(self, page_id, make, done, kind="landscape"):
+        pass
+
+
+class QuietExperiments:
+    """Takes what is asked of it."""
+
+    def __init__(self):
+        self.asked, self.cancelled = [], 0
+
+    def ask(self, page_id, request, tell):
+        self.asked.append(request)
+        self.tell = tell
+
+    def cancel(self, page_id):
+        self.cancelled += 1
+
+
+def quiet_model(settings, experiments=None, send=lambda *file: None):
+    """A page's model whose workers make nothing, and the queue that they would hand it to."""
+    worker = experiments or QuietExperiments()
+    services = Services(QuietLandscapes(), worker, CameraProcess(), LoadShedding(TICK), lambda: None)
+    queue = CommandQueue()
+    return PageModel(1, settings, services, queue, send), queue
+
+
+class Camera:
+    """Stands for the process: looks at projected markers, as long as its gate is open. asked: by which threads."""
+
+    def __init__(self):
+        self.gate, self.asked, self.closed = threading.Event(), [], []
+        self.refusal = self.loss = None
+        self.gate.set()
+
+    def open(self, scene, key=None):
+        if self.refusal:
+            raise ValueError(self.refusal)
+        self.world = World(scene, body=load_markers(scene.robot).body)
+        return 0, 0.0
+
+    def ask(self, key, what, *arguments):
+        self.asked.append((what, threading.get_ident()))
+        assert self.gate.wait(10)
+        if self.loss:
+            raise CameraLost(self.loss)
+        if what in ("own_images", "demo_images"):
+            return getattr(self.world, what)(*arguments), (b"left", b"right")
+        return arguments[-1], ()  # an arm without weight
+
+    def close(self, key):
+        self.closed.append(key)
+
+
+class Visit:
+    """A page without a browser, ticked by hand in a clock of its own."""
+
+    def __init__(self, camera, resumed=None, settings=BEST):
+        self.kept, self.now = [], 100.0
+        services = Services(LandscapeWorker(), ExperimentWorker(), camera, LoadShedding(TICK), lambda: None)
+        self.page = Page(quiet_client(id(self)), services, settings, self.kept.append, resumed)
+        self.session, self.player, self.duel = (
+            getattr(self.page.model, name) for name in ("session", "player", "duel")
+        )
+
+    def put(self, name, value):
+        self.page.queue.put_value(CONTROLS[name], value)
+
+    def act(self, name):
+        self.page.put(BUTTONS[name])
+
+    def tick(self, count=1):
+        for _ in range(count):
+            self.now += 0.05
+            self.page.tick(self.now)
+
+    def rest(self, seconds=10.0):
+        """Tick until no turn goes on."""
+        until = time.monotonic() + seconds
+        self.tick()
+        while self.page.busy:
+            assert time.monotonic() < until
+            time.sleep(0.002)
+            self.tick()
+
+    def arrive(self):
+        self.rest()
+        self.tick(40)
+
+    @property
+    def said(self):
+        return self.page.panel(StatusPanel).html
+
+    @property
+    def images(self):
+        return self.page.panel(ImagesPanel).html
+
+    @property
+    def camera_on(self):
+        """As the box shows it."""
+        return self.page.panel(DisplayPanel).camera_on
+
+    @property
+    def photographs(self):
+        """Views with a picture, as drawn."""
+        planes = self.images.split('<svg x="')[1:]
+        return sorted(re.search(r'vi-name[^>]*">(\w)<', plane)[1] for plane in planes if "data:image/jpeg" in plane)

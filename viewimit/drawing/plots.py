@@ -1,6 +1,6 @@
 """The experiments' figures: their size and caption, and lines told apart by more than their colour."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +55,7 @@ STYLES = (
 )
 
 
-def style_of(name: str, names: Sequence[str]) -> Style:
+def style_of(name: str, names: Iterable[str]) -> Style:
     """Each of a list has a style of its own, the first ones the most distinct."""
     return STYLES[list(names).index(name) % len(STYLES)]
 
@@ -75,8 +75,8 @@ def _caption(words: str) -> str:
 
 def described(settings: Settings) -> str:
     """The conditions under which a result was found, in one line."""
-    digits = 1 if len(settings.demonstrator_deg) <= 3 else 0
-    posture = ", ".join(svg.number(angle, digits) + "°" for angle in settings.demonstrator_deg)
+    angles = settings.demonstrator_deg or ()
+    posture = ", ".join(svg.number(angle, 1 if len(angles) <= 3 else 0) + "°" for angle in angles)
     scene = settings.scene.replace("\\", "/").rsplit("/", 1)[-1]
     said = f"Demonstrator ({posture}) · {settings.transfer} transfer · {scene}, {settings.points} points"
     disturbed = [words.format(getattr(settings, name)) for name, words in DISTURBANCES if getattr(settings, name)]

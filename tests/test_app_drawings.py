@@ -19,6 +19,7 @@ from viewimit.drawing.labels import CHARACTER, LINE
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
+from viewimit.geometry.pairs import PAIRS
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 from viewimit.simulation.appearance import Silhouettes, reach
@@ -144,6 +145,18 @@ class TestImages:
         f, _ = fit_affine_fundamental(snapshot.views.demo_left, snapshot.views.own_right)
         assert (b - a) @ f[2:] / np.linalg.norm(b - a) / np.linalg.norm(f[2:]) == pytest.approx(0, abs=2e-3)
 
+    def test_the_lines_come_from_the_snapshots_fundamental_matrices(self, session):
+        views = session.snapshot.views
+        images = (views.demo_left, views.demo_right, views.own_left, views.own_right)
+        f, f33 = session.snapshot.fundamental
+        for (p, q), *found in zip(PAIRS, f, f33):
+            expected, offset = fit_affine_fundamental(images[p], images[q])
+            sign = np.sign(found[0] @ expected)
+            assert sign * found[0] == pytest.approx(expected, abs=1e-9)
+            assert sign * found[1] == pytest.approx(offset, abs=1e-6)
+        assert session.snapshot.fundamental is session.snapshot.fundamental
+        assert stepped(0, missing=0.5).snapshot.fundamental is None
+
     @pytest.mark.parametrize("gain", [1, 5])
     def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, gain):
         for box in (planes(drawn(session, gain=gain))[name] for name in "LR"):
@@ -219,6 +232,13 @@ class TestSilhouettes:
                 image = camera.project(placed.T)[0].T
                 short = (image @ directions).max(0) - (hulls[side, link] @ directions).max(0)
                 assert -1e-9 < short.min() and short.max() < 2.5
+
+    def test_an_arm_that_rests_is_not_projected_again(self, session, silhouettes):
+        first, later = (silhouettes.bodies(moment) for moment in session.history[:2])
+        assert first.demo is later.demo and first.own is not later.own
+        recovered = session.snapshot.transfer.recover(*silhouettes.bodies(session.snapshot).demo.origins)
+        found = silhouettes.bodies(session.snapshot).recovered
+        np.testing.assert_array_equal(np.concatenate(found, -1), recovered)
 
     def test_without_meshes_the_skeleton_is_drawn(self, session):
         assert "vi-bone" in drawn(session)

@@ -1,6 +1,7 @@
 """A landscape as a file: .npz and .csv hold the data in degrees and px², .svg and .png the page's drawing of it."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ def write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) ->
     first, second = (np.degrees(axis) for axis in landscape.axes)
     names = [f"theta{joint}_deg" for joint in scene.moving_joints]
     if path.suffix.lower() == ".npz":
-        columns = dict(zip(names, (first, second)))
+        columns: dict[str, Any] = dict(zip(names, (first, second)))
         np.savez(path, E=landscape.E, demonstrator_deg=np.degrees(snapshot.theta_demo), **columns)
     elif path.suffix.lower() == ".csv":
         rows = np.stack([*np.meshgrid(first, second, indexing="ij"), landscape.E], -1).reshape(-1, 3)

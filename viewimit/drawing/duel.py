@@ -140,10 +140,11 @@ def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
         if all(_rests(standing.snapshot) for standing in standings):
             return f"Neither came {aim}.", _whereabouts(standings, (0, 1))
         return f"Neither is {aim} yet.", _whereabouts(standings, (0, 1))
-    if own == other:
+    if own is not None and own == other:
         return f"A tie: both were {aim} after {_motions(own)}.", ""
     first = 0 if other is None or (own is not None and own < other) else 1
-    won = f"The {ROLES[first]} was first {aim}, after {_motions(standings[first].arrived)}."
+    soonest = min(count for count in (own, other) if count is not None)
+    won = f"The {ROLES[first]} was first {aim}, after {_motions(soonest)}."
     late = standings[1 - first].arrived
     return won, f"The {ROLES[1 - first]} was, after {late}." if late is not None else _whereabouts(
         standings, (1 - first,)

@@ -55,8 +55,8 @@ def image_windows(reach: Mapping[str, NDArray], frame: tuple[int, int]) -> Windo
             corners = {view: (low + high - sizes[view]) / 2 for view, (low, high) in spans.items()}
             free = _free_corners({view: (reach[view] - corners[view]) / sizes[view] for view in pair})
             for view in pair:
-                numbers = map(float, (*corners[view], *sizes[view], scale))
-                windows[whole][view] = Window(*numbers, *free)
+                (x, y), (w, h) = corners[view].tolist(), sizes[view].tolist()
+                windows[whole][view] = Window(x, y, w, h, float(scale), *free)
     return windows
 
 
@@ -82,8 +82,8 @@ def _free_corners(places: dict[str, NDArray]) -> tuple[bool, bool]:
     share = lambda where: np.count_nonzero(where) / len(x)
     left, right, top, bottom = x < 0.35, x > 0.65, y < 0.1, y > 0.9
     return (
-        share(left & top) < share(right & top) - CLEARLY,
-        share(left & bottom) < share(right & bottom) + CLEARLY,
+        bool(share(left & top) < share(right & top) - CLEARLY),
+        bool(share(left & bottom) < share(right & bottom) + CLEARLY),
     )
 
 

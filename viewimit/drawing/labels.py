@@ -1,5 +1,7 @@
 """Places for labels in a plot, so that none covers another or a mark."""
 
+from numpy.typing import NDArray
+
 from . import svg
 
 CHARACTER, LINE = 6.1, 13  # px of a letter of 11 px, of a line
@@ -29,7 +31,9 @@ class Labels:
         self._taken.append(rectangle)
         return rectangle
 
-    def take_point(self, x: float, y: float, radius: float) -> Rectangle:
+    def take_point(self, place: NDArray, radius: float) -> Rectangle:
+        """place: (2,) px"""
+        x, y = place.tolist()
         return self.take(x - radius, y - radius, x + radius, y + radius)
 
     def release(self, rectangles: list[Rectangle]) -> None:

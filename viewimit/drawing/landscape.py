@@ -92,7 +92,7 @@ class LandscapePicture:
     def _now_labels(self, start: NDArray, now: NDArray, theta: NDArray, cursor: int) -> str:
         labels = self._plane.labels.copy()
         (x, y), (start_x, start_y) = now.tolist(), start.tolist()
-        labels.take_point(x, y, 7)
+        labels.take_point(now, 7)
         name = "now" if cursor else "start"
         words = f"{name} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
         label = labels.beside(x, y, words, "vi-of-own vi-halo", 11)
@@ -107,9 +107,9 @@ class LandscapePicture:
         marks = plane.place(np.stack([demo, lowest]))
         start = plane.place(np.array(snapshot.settings.start_deg))
         for mark in marks:
-            labels.take_point(*mark, 8)
+            labels.take_point(mark, 8)
         # where the path will probably run
-        way = [labels.take_point(*(start + share * (marks[1] - start)), 7) for share in np.linspace(0, 0.9, 12)]
+        way = [labels.take_point(start + share * (marks[1] - start), 7) for share in np.linspace(0, 0.9, 12)]
         inset = ""
         fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
         if fine and np.max(np.abs(demo - lowest)) < CLOSE_DEG:
@@ -126,7 +126,8 @@ class LandscapePicture:
         parts = []
         for k, (name, posture, kind) in enumerate(named):
             words = f"{name} ({svg.number(posture[0], 0)}°, {svg.number(posture[1], 0)}°)"
-            parts.append(self._plane.labels.led(*marks[k].tolist(), words, kind, to_left=(k == 0) == left_first))
+            x, y = marks[k].tolist()
+            parts.append(self._plane.labels.led(x, y, words, kind, to_left=(k == 0) == left_first))
         return "".join(parts)
 
     def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:
@@ -136,14 +137,15 @@ class LandscapePicture:
         middle = max(corners, key=lambda corner: min(np.hypot(*(corner - point)) for point in busy))
         centre = (demo + lowest) / 2
         self._zoom = middle, centre
-        self._plane.labels.take(*(middle - side - 3), *(middle + side + 3))
+        self._plane.labels.take_point(middle, side + 3)
         near = [
             np.flatnonzero(np.abs(np.degrees(axis) - c) < CLOSE_DEG + 1.5) for axis, c in zip(landscape.axes, centre)
         ]
-        columns, rows = self._plane.grid(tuple(axis[k] for axis, k in zip(landscape.axes, near)))
+        first, second = landscape.axes
+        columns, rows = self._plane.grid((first[near[0]], second[near[1]]))
         at = self._plane.place(centre)
-        enlarged = [middle[k] + (px - at[k]) * self._enlargement for k, px in enumerate((columns, rows))]
-        contours = relief.fine_contours(tuple(enlarged), landscape.E[np.ix_(*near)])
+        enlarged = tuple(middle[k] + (px - at[k]) * self._enlargement for k, px in enumerate((columns, rows)))
+        contours = relief.fine_contours((enlarged[0], enlarged[1]), landscape.E[np.ix_(*near)])
         self._above = _marks(self._zoomed(self._plane.place(np.stack([demo, lowest]))))
         left, top = middle - side
         size = f'width="{INSET - 1}" height="{INSET - 1}" rx="3"'
@@ -166,10 +168,12 @@ class LandscapePicture:
 
     def _zoomed(self, points: NDArray) -> NDArray:
         """px of the plot → px of the inset"""
+        assert self._zoom is not None  # only asked for with an inset
         middle, centre = self._zoom
         return middle + (points - self._plane.place(centre)) * self._enlargement
 
     def _clipped(self, inside: str) -> str:
+        assert self._zoom is not None
         left, top = self._zoom[0] - INSET / 2
         place = f'x="{left:.1f}" y="{top:.1f}" width="{INSET}" height="{INSET}"'
         return f'<svg {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'

@@ -7,9 +7,10 @@ import base64
 import io
 import itertools
 import secrets
+from typing import cast
 
 import numpy as np
-from contourpy import contour_generator
+from contourpy import ContourGenerator, contour_generator
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -71,7 +72,7 @@ def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, flo
 def plain_contours(grid: Grid, E: NDArray) -> str:
     """Contours at levels 1, 2, 5 …, without labels."""
     generator = _generator(grid, E)
-    lines = [_thin(line) for level in _levels(E) for line in generator.lines(np.log(level))]
+    lines = [_thin(line) for level in _levels(E) for line in _lines(generator, level)]
     return f'<path class="vi-contour" d="{"".join(map(svg.path, lines))}"/>'
 
 
@@ -81,7 +82,7 @@ def contours(grid: Grid, E: NDArray, labels: Labels, lowest: NDArray) -> str:
     paths, texts = [], []
     rays = _rays(labels, lowest)
     for level in _levels(E):
-        lines = [_thin(line) for line in generator.lines(np.log(level))]
+        lines = [_thin(line) for line in _lines(generator, level)]
         paths.extend(svg.path(line) for line in lines)
         for ray in rays:
             texts.append(_label(lines, f"{level:g}", labels, lowest, ray))
@@ -96,7 +97,7 @@ def fine_contours(grid: Grid, E: NDArray) -> str:
     decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.log10(max(high, 2 * low)) + 1)
     levels = np.outer(decades, FINE).ravel()
     generator = _generator(grid, E)
-    lines = [line for level in levels if low < level < high for line in generator.lines(np.log(level))]
+    lines = [line for level in levels if low < level < high for line in _lines(generator, level)]
     return f'<path class="vi-contour" d="{"".join(svg.path(line) for line in lines)}"/>'
 
 
@@ -106,11 +107,16 @@ def _levels(E: NDArray) -> list[float]:
     return [level for level in LEVELS if max(np.nanmin(E), top / FLOOR) < level < top][-MOST_LEVELS:]
 
 
-def _generator(grid: Grid, E: NDArray):
+def _generator(grid: Grid, E: NDArray) -> ContourGenerator:
     """Of log E, which is nearly linear between grid points."""
     with np.errstate(invalid="ignore"):
         z = np.log(np.maximum(E, 1e-12))
     return contour_generator(*grid, np.ma.masked_invalid(z))
+
+
+def _lines(generator: ContourGenerator, level: float) -> list[NDArray]:
+    """Where E has that value, px."""
+    return cast(list[NDArray], generator.lines(np.log(level)))  # arrays of points, as the default type of line is
 
 
 def _thin(line: NDArray) -> NDArray:

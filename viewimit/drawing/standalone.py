@@ -31,12 +31,13 @@ def standalone(drawing: str, title: str, description: str = "") -> str:
     classes, width, height = found[1], float(found[2]) + 2 * MARGIN, float(found[3]) + 2 * MARGIN
     inside = _with_plain_ids(resolved(found[4]))
     frame = f'x="{-MARGIN}" y="{-MARGIN}" width="{width:g}" height="{height:g}"'
+    own_size = f"svg.vi{{width:{width:g}px;height:{height:g}px;user-select:auto}}"  # not that of what it stands in
     told = f"<title>{svg.escape(title)}</title>" + (f"<desc>{svg.escape(description)}</desc>" if description else "")
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" '
         f'viewBox="{-MARGIN} {-MARGIN} {width:g} {height:g}" class="{classes}" font-family="{FONTS}" font-size="11">'
-        f"{told}<style>{styles_of(drawing)}</style>"
+        f"{told}<style>{styles_of(drawing)}{own_size}</style>"
         f'<rect {frame} fill="{ROLES["paper"][0]}"/>{inside}</svg>\n'
     )
 

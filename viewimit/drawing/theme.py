@@ -42,7 +42,8 @@ def rgb(role: str, dark: bool = False) -> tuple[int, int, int]:
 
 def half_white(role: str) -> tuple[int, int, int]:
     """The role's hue mixed half with white: the arms in 3-D, whose points have the full hue."""
-    return tuple((channel + 255) // 2 for channel in rgb(role))
+    red, green, blue = rgb(role)
+    return (red + 255) // 2, (green + 255) // 2, (blue + 255) // 2
 
 
 def variables(dark: bool) -> str:

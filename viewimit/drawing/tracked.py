@@ -54,10 +54,8 @@ def legend() -> list[tuple[str, str]]:
 
 def _view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[str]) -> str:
     axes = _axes(seen if recovered is None else np.concatenate([seen, recovered]))
-    x, y = axes.x, axes.y[::-1]
-    parts = [
-        axes.frame(TITLES[view], "px", linear_ticks(*x), linear_ticks(*y)),
-    ]
+    (left, right), (lower, upper) = axes.x, axes.y
+    parts = [axes.frame(TITLES[view], "px", linear_ticks(left, right), linear_ticks(upper, lower))]
     places = axes.place(*seen.T)
     labels = Labels(axes.left, axes.top, axes.right, axes.bottom)
     if recovered is not None:
@@ -66,10 +64,10 @@ def _view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[s
         parts.append(f'<path class="vi-e" d="{svg.segments(found, places)}"/>')
         parts.append(f'<path class="vi-tip" d="{svg.arrow_tips(found[None], places[None], HEAD)[0]}"/>')
         for place in found:
-            labels.take_point(*place, RECOVERED)
+            labels.take_point(place, RECOVERED)
     for place in places:
-        labels.take_point(*place, DOT)
-    for (u, v), name in zip(places, names):
+        labels.take_point(place, DOT)
+    for (u, v), name in zip(places.tolist(), names):
         parts.append(_dot("vi-seen" if view in "lr" else "vi-point", u, v))
         parts.append(labels.beside(u, v, name, "vi-halo", DOT + 2))
     return "".join(parts)

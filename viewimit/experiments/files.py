@@ -5,6 +5,7 @@ import json
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -25,9 +26,8 @@ def write(name: str, experiment: Experiment, result: Result, folder: Path) -> li
     folder.mkdir(parents=True, exist_ok=True)
     tables: Tables = result.tables
     written = [folder / f"{name}.npz"]
-    np.savez_compressed(
-        written[0], **{f"{table}.{key}": column for table in tables for key, column in tables[table].items()}
-    )
+    arrays: dict[str, Any] = {f"{table}.{key}": column for table in tables for key, column in tables[table].items()}
+    np.savez_compressed(written[0], **arrays)
     for table, columns in tables.items():
         if columns:
             written.append(folder / f"{name}-{table}.csv")

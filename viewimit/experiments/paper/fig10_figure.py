@@ -97,7 +97,7 @@ def _view(images: NDArray, run: Trajectory, k: int) -> NDArray:
 def _errors(found: Fig10 | None) -> str:
     """Largest joint error and distance of the hands, over the time, for all runs."""
     runs = found.runs if found else {}
-    seconds = found.motion.seconds if found else 6.0
+    seconds, step_s = (found.motion.seconds, found.motion.step_s) if found else (6.0, 0.0)
     plots = (
         ("Joints off by", "°", 34, 200, DEGREES, {name: run.joint_deg for name, run in runs.items()}),
         ("Hand off by", "mm", 256, 422, MILLIMETRES, {name: 1e3 * run.hand_m for name, run in runs.items()}),
@@ -112,7 +112,7 @@ def _errors(found: Fig10 | None) -> str:
         parts.append(svg.text(right, LOWER[1] + 13, f"{seconds:.3g} s", "vi-2nd vi-end"))
         for name, errors in reversed(values.items()):
             kept = svg.thinned(len(errors), VERTICES)
-            time = found.motion.step_s * np.array(kept)
+            time = step_s * np.array(kept)
             parts.append(plot.line(time, errors[kept], style_of(name, RUNS).line))
     return "".join(parts)
 

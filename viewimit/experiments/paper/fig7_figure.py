@@ -56,7 +56,7 @@ def _relief(plane: PosturePlane, found: Fig7, surface: Surface) -> str:
     minima = plane.place(np.degrees(surface.minima.theta))
     lowest = minima[0] if len(minima) else demo
     for place in (demo, *minima):
-        plane.labels.take_point(*place, 9)
+        plane.labels.take_point(place, 9)
     parts = [relief.shading(grid, E, plane.box), relief.contours(grid, E, plane.labels, lowest)]
     parts.append(_ellipse(plane, surface))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
@@ -138,7 +138,7 @@ def _entry(x: float, y: float, mark: str, words: str) -> str:
 def _here(found: Fig7 | None) -> NDArray:
     """(0 or 1, 2) degrees: bias of the smallest E with the transfer of the settings."""
     surface = found.surfaces.get(found.settings.transfer) if found else None
-    if surface is None or not len(surface.minima):
+    if found is None or surface is None or not len(surface.minima):
         return np.empty((0, 2))
     return np.degrees(surface.minima.theta[:1]) - found.demonstrator_deg
 

@@ -46,7 +46,7 @@ def _panel(plane: PosturePlane, found: Fig8, name: str) -> tuple[str, str, str]:
     grid, lowest = plane.grid(surface.landscape.axes), plane.place(np.degrees(surface.landscape.minimum))
     labels = plane.labels.copy()
     for place in (lowest, plane.place(found.demonstrator_deg)):
-        labels.take_point(*place, 9)
+        labels.take_point(place, 9)
     contours = relief.contours(grid, E, labels, lowest)
     drawn = relief.shading(grid, E, plane.box) + contours + _marks(plane, found, surface)
     return name, f"E {svg.short(np.nanmin(E), 10)} … {svg.short(np.nanmax(E), 10)} px²", background + drawn
@@ -74,7 +74,7 @@ def _points(plane: PosturePlane, found: Fig8, half: list[float]) -> tuple[str, s
             f' height="{high:.1f}" opacity="{opacity:.2f}"/>'
         )
         if len(str(count)) * 7 < wide and high > 11:
-            parts.append(svg.text(x[j], y[i] + 4, str(count), "vi-mid"))
+            parts.append(svg.text(float(x[j]), float(y[i]) + 4, str(count), "vi-mid"))
     return "points", f"in all four pictures: {found.usable.min()} … {most}", "".join(parts)
 
 

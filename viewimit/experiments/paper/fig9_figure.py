@@ -30,7 +30,7 @@ def draw(scene: Scene, found: Fig9 | None = None) -> str:
     parts = [_frames(scene, angles, conflict, found)]
     if found is None:
         return figure(None, "".join(parts) + sentence(SENTENCE, (LEFT + RIGHT) / 2, 68) + _legend(None))
-    parts += [angles.level(angle, "vi-line-demo") for angle in found.settings.demonstrator_deg]
+    parts += [angles.level(angle, "vi-line-demo") for angle in found.settings.demonstrator_deg or ()]
     if found.E_demo > 0:
         parts.append(conflict.level(max(found.E_demo, FLOOR_E), "vi-line-demo"))
     runs = [(k, run) for law in found.laws for k, run in enumerate(found.of(law))]
@@ -55,7 +55,7 @@ def _plots(scene: Scene, found: Fig9 | None) -> tuple[Axes, Axes]:
 def _frames(scene: Scene, angles: Axes, conflict: Axes, found: Fig9 | None) -> str:
     names = [svg.joint_symbol(joint) for joint in scene.moving_joints]
     if found and len(names) <= 3:
-        names = [f"{name} {svg.number(angle, 0)}°" for name, angle in zip(names, found.settings.demonstrator_deg)]
+        names = [f"{name} {svg.number(angle, 0)}°" for name, angle in zip(names, found.settings.demonstrator_deg or ())]
     low, high = angles.y
     degrees = [(angle, svg.number(angle, 0) + "°") for angle in np.arange(90 * np.ceil(low / 90), high + 1, 90)]
     return (

@@ -6,6 +6,7 @@ fields: those of the loop, and those that a transfer or servo says it is `stored
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
@@ -22,7 +23,7 @@ KINDS = "biuf"  # of arrays: numbers and truth values, no objects
 ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
 
 
-def encode(snapshots: list[Snapshot]) -> bytes:
+def encode(snapshots: Sequence[Snapshot]) -> bytes:
     """Raises TypeError for what nobody has said how to store."""
     packer = _Packer()
     values = [packer.value(one) for one in snapshots]

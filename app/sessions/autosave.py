@@ -185,10 +185,10 @@ def _decoded(parts: dict[str, bytes], begun: Settings) -> Memory | None:
         raise ValueError(f"it is of another version: {error}") from None
     if head.version != __version__ or head.begun != begun:
         return None
-    chunks = [parts.get(str(k)) for k in range(_chunks(head.length))]
-    if None in chunks:
+    names = [str(k) for k in range(_chunks(head.length))]
+    if not parts.keys() >= set(names):
         raise ValueError("a part of it is missing")
-    history = tuple(moment for chunk in chunks for moment in codec.decode(chunk))
+    history = tuple(moment for name in names for moment in codec.decode(parts[name]))
     if len(history) != head.length or not 0 <= head.cursor < head.length:
         raise ValueError("its parts are of different moments")
     return Memory(head, history)

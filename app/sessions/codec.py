@@ -6,6 +6,7 @@ says it is `stored` as.
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
@@ -23,7 +24,7 @@ KINDS = "biuf"  # of arrays: numbers and truth values, no objects
 ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
 
 
-def encode(snapshots: list[Snapshot]) -> bytes:
+def encode(snapshots: Sequence[Snapshot]) -> bytes:
     """Raises TypeError for what nobody has said how to store."""
     packer = _Packer()
     values = [packer.value(one) for one in snapshots]

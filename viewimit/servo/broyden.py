@@ -7,7 +7,6 @@ the centre c; the arm never drives back to it.
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,11 +47,11 @@ class BroydenState:
 class Broyden:
     """See the module. It has no constants to tune beyond the module's."""
 
-    title: ClassVar[str] = "Broyden on images"
-    assumes: ClassVar[str] = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
-    fails: ClassVar[str] = "Flat valleys and missing points: it may stop degrees away and believe to be there."
-    slow: ClassVar[bool] = False
-    stored: ClassVar[tuple[type, ...]] = (BroydenState, ImageModel, Visit)
+    title = "Broyden on images"
+    assumes = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
+    fails = "Flat valleys and missing points: it may stop degrees away and believe to be there."
+    slow = False
+    stored = (BroydenState, ImageModel, Visit)
 
     def start(self, seen: Observation) -> BroydenState:
         model = ImageModel.start(seen)

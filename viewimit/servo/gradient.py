@@ -10,7 +10,6 @@ paper give a test of convergence, and E alone is none (its least value is not 0)
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,8 +63,8 @@ class Gradient:
     title: str = "Gradient (paper)"
     assumes: str = "That E is convex, and that a gradient learned on the way stays true."
     fails: str = "The input fades with E and the gradient goes stale: thousands of motions, mostly without arriving."
-    slow: ClassVar[bool] = True
-    stored: ClassVar[tuple[type, ...]] = (GradientState,)
+    slow = True
+    stored = (GradientState,)
 
     def start(self, seen: Observation) -> GradientState:
         m = len(seen.displacement)

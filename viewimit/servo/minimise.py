@@ -41,11 +41,13 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
     joints, each = np.arange(m), np.arange(s)
     candidates = starts[:, None]
     best, best_E, hessians, E_first = starts, np.full(s, np.inf), np.zeros((s, m, m)), np.nan
+    count = 0  # points
     for _ in range(rounds):
         inward = np.where(candidates + DIFFERENCE > high, -DIFFERENCE, DIFFERENCE)
         asked = np.repeat(candidates[:, :, None], m + 1, axis=2)
         asked[:, :, joints + 1, joints] += inward
         e = residual_at(asked)
+        count = e.shape[-2]
         E = evaluate(e[:, :, 0])
         E_first = E[0, 0] if E_first is np.nan else E_first
         k = E.argmin(1)
@@ -67,7 +69,7 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
             break  # by its own linear model nothing is left to gain
         candidates = np.clip(best[:, None] - steps, low, high)
     k = int(np.argmin(best_E))
-    return Minimum(best[k], float(best_E[k]), float(E_first), hessians[k], e.shape[-2])
+    return Minimum(best[k], float(best_E[k]), float(E_first), hessians[k], count)
 
 
 def _damped_steps(gradient: NDArray, normal: NDArray, free: NDArray) -> NDArray:

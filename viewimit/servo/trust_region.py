@@ -12,7 +12,6 @@ change in every direction about the posture, from visits there: else a check mot
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,13 +73,11 @@ class TrustState:
 class TrustRegion:
     """See the module. It has no constants to tune beyond the module's."""
 
-    title: ClassVar[str] = "Trust region on images"
-    assumes: ClassVar[str] = "That the images follow the joints smoothly; it predicts them from all postures visited."
-    fails: ClassVar[str] = (
-        "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
-    )
-    slow: ClassVar[bool] = False
-    stored: ClassVar[tuple[type, ...]] = (TrustState, Visit)
+    title = "Trust region on images"
+    assumes = "That the images follow the joints smoothly; it predicts them from all postures visited."
+    fails = "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
+    slow = False
+    stored = (TrustState, Visit)
 
     def start(self, seen: Observation) -> TrustState:
         return TrustState((_visit(seen),), tuple(range(len(seen.displacement))))
@@ -94,7 +91,7 @@ class TrustRegion:
         if state.probes:
             return _probe(state, seen)
         if state.goal is not None:
-            return _towards(state, seen)
+            return _towards(state, seen, state.goal)
         by = PHASES[state.phase][0]
         own, like = _smoothed(state.visits, seen.noise_px), None
         E, of, best = _measured(state.visits, own, lambda images: conflict(images, by))
@@ -229,16 +226,16 @@ def _settle(
             unknown = _unknown_direction(state.visits, best) if noisy else None
             if unknown is not None and state.checks < MOST_CHECKS * len(best):
                 return _check(state, seen, best, SPAN * unknown)
-            return _towards(replace(state, goal=found.theta if noisy else best, ending="converged"), seen)
+            return _towards(replace(state, ending="converged"), seen, found.theta if noisy else best)
         if doubt < DOUBTFUL and state.checks < MOST_CHECKS:
             return _check(state, seen, best, CHECK * flattest)
     if state.phase + 1 < len(PHASES):
         return None
     if state.restarts < MOST_RESTARTS:
         goal = _farthest(state.visits, seen)
-        begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0, goal=goal)
-        return _towards(begun, seen)
-    return _towards(replace(state, goal=best, ending="stalled"), seen)
+        begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0)
+        return _towards(begun, seen, goal)
+    return _towards(replace(state, ending="stalled"), seen, best)
 
 
 def _unknown_direction(visits: tuple[Visit, ...], best: NDArray) -> NDArray | None:
@@ -280,11 +277,10 @@ def _move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustS
     return replace(state, status="moving", probe=False), step
 
 
-def _towards(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
+def _towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustState, NDArray]:
     """On to the goal; there, a learner that drove back to its best posture rests."""
-    state, step = _move(replace(state, promised=None), seen, state.goal)
-    if np.max(np.abs(state.goal - seen.displacement)) <= LONGEST:
-        state = replace(state, goal=None)
+    there = np.max(np.abs(goal - seen.displacement)) <= LONGEST
+    state, step = _move(replace(state, promised=None, goal=None if there else goal), seen, goal)
     if state.ending and np.max(np.abs(step)) < np.clip(RESTS * state.expected, DONE_STEP / 10, DONE_STEP):
         return replace(state, ending="", status=state.ending), np.zeros_like(step)
     return state, step

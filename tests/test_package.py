@@ -67,7 +67,8 @@ def test_its_metadata_hold_on_an_index(wheel):
     assert any(name == "Typing :: Typed" for name in metadata.get_all("Classifier"))
     text = metadata.get_payload()
     assert metadata["Description-Content-Type"] == "text/markdown" and "# viewimit\n" in text and "## Glossary" in text
-    assert "![" not in text and "](docs/" not in text and "](LICENSE)" not in text and "see LICENSE." in text
+    assert "![" not in text and "\n!" not in text
+    assert "](docs/" not in text and "](LICENSE)" not in text and "see LICENSE." in text
 
 
 def test_what_camera_images_need_comes_by_one_marker():

@@ -10,6 +10,7 @@ from ...perception.detection import Detections, detect
 from ...settings import Settings
 from ...views import VIEWS
 from ..actuator import Actuator
+from ..camera import Camera
 from ..markers import load_markers
 from ..physics.arm import Arm
 from ..physics.model import write_urdf
@@ -36,7 +37,7 @@ class RenderedEyes:
         with tempfile.TemporaryDirectory() as folder:
             urdf = write_urdf(scene, self.markers, Path(folder))
             self._arm, self._studio = Arm(urdf), Studio(scene, urdf)
-        self._cameras = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
+        self._cameras: dict[str, Camera] = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         rest = np.radians(scene.posture_deg)[scene.moving]
         self.rest = {"lr": rest, "LR": rest}
         self.theta = dict(self.rest)

@@ -1,7 +1,4 @@
-"""One page: a model, what is shown of it, and the loop that carries out what its visitor does.
-
-Built in viser's thread, then ticked by the scheduler alone.
-"""
+"""One page: a model, what is shown of it, and the loop that carries out what its visitor does."""
 
 import threading
 import time
@@ -120,12 +117,13 @@ class Page:
 
     def _show(self, now: float) -> None:
         poses = self.model.poses(now)
-        if self._redraw.changed("world", self.model.generation):
+        anew = self._redraw.changed("world", self.model.generation)
+        if anew:  # widgets of the world before are gone at once: what is sent to them would be lost
             self._scene.build(self.model.session.world)
         if self._redraw.changed("poses", self.model.generation, *(pose.tobytes() for pose in poses)):
             self._scene.draw_poses(*poses)
         every = PANELS_EVERY * self._shedding.panels
-        if self._redraw.due("panels", now, every):
+        if self._redraw.due("panels", now, every) or anew:
             self.model.ask_for_landscapes()
             self._show_state(self.model.state(now, shortest_motion=2 * every), now)
 

@@ -8,6 +8,8 @@ import pytest
 from page_fakes import Camera, Visit
 from viewimit.app.control.background import Background
 from viewimit.app.jobs import session_eyes
+from viewimit.app.panels import PANELS
+from viewimit.app.panels.panel import Panel
 from viewimit.app.sessions.autosave import Memory
 
 from viewimit.settings import Settings
@@ -232,3 +234,39 @@ def test_turns_end_once_and_raise_what_was_raised():
     with pytest.raises(ZeroDivisionError):
         turns.end()
     assert not turns.end()
+
+
+class Counter(Panel):
+    """A panel from outside: shows how many motions were made."""
+
+    def build(self, layout, state):
+        self.shown = []
+        with layout.tab("Counter"):
+            layout.gui.add_html("")
+
+    def depends_on(self, state):
+        return (state.cursor,)
+
+    def show(self, state):
+        self.shown.append(state.cursor)
+
+
+def test_a_panel_is_one_class_and_one_line_and_is_shown_only_when_what_it_shows_changes(monkeypatch):
+    monkeypatch.setattr("viewimit.app.page.PANELS", [*PANELS, Counter])
+    visit = Visit(Camera(), settings=Settings())
+    visit.tick(40)
+    visit.act("step")
+    visit.tick(40)
+    assert visit.page.panel(Counter).shown == [0, 1]
+
+
+def test_what_is_refused_is_said_and_the_widgets_are_written_again():
+    visit = Visit(Camera(), settings=Settings())
+    visit.tick(10)
+    before = visit.page.model.state(visit.now)
+    visit.put("joint0", 1e9)
+    visit.put("noise_px", "much")
+    visit.tick(10)
+    after = visit.page.model.state(visit.now)
+    assert after.refusals == before.refusals + 2 and after.settings == before.settings
+    assert "&#x27;much&#x27; is not a number" in visit.said or "'much' is not a number" in visit.said

@@ -3,11 +3,11 @@
 import time
 
 import pytest
-from protocol import wait_until
 from viewimit.app.control.player import Pace
 from viewimit.app.control.scheduler import TICK, Scheduler
 from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, Load
 from viewimit.app.server.seat_counts import Tally
+from waiting import wait_until
 
 from viewimit.session import Session
 from viewimit.snapshot import Settings

@@ -43,7 +43,11 @@ window.drawsTriangles = false;
 for (const kind of [WebGLRenderingContext, WebGL2RenderingContext])
   for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
     const draw = kind.prototype[name];
-    if (draw) kind.prototype[name] = function (...what) { if (window.drawsTriangles) draw.apply(this, what); };
+    if (draw) kind.prototype[name] = function (...what) {
+      if (!window.drawsTriangles) return;
+      window.triangles += 1;
+      draw.apply(this, what);
+    };
   }
 """
 TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))"
@@ -176,11 +180,11 @@ def wait_for_progress(page, pattern: str, seconds: float = PATIENCE_S) -> None:
 
 def canvas_colours(page) -> int:
     """How many there are where the 3-D scene is, with all of it drawn."""
-    page.evaluate("window.drawsTriangles = true")
+    page.evaluate("[window.drawsTriangles, window.triangles] = [true, 0]")
     canvas = page.locator("canvas").first
     box = canvas.bounding_box()
-    for share in (0.3, 0.31):  # viser draws a frame when the pointer moves
-        page.mouse.move(box["x"] + share * box["width"], box["y"] + share * box["height"])
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])  # viser draws a frame when it moves
+    page.wait_for_function("window.triangles > 0", timeout=PATIENCE_MS)
     page.evaluate(TWO_FRAMES)
     picture = Image.open(io.BytesIO(canvas.screenshot())).convert("RGB")
     page.evaluate("window.drawsTriangles = false")

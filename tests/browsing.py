@@ -37,20 +37,26 @@ PHOTOGRAPH = "image.vi-photograph"
 DETECTED = ".vi-own:not(.vi-idle)"
 
 # A software renderer needs nearly a second of both cores for a frame of the 3-D scene. Everything but its triangles is
-# as ever, three.js with its shaders, lights and meshes too; `canvas_colours` lets them be drawn for a moment.
+# as ever, three.js with its shaders, lights and meshes too. `canvas_colours` has them drawn in the next frame, and no
+# frame follow it until it has been looked at.
 SPARING = """
-window.drawsTriangles = false;
+window.drawsTriangles = window.holds = false;
+const nextFrame = window.requestAnimationFrame.bind(window), waiting = [];
+window.requestAnimationFrame = call => nextFrame(time => window.holds ? waiting.push(call) : call(time));
+window.goOn = () => {
+  window.drawsTriangles = window.holds = false;
+  waiting.splice(0).forEach(call => nextFrame(call));
+};
 for (const kind of [WebGLRenderingContext, WebGL2RenderingContext])
   for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
     const draw = kind.prototype[name];
     if (draw) kind.prototype[name] = function (...what) {
       if (!window.drawsTriangles) return;
-      window.triangles += 1;
       draw.apply(this, what);
+      setTimeout(() => { window.holds = window.drawsTriangles; });
     };
   }
 """
-TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))"
 
 
 def open_page(browser, url: str, size: str = "least"):
@@ -180,12 +186,10 @@ def wait_for_progress(page, pattern: str, seconds: float = PATIENCE_S) -> None:
 
 def canvas_colours(page) -> int:
     """How many there are where the 3-D scene is, with all of it drawn."""
-    page.evaluate("[window.drawsTriangles, window.triangles] = [true, 0]")
-    canvas = page.locator("canvas").first
-    box = canvas.bounding_box()
+    page.evaluate("window.drawsTriangles = true")
+    box = page.locator("canvas").first.bounding_box()
     page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])  # viser draws a frame when it moves
-    page.wait_for_function("window.triangles > 0", timeout=PATIENCE_MS)
-    page.evaluate(TWO_FRAMES)
-    picture = Image.open(io.BytesIO(canvas.screenshot())).convert("RGB")
-    page.evaluate("window.drawsTriangles = false")
+    page.wait_for_function("window.holds", polling=50, timeout=PATIENCE_MS)
+    picture = Image.open(io.BytesIO(page.screenshot(clip=box))).convert("RGB")
+    page.evaluate("window.goOn()")
     return len(np.unique(np.asarray(picture).reshape(-1, 3), axis=0))

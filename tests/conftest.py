@@ -6,24 +6,23 @@ With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without
 import asyncio
 import json
 import os
-import re
 import shutil
-import signal
 import subprocess
-import sys
-import tempfile
 import threading
-import time
 
 import browser as chromium
+import hypothesis
 import pytest
+from serving import Server
+from waiting import wait_until
 
 from viewimit.cli import main
 
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
-STARTS_WITHIN_S = 30  # on a busy machine
+SPLIT_FILES = {"tests/test_browser_page.py"}  # whose fixtures are of the whole run or of one test
 passed_in_browser: list[str] = []
-kept_sessions = tempfile.TemporaryDirectory(prefix="viewimit-tests-")  # not the user's own
+hypothesis.settings.register_profile("patient", deadline=None)  # how long an example takes is the machine's matter
+hypothesis.settings.load_profile("patient")
 
 
 @pytest.fixture
@@ -81,24 +80,12 @@ def browser(chromium_path):
         launched.close()
 
 
-@pytest.fixture
-def page(browser):
-    """An empty page, 1280 x 720. `page.errors` lists what its console reports as an error and what it throws."""
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    opened = context.new_page()
-    opened.errors = []
-    opened.on("console", lambda message: message.type == "error" and opened.errors.append(message.text))
-    opened.on("pageerror", lambda error: opened.errors.append(str(error)))
-    yield opened
-    context.close()
-
-
 @pytest.fixture(scope="session")
 def server():
     """Address of a `viewimit serve` of its own, stopped at the end as a user would."""
-    process, url = start_server()
-    yield url
-    assert stop_server(process) == 0
+    served = Server()
+    yield served.url
+    assert served.stop() == 0
 
 
 @pytest.fixture(scope="module")
@@ -109,42 +96,32 @@ def redis_url(tmp_path_factory):
     socket = tmp_path_factory.mktemp("redis") / "redis.sock"
     command = [program, "--port", "0", "--unixsocket", str(socket), "--save", "", "--appendonly", "no"]
     process = subprocess.Popen([*command, "--dir", str(socket.parent)], stdout=subprocess.DEVNULL)
-    until = time.monotonic() + STARTS_WITHIN_S
-    while not socket.exists():
-        assert process.poll() is None and time.monotonic() < until, "redis-server did not start"
-        time.sleep(0.02)
+    wait_until(lambda: socket.exists() or process.poll() is not None)
+    assert process.poll() is None, "redis-server did not start"
     yield f"unix://{socket}"
     process.terminate()
     process.wait(10)
 
 
-def start_server(*options: str) -> tuple[subprocess.Popen, str]:
-    """A `viewimit serve` on a free port, once it says that it listens."""
-    isolated = [sys.executable, "-I"]  # what is installed, not the folder that happens to be the current one
-    kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
-    command = [*isolated, "-m", "viewimit.cli", "serve", "--port", "0", *kept, *options]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    hung = threading.Timer(STARTS_WITHIN_S, process.kill)
-    hung.start()
-    said = ""
-    for line in process.stdout:
-        said += line
-        address = re.search(r"http://\S+", line)
-        if address:
-            hung.cancel()
-            threading.Thread(target=process.stdout.read, daemon=True).start()  # so that the pipe never fills
-            return process, address.group()
-    hung.cancel()
-    raise RuntimeError(f"viewimit serve did not start:\n{said}")
+def pytest_collection_modifyitems(items):
+    """The browser's tests first: they are the longest, and none of them should be left to one process at the end."""
+    items.sort(key=lambda item: "browser" not in item.keywords)
 
 
-def stop_server(process: subprocess.Popen) -> int:
-    """Ask it to end, and return its exit status."""
-    process.send_signal(signal.SIGTERM)
-    try:
-        return process.wait(10)
-    finally:
-        process.kill()
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """With `-n`: a file's tests stay together, as fixtures are shared by file; those of the page go one by one."""
+    if config.option.dist != "load":  # another way was asked for
+        return None
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFileOrTest(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            file = nodeid.partition("::")[0]
+            return nodeid if file in SPLIT_FILES else file
+
+    config.option.loadscopereorder = False
+    return ByFileOrTest(config, log)
 
 
 def pytest_runtest_logreport(report):

@@ -16,7 +16,8 @@ from collections.abc import Iterator
 
 import browser as chromium
 import numpy as np
-from protocol import Client, Server
+from protocol import Client
+from serving import Server
 
 WARM_UP_S = 15.0
 PERIOD_S = 1.0  # of the slider

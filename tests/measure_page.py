@@ -12,8 +12,8 @@ import sys
 import time
 
 import browser as chromium
-from conftest import start_server, stop_server
 from playwright.sync_api import sync_playwright
+from serving import Server
 
 ROUNDS = 5
 EMPTY = (
@@ -58,12 +58,12 @@ def main() -> None:
     starts = []
     for _ in range(ROUNDS):
         began = time.perf_counter()
-        process, url = start_server()
+        server = Server()
         starts.append(time.perf_counter() - began)
-        stop_server(process)
+        server.stop()
     print(f"command to listening: {statistics.median(starts):.2f} s (median of {ROUNDS})")
     path = chromium.find()
-    process, url = start_server("--servo", "gradient-retuned")
+    server = Server("--servo", "gradient-retuned")
     empty = subprocess.Popen([sys.executable, "-c", EMPTY], stdout=subprocess.PIPE, text=True)
     port = next(line.strip() for line in empty.stdout if line.strip().isdigit())
     taken: dict[str, list[float]] = {"viser": [], "viewimit": []}
@@ -71,11 +71,11 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=path, args=chromium.FLAGS)
         for _ in range(ROUNDS):
             taken["viser"].append(seconds_until_complete(browser, "viser", f"http://127.0.0.1:{port}"))
-            taken["viewimit"].append(seconds_until_complete(browser, "viewimit", url))
-        print(f"messages a second while the loop runs: {updates_a_second(browser, url):.0f}")
+            taken["viewimit"].append(seconds_until_complete(browser, "viewimit", server.url))
+        print(f"messages a second while the loop runs: {updates_a_second(browser, server.url):.0f}")
         browser.close()
     empty.kill()
-    stop_server(process)
+    server.stop()
     for name, values in taken.items():
         print(f"page complete, {name}: {statistics.median(values):.2f} s (median of {ROUNDS})")
 

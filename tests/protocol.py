@@ -1,10 +1,5 @@
 """A client that speaks viser's protocol without a browser: it takes what a page would, and sends what one likes."""
 
-import contextlib
-import os
-import subprocess
-import sys
-import tempfile
 import threading
 import time
 from base64 import b64encode
@@ -14,7 +9,7 @@ from ssl import SSLContext
 import msgspec
 import viser
 import zstandard
-from conftest import kept_sessions, stop_server
+from waiting import wait_until
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
@@ -90,7 +85,7 @@ class Client:
     @property
     def status(self) -> str:
         """The pill over the scene."""
-        return next((html for html in self.html.values() if "vi-status" in html and "<style" not in html), "")
+        return next((html for html in self.html.values() if 'role="status"' in html), "")
 
     def ready(self, seconds: float = 30.0) -> "Client":
         """Once its page is built."""
@@ -144,75 +139,3 @@ class Client:
             self.values[uuid] = message.get("value")
         elif "name" in message and message["name"].startswith("/"):
             self.nodes.add(message["name"])
-
-
-class Server:
-    """A `viewimit serve` of its own, and what it says."""
-
-    def __init__(self, *options: str):
-        kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
-        command = [sys.executable, "-I", "-m", "viewimit.cli", "serve", "--port", "0", *kept, *options]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        self.lines: list[str] = []
-        threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
-        wait_until(lambda: "http://" in self.log or self.process.poll() is not None, 90)
-        self.url = next(word for word in self.log.split() if word.startswith("http://"))
-
-    @property
-    def log(self) -> str:
-        return "".join(list(self.lines))
-
-    @property
-    def memory(self) -> float:
-        """MB that it and the processes that it began have in memory; what they share counts in each."""
-        pages = 0
-        for pid in processes_of(self.process.pid):
-            with suppress(OSError), open(f"/proc/{pid}/statm") as numbers:
-                pages += int(numbers.read().split()[1])
-        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
-
-    @property
-    def cpu_s(self) -> float:
-        """Processor time of it and of the processes that it began, s."""
-        ticks = 0
-        for pid in processes_of(self.process.pid):
-            with suppress(OSError):
-                fields = stat_of(pid)
-                ticks += int(fields[11]) + int(fields[12])
-        return ticks / os.sysconf("SC_CLK_TCK")
-
-    def stop(self) -> int:
-        """As a user would."""
-        return stop_server(self.process)
-
-    @contextlib.contextmanager
-    def says(self, text: str):
-        """Inside, it puts exactly one line with this text into its log."""
-        before = self.log.count(text)
-        yield
-        wait_until(lambda: self.log.count(text) == before + 1, 5)
-
-
-def processes_of(pid: int) -> list[int]:
-    """A process, and all that it and those have begun."""
-    parents = {}
-    for name in filter(str.isdigit, os.listdir("/proc")):
-        with suppress(OSError):
-            parents[int(name)] = int(stat_of(int(name))[1])
-    found = [pid]
-    for one in found:
-        found += [child for child, parent in parents.items() if parent == one]
-    return found
-
-
-def stat_of(pid: int) -> list[str]:
-    """What the system counts of a process, from its state on (proc(5))."""
-    with open(f"/proc/{pid}/stat") as stat:
-        return stat.read().rsplit(")", 1)[1].split()
-
-
-def wait_until(condition, seconds: float = 20.0) -> None:
-    until = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < until, "it did not come about"
-        time.sleep(0.02)

@@ -1,6 +1,7 @@
 """The benchmark measures what it says; its baselines are the paper's equations, and OpenCV's perspective ones."""
 
 import importlib.util
+import itertools
 import json
 from dataclasses import replace
 from functools import partial
@@ -24,7 +25,8 @@ def quick(monkeypatch):
     monkeypatch.setattr(speed, "LOOP_SHARE", 50)
     monkeypatch.setattr(speed, "ROUNDS", 3)
     monkeypatch.setattr(speed, "SLOW_ROUNDS", 1)
-    monkeypatch.setattr(speed, "MOTIONS", 40)
+    monkeypatch.setattr(speed, "SINGLE_CALLS", 20)
+    monkeypatch.setattr(speed, "MOTIONS", 3)
 
 
 @pytest.fixture
@@ -75,17 +77,19 @@ def test_what_is_timed_at_one_posture_is_E_of_the_same_images(quick, coarse, mon
         assert result.opencv.posture_s == opencv_baseline.loop(world, demo, first[None])[0] != one
 
 
-def test_a_motion_is_timed_from_the_scenes_start_again_whenever_the_servo_rests(quick, monkeypatch):
+def test_a_motion_is_timed_from_the_scenes_start_again_whenever_the_servo_rests(quick, coarse, monkeypatch):
+    monkeypatch.setattr(speed, "MOTIONS", 40)
+    monkeypatch.setattr(speed, "SERVOS", {"broyden": SERVOS["broyden"]})
     calls = []
     step, reset = Session.step, Session.reset
     monkeypatch.setattr(Session, "step", lambda session: calls.append(step(session)) or calls[-1])
     monkeypatch.setattr(Session, "reset", lambda session: calls.append("reset") or reset(session))
-    clock = iter(range(10_000))
+    clock = itertools.count()
     monkeypatch.setattr(speed.time, "process_time", lambda: float(next(clock)))
-    assert speed._motion_s("panda", 10, "linear", "broyden") == 1.0
-    assert calls.count(True) == speed.MOTIONS
+    assert speed.run("panda").motion_s == {transfer: {"broyden": 1.0} for transfer in TRANSFERS}
+    assert calls.count(True) == speed.MOTIONS * len(TRANSFERS)
     rests = [k for k, call in enumerate(calls) if call is False]
-    assert len(rests) >= 3 and all(calls[k + 1] == "reset" for k in rests)
+    assert len(rests) >= 3 * len(TRANSFERS) and all(calls[k + 1] == "reset" for k in rests)
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from PIL import Image
 from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
 from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
 from viewimit.app.jobs.session_eyes import MOST_LOOKS, RemoteEyes
+from waiting import stays, wait_until
 
 from viewimit.simulation.scene import load_scene
 
@@ -47,13 +48,6 @@ def odd_work(connection):
         told = answer(*connection.recv())
         if told is not None:
             connection.send(told)
-
-
-def wait_until(condition, seconds=10.0):
-    until = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < until, "it did not come about"
-        time.sleep(0.01)
 
 
 @pytest.fixture
@@ -114,8 +108,7 @@ def test_who_loses_the_process_is_told_and_the_next_begins_another(camera):
 def test_it_ends_when_nobody_looks_any_more_and_only_then(camera):
     (one, _), (other, _) = camera.open("scene"), camera.open("scene")
     camera.close(one)
-    time.sleep(0.3)
-    assert camera.running
+    stays(lambda: camera.running, 0.3)  # three times as long as without anybody
     camera.close(other)
     wait_until(lambda: not camera.running)
     with pytest.raises(CameraLost):

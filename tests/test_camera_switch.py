@@ -1,24 +1,45 @@
 """The switch Camera images, from a browser's message to pictures in its page, with a real process that renders."""
 
 import importlib.util
+import multiprocessing
 import re
-import time
 
 import numpy as np
 import pytest
-from protocol import Client, wait_until
-from test_browser_page import open_page, posture, press, status, switch
-from test_faults import Here, browser_of
+from browsing import (
+    DETECTED,
+    PHOTOGRAPH,
+    POSTURE,
+    open_page,
+    posture,
+    press,
+    status,
+    switch,
+    wait_for_count,
+    wait_for_status,
+)
+from protocol import Client
+from serving import Here, browser_of
+from viewimit.app.jobs.camera_images import CameraProcess
+from viewimit.app.server import pages
+from waiting import wait_until
 
 needed = pytest.mark.skipif(
     not all(importlib.util.find_spec(package) for package in ("pybullet", "cv2")), reason="needs pybullet and OpenCV"
 )
 
 
+UNUSED_S = 0.2
+
+
 @pytest.fixture
-def here(tmp_path):
+def here(tmp_path, monkeypatch):
+    """A server in this process; `camera` is its process of the camera images, which ends soon when nobody needs it."""
+    made = []
+    begun = lambda *options: made.append(CameraProcess(*options, unused_s=UNUSED_S)) or made[-1]
+    monkeypatch.setattr(pages, "CameraProcess", begun)
     server = Here(tmp_path)
-    server.camera = server.app.services.camera
+    (server.camera,) = made
     yield server
     server.stop()
     assert not server.camera.running
@@ -37,7 +58,6 @@ def switch_on(client: Client) -> None:
 
 @needed
 def test_pictures_come_with_the_switch_change_with_motions_and_go_with_it(here):
-    here.camera._unused_s = 0.2
     with Client(here.url).ready() as client:
         assert not photographs(client) and not here.camera.running
         switch_on(client)
@@ -53,7 +73,6 @@ def test_pictures_come_with_the_switch_change_with_motions_and_go_with_it(here):
 
 @needed
 def test_who_leaves_gives_the_process_up(here):
-    here.camera._unused_s = 0.2
     with Client(here.url).ready() as client:
         switch_on(client)
         client.press("Play or pause")
@@ -64,7 +83,8 @@ def test_who_leaves_gives_the_process_up(here):
 def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
     with Client(here.url).ready() as client:
         switch_on(client)
-        here.camera._process.kill()
+        (process,) = (child for child in multiprocessing.active_children() if child.name == "viewimit-camera")
+        process.kill()
         client.press("Step: one motion")
         wait_until(lambda: "back to projected points" in client.status)
         wait_until(lambda: not photographs(client) and client.value("Camera images") is False)
@@ -80,7 +100,6 @@ def test_a_reload_comes_back_to_the_same_pictures(here):
         client.press("Step: one motion")
         wait_until(lambda: len(photographs(client) - before) == 2)
         seen = photographs(client)
-    time.sleep(0.5)
     with Client(here.url, cookie=cookie).ready() as client:
         wait_until(lambda: photographs(client) == seen)
         assert client.value("Camera images") is True and client.value("History") == 1
@@ -109,15 +128,13 @@ def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
         assert np.abs(np.array(shown) - [45, -90]).max() < 2
 
 
-LOADED = """async () => {
-  const pictures = [...document.querySelectorAll('image.vi-photograph')].map(image => {
+LOADED = """async where => {
+  const pictures = [...document.querySelectorAll(where)].map(image => {
     const loaded = new Image(); loaded.src = image.getAttribute('href'); return loaded })
   await Promise.all(pictures.map(picture => picture.decode()))
   return pictures.map(picture => [picture.naturalWidth, picture.naturalHeight])
 }"""
-DOTS = (
-    "[...document.querySelectorAll('.vi-own:not(.vi-idle)')].map(path => path.getAttribute('d').split('M').length - 1)"
-)
+DOTS = "where => [...document.querySelectorAll(where)].map(path => path.getAttribute('d').split('M').length - 1)"
 
 
 @needed
@@ -125,19 +142,18 @@ DOTS = (
 def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, server):
     page = open_page(browser, server, "small")
     page.get_by_text("Display", exact=True).click()
-    page.wait_for_timeout(300)
     switch(page, "Camera images")
-    page.wait_for_selector("image.vi-photograph", state="attached", timeout=60_000)
-    assert page.evaluate(LOADED) == [[640, 240]] * 4
+    wait_for_count(page, PHOTOGRAPH, 4)
+    assert page.evaluate(LOADED, PHOTOGRAPH) == [[640, 240]] * 4
     press(page, "ArrowRight")
-    page.wait_for_function("document.querySelector('.vi-bar b').textContent.startsWith('40.')", timeout=60_000)
+    page.wait_for_selector(f"{POSTURE} >> text=/^40[.]/", timeout=60_000)
     assert posture(page)[0] != 40  # its motors hold the arm a little below
     seen = int(re.search(r"points seen\s*(\d+)\s*of 36", page.text_content("body"))[1])
-    in_L, in_R, *_ = page.evaluate(DOTS)
+    in_L, in_R, *_ = page.evaluate(DOTS, DETECTED)
     assert in_L == in_R == seen >= 5
-    page.wait_for_function("!document.querySelector('.vi-status').textContent.includes('starting')")
+    wait_for_status(page, "^(?!.*starting)")
     assert re.search(r"E [\d.]+ px²", status(page))
     switch(page, "Camera images")
-    page.wait_for_function("document.querySelectorAll('image.vi-photograph').length == 0", timeout=60_000)
+    wait_for_count(page, PHOTOGRAPH, 0, exactly=True)
     assert page.problems == []
     page.close()

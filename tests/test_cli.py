@@ -336,8 +336,8 @@ def test_reports_for_people_carry_the_same_figures(ask, ask_json):
 
 
 def test_bench_prints_one_object(ask_json, monkeypatch):
-    monkeypatch.setattr(speed, "ROUNDS", 1)
-    monkeypatch.setattr(speed, "SLOW_ROUNDS", 1)
+    for number, small in {"ROUNDS": 1, "SLOW_ROUNDS": 1, "LOOP_SHARE": 50, "SINGLE_CALLS": 20, "MOTIONS": 3}.items():
+        monkeypatch.setattr(speed, number, small)
     status, told = ask_json("bench", "speed", "--scene", "iiwa")
     assert status == 0 and list(told) == [*HEADING, "speed"] and told["speed"]["postures"] == 91 * 121
     status, told = ask_json("bench", "success", "--runs", 4, "--max-motions", 3)

@@ -2,7 +2,6 @@
 
 import base64
 import getpass
-import re
 import shutil
 import socket
 import ssl
@@ -12,8 +11,10 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from protocol import Client, Server, wait_until
+from protocol import Client
+from serving import Server
 from viewimit.app.page import KEPT_EVERY
+from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 DEPLOY = Path(__file__).parent.parent / "deploy"
@@ -87,11 +88,6 @@ def deployed(tmp_path, redis_url):
         replica.process.kill()
 
 
-def seated(replica: Server) -> int:
-    with urllib.request.urlopen(replica.url + "/health", timeout=5) as health:
-        return int(re.search(r'"clients": (\d+)', health.read().decode())[1])
-
-
 @pytest.mark.parametrize("students", [4, pytest.param(30, marks=pytest.mark.slow)])
 def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, students):
     proxy, (first, second) = deployed
@@ -100,11 +96,11 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, stude
         proxy.open(login=None)
     assert refused.value.response.status_code == 401
     cookies, clients = [], []
-    while len(clients) < students or not (seated(first) and seated(second)):
+    while len(clients) < students or not (first.seated and second.seated):
         cookies.append(proxy.browser())
         clients.append(proxy.open(cookies[-1]).ready(60))
         assert len(clients) < 3 * students, "all went to one replica"
-    assert seated(first) + seated(second) == len(clients)
+    assert first.seated + second.seated == len(clients)
     angles = [20.0 + 2 * k % 60 for k in range(len(clients))]
     for client, angle in zip(clients, angles):
         client.put("θ₂", angle)
@@ -116,7 +112,7 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, stude
         client.press("Play or pause")
     time.sleep(KEPT_EVERY + 1)
     motions = [client.value("History") for client in clients]
-    moved = seated(first)
+    moved = first.seated
     first.process.kill()
     wait_until(lambda: sum(client.closed(0) is not None for client in clients) == moved)
     for k, client in enumerate(clients):
@@ -126,7 +122,7 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, stude
             assert again.value("θ₂") == angles[k]
         else:
             assert client.value("History") == motions[k]
-    assert seated(second) == len(clients)
+    assert second.seated == len(clients)
 
 
 def _answers(proxy: Proxy) -> bool:

@@ -1,55 +1,19 @@
 """Faults of networks, browsers and sessions: who comes back finds everything as it was, and nobody else is harmed."""
 
-import contextlib
-import io
 import os
 import signal
-import socket
-import threading
 import time
-import urllib.request
 
-import numpy as np
 import pytest
-import viser
-from protocol import Client, Server, wait_until
-from viewimit.app import viser_private
-from viewimit.app.control.scheduler import Scheduler
+from browsing import open_page, posture, press, stands, wait, wait_until_complete
+from protocol import Client
+from serving import Here, Relay, Server, browser_of
 from viewimit.app.page import KEPT_EVERY
 from viewimit.app.server import access, connection
-from viewimit.app.server.access import AccessControl
-from viewimit.app.server.pages import App
-from viewimit.app.server.seat_counts import SeatCounts
-from viewimit.app.sessions.autosave import Keeper
-from viewimit.app.sessions.sqlite_store import SqliteStore
+from waiting import stays, wait_until
 
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
-
-
-def browser_of(url: str) -> str:
-    """The cookie of a browser that has opened the page."""
-    with urllib.request.urlopen(url) as page:
-        return page.headers["Set-Cookie"].split(";")[0]
-
-
-class Here:
-    """The server in this process, so that a test can break it."""
-
-    def __init__(self, folder):
-        counts = SeatCounts()
-        scheduler = Scheduler(counts.rows[0].live, counts.rows[0].clear)
-        self.access = AccessControl(40, (), counts, counts.rows[0])
-        with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
-            self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        self.app = App(self.viser, Settings(), scheduler, Keeper(SqliteStore(folder)))
-        self.access.guard(self.viser)
-        self.url = f"http://127.0.0.1:{self.viser.get_port()}"
-
-    def stop(self) -> None:
-        self.app.stop()
-        with contextlib.redirect_stdout(io.StringIO()):
-            self.viser.stop()
+from viewimit.settings import BEST
 
 
 @pytest.fixture
@@ -57,36 +21,6 @@ def here(tmp_path):
     server = Here(tmp_path)
     yield server
     server.stop()
-
-
-class Relay:
-    """A network between a client and a server that can fall silent without closing anything."""
-
-    def __init__(self, url: str):
-        self._to = ("127.0.0.1", int(url.rsplit(":", 1)[1]))
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
-        self.silent, self._sockets = threading.Event(), []
-        threading.Thread(target=self._accept, daemon=True).start()
-
-    def _accept(self) -> None:
-        with contextlib.suppress(OSError):
-            while True:
-                near = self._listener.accept()[0]
-                far = socket.create_connection(self._to)
-                self._sockets += [near, far]
-                for source, sink in ((near, far), (far, near)):
-                    threading.Thread(target=self._pump, args=(source, sink), daemon=True).start()
-
-    def _pump(self, source: socket.socket, sink: socket.socket) -> None:
-        with contextlib.suppress(OSError):
-            while not self.silent.is_set() and (data := source.recv(65536)):
-                if not self.silent.is_set():
-                    sink.sendall(data)
-
-    def close(self) -> None:
-        for each in [self._listener, *self._sockets]:
-            each.close()
 
 
 def what_a_visitor_sees(client: Client) -> dict:
@@ -141,13 +75,13 @@ def test_a_tab_that_is_closed_or_reloaded_comes_back_to_what_it_was(here):
 def test_a_tab_closed_in_mid_run_comes_back_paused_where_it_was(here):
     cookie = browser_of(here.url)
     with Client(here.url, cookie=cookie).ready() as client:
+        client.put("Speed", "10 a second")
         client.press("Play or pause")
         wait_until(lambda: (client.value("History") or 0) >= 4)
     with Client(here.url, cookie=cookie).ready() as client:
         wait_until(lambda: (client.value("History") or 0) >= 4)
         before = client.value("History")
-        time.sleep(1.5)
-        assert client.value("History") == before and "Moving" not in client.status
+        stays(lambda: client.value("History") == before and "Moving" not in client.status, 0.7)  # a motion takes 0.1 s
 
 
 def test_a_laptop_that_slept_comes_back_before_its_old_connection_is_missed(here):
@@ -186,8 +120,7 @@ def test_a_server_that_is_stopped_and_started_again_has_lost_nothing(tmp_path):
     port = server.url.rsplit(":", 1)[1]
     server = Server("--port", port, *options)
     comes_back(server.url, cookie, seen)
-    server.process.send_signal(signal.SIGINT)
-    assert server.process.wait(10) == 0
+    assert server.stop(signal.SIGINT) == 0
     server = Server("--port", port, *options, "--servo", "gradient")  # another lesson begins anew
     with Client(server.url, cookie=cookie).ready() as client:
         assert client.value("θ₂") == 45.0
@@ -248,7 +181,7 @@ def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, mon
         before = len(other.received)
         wait_until(lambda: len(here.access.seats) == 1, 10)
         wait_until(lambda: len(other.received) > before + 10)
-        wait_until(lambda: len(here.app._pages) == 1, 5)
+        wait_until(lambda: here.pages == 1, 5)
     relay.close()
     here.stop()
 
@@ -263,18 +196,18 @@ def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")
-@pytest.mark.parametrize("visits", [25, pytest.param(500, marks=pytest.mark.slow)])
-def test_who_comes_and_goes_leaves_no_memory_behind(visits):
+@pytest.mark.parametrize("visits, bound_mb", [(25, 50), pytest.param(125, 12.5, marks=pytest.mark.slow)])
+def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
     server = Server()
     for visit in range(10 + visits):
         if visit == 10:  # what the first visitors bring in stays: the scene's meshes, code, caches
             before = server.memory
         with Client(server.url, cookie=browser_of(server.url)).ready() as client:
             client.press("Step: one motion")
-    time.sleep(1)
+    wait_until(lambda: server.seated == 0)
     grown = server.memory - before
     server.stop()
-    assert grown < 50, f"{grown:.0f} MB"
+    assert grown < bound_mb, f"{grown:.1f} MB"
 
 
 @pytest.mark.browser
@@ -282,18 +215,11 @@ def test_a_page_that_is_reloaded_is_as_it_was(browser, server):
     alone = Session(BEST)
     for _ in range(3):
         alone.step()
-    stands = [f"{angle:.1f}°".replace("-", "−") for angle in np.degrees(alone.snapshot.theta)]
-    shown = "stands => stands.join() === [...document.querySelectorAll('.vi-bar b')].map(b => b.textContent).join()"
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    page = context.new_page()
-    page.goto(server)
-    page.wait_for_selector(".vi-bar", timeout=60_000)
-    page.wait_for_timeout(500)
+    page = open_page(browser, server, "small")
     for _ in range(3):
-        page.keyboard.press("ArrowRight")
-        page.wait_for_timeout(100)
-    page.wait_for_function(shown, arg=stands, timeout=60_000)
+        press(page, "ArrowRight")
+    wait(page, lambda: posture(page) == stands(alone))
     page.reload()
-    page.wait_for_selector(".vi-bar", timeout=60_000)
-    page.wait_for_function(shown, arg=stands, timeout=60_000)
-    context.close()
+    wait_until_complete(page)
+    wait(page, lambda: posture(page) == stands(alone))
+    page.close()

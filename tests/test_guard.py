@@ -8,13 +8,16 @@ import urllib.error
 import urllib.request
 
 import pytest
-from protocol import VIEW, Client, Server, wait_until
+from browsing import SPARING, STATUS
+from protocol import VIEW, Client
+from serving import Server
 from viewimit.app.server import message_schema
 from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
 from viewimit.app.server.content_policy import content_policy
 from viewimit.app.server.origins import is_own_page
 from viewimit.app.server.rate_limits import QuietLog, TokenBucket
 from viewimit.app.server.validation import MOST_BYTES, PART
+from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 SEATS = 5
@@ -335,6 +338,7 @@ def is_heard(browser, url: str, parameter: str, bypass_csp: bool) -> bool:
         elsewhere.settimeout(0.05)
         context = browser.new_context(bypass_csp=bypass_csp)
         page, tried = context.new_page(), []
+        page.add_init_script(SPARING)
         address = f"127.0.0.1:{elsewhere.getsockname()[1]}"
         page.on("console", lambda message: tried.append(message.text) if address in message.text else None)
         page.goto(f"{url}/?{parameter.format(address)}")
@@ -361,11 +365,12 @@ def test_a_link_cannot_make_the_page_load_from_elsewhere(browser, guarded, param
 @pytest.mark.browser
 def test_no_request_leaves_the_machine(browser, guarded, bystander):
     page = browser.new_page()
+    page.add_init_script(SPARING)
     asked = []
     page.on("request", lambda request: asked.append(request.url))
     page.on("websocket", lambda opened: asked.append(opened.url))
     page.goto(guarded.url)
-    page.wait_for_selector(".vi-status", timeout=30_000)
+    page.wait_for_selector(STATUS, timeout=30_000)
     page.close()
     itself = guarded.url.removeprefix("http://")
     assert f"ws://{itself}/" in asked

@@ -3,11 +3,11 @@
 import time
 
 import pytest
-from protocol import wait_until
 from viewimit.app.control.player import Player
 from viewimit.app.control.scheduler import TICK, Scheduler
 from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, LoadShedding
 from viewimit.app.server.seat_counts import SeatCounts
+from waiting import wait_until
 
 from viewimit.session import Session
 from viewimit.settings import Settings

@@ -1,10 +1,10 @@
 """One task for all pages: each ticks, one that fails does not stop the others."""
 
 import threading
-import time
 
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.jobs.landscapes import LandscapeWorker
+from waiting import stays, wait_until
 
 
 def no_heartbeat() -> None:
@@ -25,13 +25,6 @@ class Counting:
         self.failed.append(error)
 
 
-def wait_until(condition, seconds=5.0):
-    until = time.monotonic() + seconds
-    while not condition() and time.monotonic() < until:
-        time.sleep(0.01)
-    assert condition()
-
-
 def test_a_failing_page_is_told_and_the_others_go_on(capsys, event_loop):
     scheduler = Scheduler(no_heartbeat)
     good, bad, fault = Counting(), Counting(RuntimeError("broken")), None
@@ -44,8 +37,8 @@ def test_a_failing_page_is_told_and_the_others_go_on(capsys, event_loop):
     wait_until(lambda: good.ticks >= 8)
     scheduler.stop()
     ticks = good.ticks
-    time.sleep(0.15)
-    assert good.ticks == ticks and str(fault) == "broken" and len(good.threads) == 1
+    stays(lambda: good.ticks == ticks, 0.15)
+    assert str(fault) == "broken" and len(good.threads) == 1
     assert "RuntimeError: broken" in capsys.readouterr().err
 
 

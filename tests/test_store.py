@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import sqlite3
 import sys
 import time
 
@@ -64,7 +65,9 @@ def test_a_file_forgets_what_gave_no_sign_of_life(tmp_path):
     now[0] = 2 * KEPT_S
     assert store.claim("open", "a") == {} and store.claim("left", "a") == {} and store.claim("left alone", "a")
     store.close()
-    assert SqliteStore(tmp_path, clock=lambda: now[0])._file.execute("SELECT count(*) FROM part").fetchone() == (1,)
+    SqliteStore(tmp_path, clock=lambda: now[0]).close()
+    with contextlib.closing(sqlite3.connect(tmp_path / "sessions.sqlite")) as file:
+        assert file.execute("SELECT count(*) FROM part").fetchone() == (1,)
 
 
 def test_a_redis_forgets_too(redis_url):

@@ -5,11 +5,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from functools import partial
 
 import numpy as np
 import pytest
+from waiting import wait_until
 
 from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
@@ -199,12 +199,11 @@ def test_ctrl_c_ends_the_processes_too():
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     _, err = process.communicate(timeout=10)
     assert process.returncode == -signal.SIGINT and err.count("Traceback") == 1, err
-    for _ in range(50):
-        if not group_lives(process.pid):
-            return
-        time.sleep(0.1)
-    os.killpg(process.pid, signal.SIGKILL)
-    pytest.fail("processes were left behind")
+    try:
+        wait_until(lambda: not group_lives(process.pid), 5)
+    except AssertionError:
+        os.killpg(process.pid, signal.SIGKILL)
+        raise
 
 
 def group_lives(group):

@@ -8,9 +8,10 @@ import threading
 import time
 
 import pytest
-from protocol import Client, Server, processes_of, wait_until
-from test_deploy import seated
-from test_faults import browser_of, comes_back, what_a_visitor_sees, work
+from browsing import open_page, posture, press, stands, wait, wait_for_status, wait_until_complete
+from protocol import Client
+from serving import Server, browser_of, processes_of
+from test_faults import comes_back, what_a_visitor_sees, work
 from viewimit.app.page import KEPT_EVERY
 from viewimit.app.server import dispatcher as dispatcher_module
 from viewimit.app.server.address import listen
@@ -18,7 +19,11 @@ from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
 from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
 from viewimit.app.server.workers import MOST_ENDS, working
+from waiting import wait_until
 from websockets.exceptions import InvalidStatus
+
+from viewimit.session import Session
+from viewimit.settings import BEST
 
 pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="processes cannot hand over sockets here")
 HEAD = "GET / HTTP/1.1\r\nHost: here:80\r\nCookie: viewimit-80={}\r\n\r\n"
@@ -53,9 +58,11 @@ def test_a_worker_without_a_free_seat_gets_nobody_new_and_no_more_seats_are_give
 
 def test_only_so_many_browsers_are_remembered():
     placing = Placing(ServerOptions(workers=2), SeatCounts(2))
-    for k in range(KNOWN + 5):
-        placing.place(token(str(k)))
-    assert len(placing._of) == KNOWN and token("0") not in placing._of and token(str(KNOWN)) in placing._of
+    placing.handed = [9, 0]
+    assert {placing.place(token(str(k))) for k in range(KNOWN + 5)} == {1}
+    placing.handed = [0, 9]  # who is new goes to the first now
+    assert {placing.place(token(str(k))) for k in range(5, KNOWN + 5)} == {1}
+    assert [placing.place(token(str(k))) for k in range(5)] == [0] * 5
 
 
 def test_a_server_is_well_while_all_its_processes_give_signs_of_life(monkeypatch):
@@ -173,7 +180,7 @@ def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_no
     server = Server("--workers", "2", "--store", str(tmp_path / "state"))
     cookies = [browser_of(server.url) for _ in range(4)]
     clients = [Client(server.url, cookie=cookie).ready() for cookie in cookies]
-    assert seated(server) == 4 and len(workers_of(server)) == 2
+    assert server.seated == 4 and len(workers_of(server)) == 2
     angles = 20.0, 30.0, 40.0, 50.0
     for client, angle in zip(clients, angles):
         client.put("θ₂", angle)
@@ -212,8 +219,7 @@ def test_a_class_of_two_workers_loses_nothing_when_it_is_stopped(tmp_path):
         comes_back(server.url, cookie, before)
     with Client(server.url, cookie=cookies[0]).ready() as one, Client(server.url, cookie=cookies[0]).ready() as two:
         assert one.value("θ₂") != 61.0 and two.value("θ₂") == 61.0
-    server.process.send_signal(signal.SIGINT)
-    assert server.process.wait(20) == 0
+    assert server.stop(signal.SIGINT) == 0
 
 
 def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
@@ -222,7 +228,7 @@ def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
     with pytest.raises(InvalidStatus), server.says("all 1 are taken"):
         Client(server.url)
     clients.pop().close()
-    wait_until(lambda: seated(server) == 2)
+    wait_until(lambda: server.seated == 2)
     clients.append(Client(server.url).ready())
     for client in clients:
         client.close()
@@ -256,23 +262,19 @@ def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd):
 
 @pytest.mark.browser
 def test_pages_of_two_workers_run_and_come_back_after_a_reload(browser):
-    server = Server("--workers", "2")
-    contexts = [browser.new_context(viewport={"width": 1280, "height": 720}) for _ in range(2)]
-    pages, errors = [context.new_page() for context in contexts], []
+    server, alone = Server("--workers", "2"), Session(BEST)
+    alone.step()
+    pages = [open_page(browser, server.url, "small") for _ in range(2)]
     for page in pages:
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(server.url)
-        page.wait_for_selector(".vi-bar", timeout=90_000)
-        page.wait_for_timeout(500)
-        page.keyboard.press("ArrowRight")
-        page.wait_for_function("!document.querySelector('.vi-status').innerText.startsWith('Ready')", timeout=90_000)
-    assert seated(server) == 2
-    page.wait_for_timeout(1500)  # the motion has been seen
-    read = "[...document.querySelectorAll('.vi-bar b')].map(b => b.textContent).join()"
-    stands = page.evaluate(read)
-    page.reload()
-    page.wait_for_function(f"{read} === {stands!r}", timeout=90_000)
-    assert errors == []
-    for context in contexts:
-        context.close()
+        press(page, "ArrowRight")
+        wait_for_status(page, "^(?!Ready)")
+    assert server.seated == 2
+    for page in pages:
+        wait(page, lambda page=page: posture(page) == stands(alone))
+    pages[0].reload()
+    wait_until_complete(pages[0])
+    wait(pages[0], lambda: posture(pages[0]) == stands(alone))
+    for page in pages:
+        assert page.problems == []
+        page.close()
     assert server.stop() == 0

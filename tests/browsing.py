@@ -1,0 +1,195 @@
+"""The page in a browser: how a visitor opens it, what one does with it, and what one sees."""
+
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from waiting import wait_until
+
+SIZES = {"least": (1024, 640), "small": (1280, 720), "large": (1920, 1080)}
+PAUSE = 0.12  # s between widgets: the browser throttles messages at 50 ms and keeps only the latest
+PATIENCE_S = 90.0  # other tests may run beside
+PATIENCE_MS = 1000 * PATIENCE_S
+
+# Where on the page a visitor finds what: the only place in the browser's tests that knows how it is marked up
+STATUS = "[role=status]"
+FOUR_IMAGES = '[aria-label="The four images"]'
+POSTURE = ".vi-bar b"  # the learner's joint angles
+LESSON = ".vi-lesson"  # what a preset shows
+KEYS = ".vi-keys"
+VIEW_NAME = ".vi-name"
+EPIPOLAR_LINE = ".vi-line"
+CHOSEN_POINT = "circle.vi-ring"
+LARGE_FIGURE = ".vi-big"  # the value of E over the curves, first of all
+LEVELS = ".vi-contour"  # level lines of a landscape
+ALL_TRANSFERS = ".vi-transfers"
+DUEL = ".vi-duel"
+HELP = ".vi-help"
+PANEL = ".vi-panel"
+CARD = ".vi-card"  # the curves, beside the scene where there is room
+EXPERIMENT = ".vi-figure"
+PROGRESS = ".vi-progress"
+VERDICT_ROW = ".vi-verdict tr"
+MOTION = ".vi-said"  # of the demonstrator, that is chosen
+PHOTOGRAPH = "image.vi-photograph"
+DETECTED = ".vi-own:not(.vi-idle)"
+
+# A software renderer needs nearly a second of both cores for a frame of the 3-D scene. Everything but its triangles is
+# as ever, three.js with its shaders, lights and meshes too. `canvas_colours` has them drawn in the next frame, and no
+# frame follow it until it has been looked at.
+SPARING = """
+window.drawsTriangles = window.holds = false;
+const nextFrame = window.requestAnimationFrame.bind(window), waiting = [];
+window.requestAnimationFrame = call => nextFrame(time => window.holds ? waiting.push(call) : call(time));
+window.goOn = () => {
+  window.drawsTriangles = window.holds = false;
+  waiting.splice(0).forEach(call => nextFrame(call));
+};
+for (const kind of [WebGLRenderingContext, WebGL2RenderingContext])
+  for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
+    const draw = kind.prototype[name];
+    if (draw) kind.prototype[name] = function (...what) {
+      if (!window.drawsTriangles) return;
+      draw.apply(this, what);
+      setTimeout(() => { window.holds = window.drawsTriangles; });
+    };
+  }
+"""
+
+
+def open_page(browser, url: str, size: str = "least"):
+    """A tab with the page, complete. `problems`: errors; `requested`: addresses; `frames_received` by its socket."""
+    width, height = SIZES[size]
+    page = browser.new_page(viewport={"width": width, "height": height})
+    page.problems, page.requested, page.frames_received = [], [], []
+    page.on("pageerror", lambda error: page.problems.append(str(error)))
+    page.on("console", lambda m: page.problems.append(m.text) if m.type == "error" else None)
+    page.on("request", lambda request: page.requested.append(request.url))
+    page.on("websocket", lambda ws: ws.on("framereceived", lambda data: page.frames_received.append(data)))
+    page.add_init_script(SPARING)
+    page.goto(url)
+    wait_until_complete(page)
+    return page
+
+
+def wait_until_complete(page) -> None:
+    page.wait_for_selector(STATUS, timeout=PATIENCE_MS)
+    wait_for_count(page, LEVELS, 1)
+
+
+def wait_for_count(page, selector: str, least: int, exactly: bool = False) -> None:
+    """Until so many are on the page."""
+    counted = f"document.querySelectorAll({selector!r}).length {'==' if exactly else '>='} {least}"
+    page.wait_for_function(counted, timeout=PATIENCE_MS)
+
+
+def wait_for_text(page, text: str) -> None:
+    """Anywhere on the page."""
+    page.wait_for_function("text => document.body.textContent.includes(text)", arg=text, timeout=PATIENCE_MS)
+
+
+def status(page) -> str:
+    return page.text_content(STATUS)
+
+
+def wait_for_status(page, pattern: str, seconds: float = PATIENCE_S) -> str:
+    """Its text, once it matches."""
+    page.wait_for_function(
+        "([where, pattern]) => new RegExp(pattern).test(document.querySelector(where)?.textContent ?? '')",
+        arg=[STATUS, pattern],
+        timeout=1000 * seconds,
+    )
+    return status(page)
+
+
+def wait(page, condition, seconds: float = PATIENCE_S) -> None:
+    """Until condition(), while the page's events are heard."""
+    wait_until(condition, seconds, lambda passed: page.wait_for_timeout(2000 * passed))
+
+
+def pause(page) -> None:
+    page.wait_for_timeout(1000 * PAUSE)
+
+
+def posture(page) -> list[float]:
+    """The learner's read-out, degrees."""
+    return [float(text.replace("−", "-").rstrip("°")) for text in page.locator(POSTURE).all_text_contents()]
+
+
+def stands(session) -> list[float]:
+    """What the read-out of a session's learner is, degrees."""
+    return [float(f"{angle:.1f}") for angle in np.degrees(session.snapshot.theta)]
+
+
+def row(page, label: str):
+    """The innermost row of the panel that carries this label."""
+    rows = page.locator("div.mantine-Flex-root").filter(has=page.get_by_text(label, exact=True))
+    return rows.filter(has=page.locator("input")).last
+
+
+def set_number(page, label: str, value) -> None:
+    """Type into the number box of a slider or of a number."""
+    box = row(page, label).locator("input[type=text]").last
+    box.fill(str(value))
+    box.press("Enter")
+    box.blur()  # a key typed into a box is not a command
+    pause(page)
+
+
+def choose(page, label: str, option: str) -> None:
+    """Take an option of a dropdown."""
+    box = row(page, label).locator("input:visible").first
+    box.click()
+    page.get_by_role("option", name=option, exact=True).click()
+    box.blur()
+    pause(page)
+
+
+def switch(page, label: str) -> None:
+    """Click a checkbox."""
+    box = row(page, label).locator("input[type=checkbox]")
+    box.click()
+    box.blur()
+    pause(page)
+
+
+def press(page, key: str) -> None:
+    page.keyboard.press(key)
+    pause(page)
+
+
+def click(page, words: str) -> None:
+    page.get_by_text(words, exact=True).click()
+    pause(page)
+
+
+def downloaded(page, button: str) -> tuple[str, bytes]:
+    with page.expect_download() as download:
+        click(page, button)
+    return download.value.suggested_filename, Path(download.value.path()).read_bytes()
+
+
+def demonstrator(page) -> float:
+    """The slider of joint 2, degrees."""
+    return float(row(page, "θ₂").get_by_role("slider").get_attribute("aria-valuenow"))
+
+
+def progress(page) -> str:
+    return page.text_content(f"{PROGRESS} span")
+
+
+def wait_for_progress(page, pattern: str, seconds: float = PATIENCE_S) -> None:
+    wait(page, lambda: re.search(pattern, progress(page)), seconds)
+
+
+def canvas_colours(page) -> int:
+    """How many there are where the 3-D scene is, with all of it drawn."""
+    page.evaluate("window.drawsTriangles = true")
+    box = page.locator("canvas").first.bounding_box()
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])  # viser draws a frame when it moves
+    page.wait_for_function("window.holds", polling=50, timeout=PATIENCE_MS)
+    picture = Image.open(io.BytesIO(page.screenshot(clip=box))).convert("RGB")
+    page.evaluate("window.goOn()")
+    return len(np.unique(np.asarray(picture).reshape(-1, 3), axis=0))

@@ -183,7 +183,7 @@ def test_the_papers_law_hardly_arrives_where_broyden_does(panda):
 
 def test_ctrl_c_ends_the_processes_too():
     code = (
-        "from viewimit.experiments import success\n"
+        "from viewimit.experiments.bench import success\n"
         "from viewimit.simulation.scene import load_scene\n"
         "from viewimit.settings import Settings\n"
         "pairs = success.random_pairs(load_scene('panda'), 5000, 0)\n"

@@ -19,7 +19,7 @@ from viewimit.app import viser_private
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
 from viewimit.app.server.pages import App
-from viewimit.app.server.seat_counts import SeatCounts
+from viewimit.app.server.seat_counts import SeatCounts, WorkerCounts
 from viewimit.app.sessions.autosave import Keeper
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
@@ -111,8 +111,8 @@ class Server:
 class Attended(Scheduler):
     """A scheduler that tells which pages are there."""
 
-    def __init__(self, row):
-        super().__init__(row)
+    def __init__(self, counts: WorkerCounts):
+        super().__init__(counts.live, counts.clear)
         self.present: list = []
 
     def add(self, page) -> None:

@@ -44,7 +44,8 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
         panel.build(layout, model.state(0.0))
     session: Session = model.session
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
-    for start in np.random.default_rng(0).uniform(*np.transpose(session.scene.range_deg), (RUNS, 2)):
+    low, high = np.transpose(session.scene.range_deg)
+    for start in np.random.default_rng(0).uniform(low, high, (RUNS, 2)):
         session.begin(Settings(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
         model.begin_anew()
         ChoosePoint(chosen).apply(model, 0.0)

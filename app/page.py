@@ -132,9 +132,9 @@ class Page:
             self._scene.show(state)
         for panel in self._panels:
             period = panel.period(state) * self._shedding.plots
-            if period and not self._redraw.due(panel, now, period):
+            if period and not self._redraw.due(type(panel), now, period):
                 continue
-            if self._redraw.changed((panel, "shown"), *panel.depends_on(state)):
+            if self._redraw.changed((type(panel), "shown"), *panel.depends_on(state)):
                 panel.show(state)
 
     def _announce_pictures(self, now: float) -> None:

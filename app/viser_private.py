@@ -1,6 +1,7 @@
 """The one place that uses viser's private interface. Each entry says what viser would have to offer in its stead."""
 
 import contextlib
+import itertools
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -16,13 +17,14 @@ from websockets.asyncio.server import ServerConnection
 def serving_with(serve: Callable) -> Iterator[None]:
     """A ViserServer made inside opens its port with serve(plain, handler, host, port, **options), plain being what it
     would have called; else RuntimeError. Offer: an argument of ViserServer by which connections are accepted."""
-    plain, used = websockets.asyncio.server.serve, []
-    websockets.asyncio.server.serve = lambda *args, **options: used.append(True) or serve(plain, *args, **options)
+    module: Any = websockets.asyncio.server
+    plain, calls = module.serve, itertools.count()
+    module.serve = lambda *args, **options: (next(calls), serve(plain, *args, **options))[1]
     try:
         yield
     finally:
-        websockets.asyncio.server.serve = plain
-    if not used:
+        module.serve = plain
+    if next(calls) == 0:
         raise RuntimeError("this version of viser opens its port in a way that viewimit does not know")
 
 

@@ -49,9 +49,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     @property
     def start_rad(self) -> NDArray:
         """(m,) rad. Raises ValueError for the scene's own start: the settings of a session say which that is."""
-        if self.start_deg is None:
-            raise ValueError("start_deg is not given: the scene has a start of its own")
-        return np.radians(self.start_deg)
+        return np.radians(given(self.start_deg))
 
     def __post_init__(self) -> None:
         _require_choice("transfer", self.transfer, TRANSFERS)
@@ -65,6 +63,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("delay", self.delay, 0, MOST_LAG)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
+
+
+def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
+    """A posture of settings. Raises ValueError for the scene's own: the settings of a session say which that is."""
+    if angles_deg is None:
+        raise ValueError("the posture is not given: the scene has one of its own")
+    return angles_deg
 
 
 def _require_choice(name: str, value: str, choices: Collection[str]) -> None:

@@ -58,8 +58,11 @@ class Duel:
 
     @property
     def standings(self) -> tuple[Standing, Standing]:
-        """The visitor's and the opponent's."""
-        return tuple(map(_standing, (self._session, self.opponent), self._traces))
+        """The visitor's and the opponent's. Raises ValueError without a duel."""
+        if self.opponent is None:
+            raise ValueError("there is no duel")
+        own, other = self._traces
+        return _standing(self._session, own), _standing(self.opponent, other)
 
     @property
     def _settings(self) -> Settings:

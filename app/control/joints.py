@@ -1,7 +1,7 @@
 """Which joints imitate: those of the scene, as the paper's two, or all of the robot's."""
 
 from viewimit.drawing import svg
-from viewimit.settings import Settings
+from viewimit.settings import Settings, given
 from viewimit.simulation.scene import Scene, load_robot, load_scene
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
@@ -44,8 +44,8 @@ class Freedom:
         return {
             "joints": joints,
             "points": points,
-            "demonstrator_deg": _carried(settings.demonstrator_deg, scene, after),
-            "start_deg": _carried(settings.start_deg, scene, after),
+            "demonstrator_deg": _carried(given(settings.demonstrator_deg), scene, after),
+            "start_deg": _carried(given(settings.start_deg), scene, after),
         }
 
 

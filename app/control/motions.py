@@ -47,14 +47,19 @@ class Motions:
 
     @property
     def replaying(self) -> bool:
-        return self._shown is not None and self._shown.playing
+        return self._played is not None
+
+    @property
+    def _played(self) -> Playback | None:
+        """The motion that is shown, while it plays."""
+        return self._shown if self._shown is not None and self._shown.playing else None
 
     @property
     def moment(self) -> tuple[int, int]:
         """The frame that is shown, and the last one."""
         if self._shown is not None:
             return round(self._shown.frame), self._shown.last
-        if self.name == RECORDED:
+        if self.name == RECORDED and self.recorded is not None:
             return 0, len(self.recorded.theta_deg) - 1
         return 0, FRAMES - 1
 
@@ -64,10 +69,10 @@ class Motions:
             if self._recorder.seconds == 0:
                 return "recording", "move the demonstrator by its sliders or its hand."
             return "recording", f"{self._recorder.seconds:.1f} s of the demonstrator's motion."
-        if self.replaying:
-            step, (frame, last) = self._shown.motion.step_s, self.moment
-            return "replaying", f"{self._shown.motion.name[:40]}, {frame * step:.1f} of {last * step:.1f} s."
-        if self.name == RECORDED:
+        if (played := self._played) is not None:
+            step, (frame, last) = played.motion.step_s, self.moment
+            return "replaying", f"{played.motion.name[:40]}, {frame * step:.1f} of {last * step:.1f} s."
+        if self.name == RECORDED and self.recorded is not None:
             return "ready", f"{self.recorded.name[:40]}: {self.recorded.seconds:.1f} s, {self.moment[1] + 1} frames"
         return "ready", "about the present posture"
 
@@ -80,12 +85,12 @@ class Motions:
             self._recorder.sample(theta, self._clock())
             if self._recorder.full:
                 self.record()
-        elif self.replaying:
-            if not np.array_equal(theta, self._at):  # somebody else has moved it
-                self._shown.pause()
+        elif (played := self._played) is not None:
+            if self._at is None or not np.array_equal(theta, self._at):  # somebody else has moved it
+                played.pause()
             else:
-                self._shown.advance(self._clock())
-                self._show()
+                played.advance(self._clock())
+                self._show(played)
 
     def choose(self, name: str) -> None:
         """name: of NAMES"""
@@ -110,10 +115,15 @@ class Motions:
     def replay(self) -> None:
         """Play on from the moment that is shown, or stop."""
         self._require_no_recording()
-        if self.replaying:
-            self._shown.pause()
+        if (played := self._played) is not None:
+            played.pause()
             return
-        self._with_motion(lambda shown: (shown.play(self._clock()), self._show()))
+
+        def go(shown: Playback) -> None:
+            shown.play(self._clock())
+            self._show(shown)
+
+        self._with_motion(go)
 
     def scrub(self, frame: float) -> None:
         """Show that frame."""
@@ -126,7 +136,7 @@ class Motions:
 
         def go(shown: Playback) -> None:
             shown.frame = min(frame, shown.last)
-            self._show()
+            self._show(shown)
 
         self._with_motion(go)
 
@@ -158,7 +168,7 @@ class Motions:
             if self._shown is None:
                 self._shown = Playback(self._require_recorded())
             then(self._shown)
-        elif self._shown is not None and np.array_equal(self._at, here):
+        elif self._shown is not None and self._at is not None and np.array_equal(self._at, here):
             then(self._shown)
         else:
             self._forget_shown()
@@ -166,8 +176,8 @@ class Motions:
             name, world, scene = self.name, session.world, session.scene
             self._aside(lambda: (name, scene, here, MOTIONS[name](world, here)))
 
-    def _show(self) -> None:
-        self._pose(self._shown.theta)
+    def _show(self, shown: Playback) -> None:
+        self._pose(shown.theta)
         self._at = self._session.snapshot.theta_demo
 
     def _keep(self, motion: Motion) -> None:

@@ -70,6 +70,8 @@ class Playback:
 
     def advance(self, now: float) -> None:
         """Show the moment that is due; it stops by itself at the last."""
+        if self._began is None:
+            return
         self.frame = float(np.clip((now - self._began) / self.motion.step_s, 0, self.last))
         if self.frame >= self.last:
             self.pause()

@@ -55,8 +55,8 @@ class CameraProcess:
         Raises ValueError if as many sessions as there may be have some, CameraLost.
         """
         with self._turn:
-            new = key not in self._keys
-            if new:
+            new = key is None or key not in self._keys
+            if key is None or new:
                 if len(self._keys) >= self._most:
                     raise ValueError(f"camera images are in use by {len(self._keys)} others: try again later")
                 key = next(self._next_key)
@@ -78,10 +78,10 @@ class CameraProcess:
             if key not in self._keys or self._stopped:
                 raise CameraLost("the process of the camera images has ended")
             try:
-                self._send(key, what, *arguments)
-                if not self._connection.poll(ANSWERS_WITHIN_S):
+                connection = self._send(key, what, *arguments)
+                if not connection.poll(ANSWERS_WITHIN_S):
                     raise EOFError
-                kind, *content = self._connection.recv()
+                kind, *content = connection.recv()
             except (EOFError, OSError):
                 self._end()
                 raise CameraLost("the process of the camera images has ended unexpectedly") from None
@@ -106,8 +106,9 @@ class CameraProcess:
     def stop(self) -> None:
         """End it, whoever waits for an answer."""
         self._stopped = True
-        if self.running:
-            self._process.kill()
+        process = self._process
+        if process is not None and process.is_alive():
+            process.kill()
         with self._turn:
             self._end()
 
@@ -121,11 +122,13 @@ class CameraProcess:
             self._process = context.Process(target=self._work, args=(theirs,), name="viewimit-camera", daemon=True)
             self._process.start()
 
-    def _send(self, *message) -> None:
+    def _send(self, *message) -> Connection:
+        """→ where the answer comes from"""
         with self._sending:
             if self._connection is None:
                 raise BrokenPipeError
             self._connection.send(message)
+            return self._connection
 
     def _end_if_unused(self) -> None:
         with self._turn:

@@ -10,6 +10,7 @@ import zipfile
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 from .child import stand_back
 
@@ -22,7 +23,8 @@ def work(connection: Connection, folder: str) -> None:
     """Carry out the one request (name, settings, options) that comes through the connection. folder: for the files."""
     stand_back(NICENESS)  # numpy is loaded by what is received
     try:
-        _carry_out(connection, *connection.recv(), Path(folder))
+        name, settings, options = connection.recv()
+        _carry_out(connection, name, settings, options, Path(folder))
     except (BrokenPipeError, ConnectionError):
         pass  # the server is gone
     except Exception as error:  # whatever it was, the page that asked is told
@@ -48,7 +50,7 @@ class Progress:
     end in any case.
     """
 
-    def __init__(self, send: Callable, draw: Callable[[object], str], clock: Callable[[], float] = time.monotonic):
+    def __init__(self, send: Callable, draw: Callable[[Any], str], clock: Callable[[], float] = time.monotonic):
         self._send, self._draw, self._clock = send, draw, clock
         self._share_at = self._figure_at = -1e9
         self._undrawn = None

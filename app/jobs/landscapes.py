@@ -4,6 +4,7 @@ import threading
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -100,9 +101,7 @@ class LandscapeWorker:
         self._changed = threading.Condition()
         threading.Thread(target=self._run, name="viewimit-landscapes", daemon=True).start()
 
-    def ask(
-        self, page_id: int, make: Callable[[], object], done: Callable[[object], None], kind: str = "landscape"
-    ) -> None:
+    def ask(self, page_id: int, make: Callable[[], Any], done: Callable[[Any], None], kind: str = "landscape") -> None:
         with self._changed:
             self._requests[page_id, kind] = make, done
             self._changed.notify()

@@ -3,6 +3,7 @@
 from functools import partial
 
 from viewimit.drawing.svg import joint_symbol
+from viewimit.settings import given
 
 from ..control.commands.session import PoseJoint
 from ..control.state import PageState
@@ -27,11 +28,11 @@ class DemonstratorPanel(Panel):
             for slider in self._sliders:
                 slider.remove()
             self._add_sliders(state)
-        for slider, angle in zip(self._sliders, state.settings.demonstrator_deg):
+        for slider, angle in zip(self._sliders, given(state.settings.demonstrator_deg)):
             put(slider, round(angle, 1))
 
     def _add_sliders(self, state: PageState) -> None:
-        scene, angles = state.session.scene, state.settings.demonstrator_deg
+        scene, angles = state.session.scene, given(state.settings.demonstrator_deg)
         self._generation, self._sliders = state.generation, []
         with self._inside:
             for k, (joint, (low, high)) in enumerate(zip(scene.moving_joints, scene.range_deg)):

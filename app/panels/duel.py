@@ -1,5 +1,7 @@
 """The tab Duel: the opponent's method, both paths, standings."""
 
+from viser import Icon
+
 from viewimit.drawing import duel as drawing
 
 from ..control.commands.duel import ChooseOpponent, ToggleDuel
@@ -24,7 +26,7 @@ class DuelPanel(Panel):
                 self._servo = gui.add_dropdown(
                     "Opponent's servo", list(servos.values()), initial_value=servos[state.duel.servo]
                 )
-                self._switch = gui.add_button("Begin duel", icon="swords")
+                self._switch = gui.add_button("Begin duel", icon=Icon.SWORDS)
             self._ground, self._race = gui.add_html(drawing.draw_empty()), gui.add_html("")
             self._errors = gui.add_html("")
         on_value(self._transfer, queue, ChooseOpponent.transfer)
@@ -40,7 +42,7 @@ class DuelPanel(Panel):
         duel, opponent = state.duel, state.duel.opponent
         put(self._transfer, transfer_names()[duel.transfer])
         put(self._servo, servo_names()[duel.servo])
-        put_label(self._switch, *(("End duel", "player-stop") if opponent else ("Begin duel", "swords")))
+        put_label(self._switch, *(("End duel", Icon.PLAYER_STOP) if opponent else ("Begin duel", Icon.SWORDS)))
         put_html(self._ground, state.ground)
         race = errors = ""
         if opponent is not None:

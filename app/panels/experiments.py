@@ -2,6 +2,8 @@
 
 from html import escape
 
+from viser import Icon
+
 from viewimit.experiments import EXPERIMENTS
 
 from ..control.commands.experiments import (
@@ -33,11 +35,11 @@ class ExperimentsPanel(Panel):
                 gui.add_html('<span class="vi-row"></span>')
                 self._experiment = gui.add_dropdown("Experiment", offered, initial_value=offered[0])
                 self._trajectory = gui.add_dropdown("Trajectory", list(NAMES.values()), visible=False)
-                self._run = gui.add_button("Run", icon="player-play")
+                self._run = gui.add_button("Run", icon=Icon.PLAYER_PLAY)
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row"></span>')
                 self._progress = gui.add_html(draw_progress(None, ""))
-                self._download = gui.add_button("Download figure and data", icon="download", disabled=True)
+                self._download = gui.add_button("Download figure and data", icon=Icon.DOWNLOAD, disabled=True)
             self._note = gui.add_html("")
             self._figure = gui.add_html("")
             with gui.add_folder("Demonstrator's motion", expand_by_default=False):
@@ -64,7 +66,7 @@ class ExperimentsPanel(Panel):
         chosen = EXPERIMENTS[experiments.chosen]
         put(self._experiment, chosen.title)
         put_visible(self._trajectory, "motion" in chosen.options)
-        put_label(self._run, *(("Cancel", "player-stop") if going_on else ("Run", "player-play")))
+        put_label(self._run, *(("Cancel", Icon.PLAYER_STOP) if going_on else ("Run", Icon.PLAYER_PLAY)))
         put_html(self._progress, draw_progress(experiments.latest if going_on else run, experiments.chosen))
         figure = run.figure if run is not None and run.figure else chosen.empty_figure(scene)
         put_html(self._note, POINTS_ONLY if experiments.sets_pictures_aside else "")
@@ -77,28 +79,28 @@ class ExperimentsPanel(Panel):
         motions = state.motions
         for dropdown in (self._trajectory, self._motion):
             put(dropdown, NAMES[motions.name])
-        put_label(self._record, *(("Stop", "player-stop") if motions.recording else ("Record", "player-record")))
-        put_label(self._replay, *(("Stop", "player-stop") if motions.replaying else ("Replay", "player-play")))
+        put_label(self._record, *(("Stop", Icon.PLAYER_STOP) if motions.recording else ("Record", Icon.PLAYER_RECORD)))
+        put_label(self._replay, *(("Stop", Icon.PLAYER_STOP) if motions.replaying else ("Replay", Icon.PLAYER_PLAY)))
         frame, last = motions.moment
         if self._moment.max != last:
             self._moment.max = last
         put(self._moment, frame)
-        state, sentence = motions.describe()
-        put_html(self._said, f'<div class="vi-said">{escape(sentence) if state == "ready" else ""}</div>')
+        kind, sentence = motions.describe()
+        put_html(self._said, f'<div class="vi-said">{escape(sentence) if kind == "ready" else ""}</div>')
 
     def _build_motion(self, layout: Layout) -> None:
         gui, queue = layout.gui, layout.queue
         with gui.add_folder(None):
             gui.add_html('<span class="vi-row"></span>')
             self._motion = gui.add_dropdown("Chosen motion", list(NAMES.values()))
-            self._record = gui.add_button("Record", icon="player-record", color="red")
-            self._replay = gui.add_button("Replay", icon="player-play")
+            self._record = gui.add_button("Record", icon=Icon.PLAYER_RECORD, color="red")
+            self._replay = gui.add_button("Replay", icon=Icon.PLAYER_PLAY)
         self._moment = gui.add_slider("Moment", 0, 1, 1, 0, hint="frame of the chosen motion")
         with gui.add_folder(None):
             gui.add_html('<span class="vi-row"></span>')
             self._said = gui.add_html("")
-            save = gui.add_button("Save", icon="download")
-            load = gui.add_upload_button("Load", icon="upload", mime_type="application/json")
+            save = gui.add_button("Save", icon=Icon.DOWNLOAD)
+            load = gui.add_upload_button("Load", icon=Icon.UPLOAD, mime_type="application/json")
         on_value(self._motion, queue, ChooseMotion.parse)
         on_value(self._moment, queue, ShowFrame.parse)
         on_click(self._record, queue, Record())

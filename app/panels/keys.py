@@ -1,6 +1,8 @@
 """The keys of the page, some of them named at the bottom of the left panel; H opens the help."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any, Literal
 
 from ..control.commands.command import Command
 from ..control.commands.display import FitView, NextPoint, ToggleHelp
@@ -17,7 +19,7 @@ class Key:
     named in the left panel, too."""
 
     cap: str
-    hotkey: str
+    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H"]
     word: str
     sentence: str
     command: Command
@@ -38,7 +40,7 @@ KEYS = (
 class KeysPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, self._queue = layout.gui, layout.queue
-        self._help = None  # the open modal
+        self._help: Any = None  # the open modal, whose class viser does not name
         self._gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
         for key in KEYS:
             self._add_hotkey(key)
@@ -65,5 +67,5 @@ class KeysPanel(Panel):
             self._queue.put(key.command)
 
 
-def key_caps(keys) -> str:
+def key_caps(keys: Iterable[Key]) -> str:
     return "".join(f"<span><kbd>{key.cap}</kbd> {key.word}</span> " for key in keys)

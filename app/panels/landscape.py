@@ -1,11 +1,16 @@
 """E over the postures and the learner's path in it; or all transfers' landscapes."""
 
+from viser import Icon
+
 from ..control.commands.display import ToggleComparison
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
 from .widgets import on_click, put_html, put_label, put_visible
 
-COMPARE, ALONE = ("Compare all transfers", "layout-grid"), ("This transfer alone", "square")  # what the button does
+COMPARE, ALONE = (
+    ("Compare all transfers", Icon.LAYOUT_GRID),
+    ("This transfer alone", Icon.SQUARE),
+)  # what the button does
 
 
 class LandscapePanel(Panel):

@@ -1,5 +1,7 @@
 """Preset, its lesson, and the buttons that move the learner."""
 
+from viser import Icon
+
 from ..control.commands.command import Command
 from ..control.commands.session import ChoosePreset, Play, Reset, Step, Undo
 from ..control.state import PageState
@@ -15,7 +17,7 @@ class PlaybackPanel(Panel):
         self._preset = gui.add_dropdown("Preset", list(state.presets), initial_value=state.preset.name)
         on_value(self._preset, queue, ChoosePreset.parse)
         self._lesson = gui.add_html(lesson(state.preset.lesson))
-        self._play = gui.add_button("Play", icon="player-play")
+        self._play = gui.add_button("Play", icon=Icon.PLAYER_PLAY)
         on_click(self._play, queue, Play())
         motion = gui.add_button_group("Motion", list(MOTIONS))
 
@@ -30,7 +32,7 @@ class PlaybackPanel(Panel):
     def show(self, state: PageState) -> None:
         put(self._preset, state.preset.name)
         put_html(self._lesson, lesson(state.preset.lesson))
-        put_label(self._play, *(("Pause", "player-pause") if state.playing else ("Play", "player-play")))
+        put_label(self._play, *(("Pause", Icon.PLAYER_PAUSE) if state.playing else ("Play", Icon.PLAYER_PLAY)))
 
 
 def lesson(text: str) -> str:

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
+from viser import GuiButtonHandle, IconName
+
 from ..control.commands.command import Command
 from ..control.queue import CommandQueue
 from ..viser_private import push_html
@@ -35,7 +37,7 @@ def put_html(handle, content: str) -> None:
         push_html(handle, content)
 
 
-def put_label(button, label: str, icon: str) -> None:
+def put_label(button: GuiButtonHandle, label: str, icon: IconName) -> None:
     """What a button does now."""
     if button.label != label:
         button.label, button.icon = label, icon

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import ClientHandle, SceneApi
+from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
 
 from viewimit.drawing.theme import rgb
 from viewimit.geometry.rigid import rotation_about_axis
@@ -71,10 +71,10 @@ class Fixtures:
         self._client, self._world = client, world
         self._look = LOOKS[dark]
         self._nodes: list = []
-        self._plates: dict[str, object] = {}
-        self._pictures: dict[str, object] = {}  # nodes on the plates
+        self._plates: dict[str, MeshHandle] = {}
+        self._pictures: dict[str, ImageHandle] = {}  # nodes on the plates
         self._shown: dict[str, bytes] = {}  # what they show
-        self._tinted: list[tuple[object, str]] = []  # nodes whose colour is one of the look's
+        self._tinted: list[tuple[MeshHandle, str]] = []  # nodes whose colour is one of the look's
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._add_pedestal("learner", world.T_world_own)
         self._add_pedestal("demonstrator", world.T_world_demo)

@@ -19,8 +19,8 @@ def link_meshes(robot: str) -> dict[int, trimesh.Trimesh]:
     path = ROOT / "robots" / robot / f"{robot}.glb"
     if not path.is_file():
         return {}
-    loaded = trimesh.load(path, process=False)
-    return {int(name.removeprefix("link")): mesh for name, mesh in loaded.geometry.items()}
+    loaded = trimesh.load_scene(path, process=False).geometry
+    return {int(name.removeprefix("link")): one for name, one in loaded.items() if isinstance(one, trimesh.Trimesh)}
 
 
 def octahedron(size: float) -> tuple[NDArray, NDArray]:
@@ -33,9 +33,10 @@ def turned(profile: list[tuple[float, float]], sides: int = 32) -> tuple[NDArray
     """A solid of revolution about z. profile: (radius, z) m from the bottom up; edges stay sharp."""
     angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)], -1)
-    vertices, faces = [], []
+    vertices: list[NDArray] = []
+    faces: list[NDArray] = []
     for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
-        first = sum(map(len, vertices))
+        first = sum(len(ring) for ring in vertices)
         for r, z in ((r0, z0), (r1, z1)):
             vertices.append(np.column_stack([circle * r, np.full(sides, z)]))
         i, j = np.arange(sides), (np.arange(sides) + 1) % sides
@@ -57,7 +58,7 @@ def stand(height: float) -> tuple[NDArray, NDArray]:
 
 def bone(end: NDArray, radius: float = 0.03, sides: int = 12) -> tuple[NDArray, NDArray]:
     """A rod from the origin to `end` (3,) m, tapering: what stands for a link that has no mesh."""
-    length = max(np.linalg.norm(end), 1e-6)
+    length = max(float(np.linalg.norm(end)), 1e-6)
     vertices, faces = turned([(0, 0), (radius, 0.1 * length), (0.5 * radius, length), (0, length)], sides)
     forward = np.asarray(end) / length
     aside = np.cross(forward, [1, 0, 0] if abs(forward[0]) < 0.9 else [0, 1, 0])

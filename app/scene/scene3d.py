@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import ClientHandle, ViserServer
+from viser import ClientHandle, IcosphereHandle, MeshHandle, ViserServer
 
 from viewimit.drawing.theme import rgb
 from viewimit.simulation.camera import triangulate
@@ -47,7 +47,7 @@ class Scene3D:
         self._share_opponent = share_opponent
         self._arms: dict[str, Arm] = {}
         self._nodes: list = []
-        self._fixtures: Fixtures | None = None
+        self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
         self._dark, self._fits, self._canvas = False, 0, (0, 0)
         self._found = self._fitted = np.array(client.camera.position)
@@ -60,7 +60,8 @@ class Scene3D:
             arm.remove()
         if self._fixtures is not None:
             self._fixtures.remove()
-        self._world, self._nodes, self._demo_points = world, [], None
+        self._world, self._nodes = world, []
+        self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
         self._shown: dict[str, bool] = {}
         self._fixtures = Fixtures(self._client, world, self._dark)
         self._arms = {
@@ -70,9 +71,9 @@ class Scene3D:
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
-        for arm in self._bases:
+        for name in self._bases:
             for i in range(len(world.body)):
-                self._add_point(arm, i)
+                self._add_point(name, i)
         self._add_moving_parts()
 
     def depends_on(self, state: PageState) -> tuple:
@@ -85,7 +86,7 @@ class Scene3D:
         view, canvas = state.view, self._canvas_now()
         if view.dark != self._dark:
             self._dark = view.dark
-            self._fixtures.set_dark(view.dark)
+            self._standing.set_dark(view.dark)
         if canvas != self._canvas and min(canvas) > 0:
             self._canvas = canvas
             self._fit_untouched_view()
@@ -93,7 +94,7 @@ class Scene3D:
             self._fits = view.fits
             self._fit_view()
         self.draw(state.shown, view)
-        self._fixtures.show_pictures(state.pictures)
+        self._standing.show_pictures(state.pictures)
         self._gizmo.show(view.gizmo, state.present.theta_demo, self.hand_position)
 
     def draw(self, snapshot: Snapshot, view: View) -> None:
@@ -139,12 +140,18 @@ class Scene3D:
         if min(np.linalg.norm(here - place) for place in (self._found, self._fitted)) < UNTOUCHED:
             self._fit_view()
 
+    @property
+    def _standing(self) -> Fixtures:
+        """The fixtures of the world that was built."""
+        assert self._fixtures is not None
+        return self._fixtures
+
     def _canvas_now(self) -> tuple[int, int]:
         return self._client.camera.image_width, self._client.camera.image_height
 
     def _landmarks(self) -> NDArray:
         """(k, 3) m: what the default view must hold."""
-        points = [self._fixtures.landmarks()]
+        points = [self._standing.landmarks()]
         for T_world_base in self._bases.values():
             for theta in (self._world.scene.lower, self._world.scene.upper, np.radians((45, -90))):
                 if len(theta) == len(self._world.scene.moving):
@@ -163,6 +170,7 @@ class Scene3D:
     def _add_point(self, arm: str, i: int) -> None:
         body = self._world.body
         name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
+        handle: IcosphereHandle | MeshHandle
         if arm == "learner":
             handle = self._client.scene.add_icosphere(
                 name, POINT_SIZE[arm] / 2, color=rgb(arm), subdivisions=2, position=body.local[i], cast_shadow=False

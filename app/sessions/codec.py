@@ -40,7 +40,8 @@ def decode(data: bytes) -> list[Snapshot]:
     try:
         unpacked = zstandard.ZstdDecompressor().decompress(data, max_output_size=MOST_BYTES)
         listed, values = msgspec.msgpack.decode(unpacked)
-        objects, classes = [], _classes()
+        objects: list = []
+        classes = _classes()
         for one in listed:
             objects.append(_object(one, objects, classes))
         return [_value(one, objects) for one in values]
@@ -84,10 +85,10 @@ class _Packer:
 def _classes() -> dict[str, type]:
     """What may be kept, by name. Raises TypeError if two classes have one name."""
     found: dict[str, type] = {"Snapshot": Snapshot, "FourViews": FourViews}
-    for method in (*TRANSFERS.values(), *SERVOS.values()):
-        for kind in method.stored:
-            if found.setdefault(kind.__name__, kind) is not kind:
-                raise TypeError(f"two classes named {kind.__name__} are stored: rename one")
+    stored = [method.stored for method in TRANSFERS.values()] + [servo.stored for servo in SERVOS.values()]
+    for kind in (kind for kinds in stored for kind in kinds):
+        if found.setdefault(kind.__name__, kind) is not kind:
+            raise TypeError(f"two classes named {kind.__name__} are stored: rename one")
     return found
 
 

@@ -67,6 +67,8 @@ class Seats:
 def answers(server: ViserServer, client_id: int, within: float) -> bool:
     """Whether the client is still there: it answers a ping within so many seconds. Not from viser's own thread."""
     connection = viser_private.connection_of(server, client_id)
+    if connection is None:
+        return False
 
     async def ask() -> bool:
         try:
@@ -75,7 +77,7 @@ def answers(server: ViserServer, client_id: int, within: float) -> bool:
             return False
         return True
 
-    return connection is not None and asyncio.run_coroutine_threadsafe(ask(), server.get_event_loop()).result()
+    return asyncio.run_coroutine_threadsafe(ask(), server.get_event_loop()).result()
 
 
 def cut_off(server: ViserServer, client_id: int) -> None:

@@ -6,11 +6,13 @@ not for a servo.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
+from ..simulation.robot import Angles
 from ..simulation.world import World
 from ..views import FourViews
 
@@ -87,25 +89,34 @@ def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray, NDArray]:
     return first, second
 
 
+class Looks(Protocol):
+    """What sees the learner: a world, or the eyes of a session."""
+
+    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]: ...
+
+
 def landscape(
-    world: World,
+    world: World | Looks,
     fit: Callable,
     demo: NDArray,
     demo_visible: NDArray,
     axes: tuple[NDArray, NDArray] | None = None,
     with_condition: bool = False,
 ) -> Landscape:
-    """E of a transfer over the learner's postures. axes: two arrays of rad, the scene's range if None.
+    """E of a transfer over the learner's postures. axes: two arrays of rad; None takes the range of a world's scene.
 
-    world: or the eyes of a session, with axes.
+    Raises ValueError without axes for what has no scene.
     """
-    axes = grid_axes(world) if axes is None else axes
+    if axes is None:
+        if not isinstance(world, World):
+            raise ValueError("eyes have no range of their own: axes are needed")
+        axes = grid_axes(world)
     theta = axes[0][:, None], axes[1]
     return Landscape(axes, *conflict_at(world, fit, demo, demo_visible, theta, with_condition))
 
 
 def conflict_at(
-    world: World, fit: Callable, demo: NDArray, demo_visible: NDArray, theta, with_condition: bool = False
+    world: World | Looks, fit: Callable, demo: NDArray, demo_visible: NDArray, theta, with_condition: bool = False
 ) -> NDArray:
     """E and, if asked, the condition at any postures, the learner's images undisturbed: (1 or 2, ...).
 

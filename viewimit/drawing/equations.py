@@ -8,7 +8,6 @@ from latex2mathml.converter import convert
 from numpy.typing import NDArray
 
 from ..equations import HOLE, MARK, MISSING, Equation, number, short, signed
-from ..geometry.affine import fit_affine_fundamental
 from ..servo import SERVOS, Moment
 from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
@@ -73,9 +72,9 @@ def _constraint(snapshot: Snapshot, point: int) -> Equation:
 
 def _fundamental(snapshot: Snapshot) -> tuple[NDArray, float]:
     """f: (4,) and f33 px of the pair (l, L)."""
-    views = snapshot.views.used
-    f, f33 = fit_affine_fundamental(views.demo_left, views.own_left)
-    return f, float(f33)
+    pairs = snapshot.fundamental
+    assert pairs is not None  # there is a transfer, so there are enough points
+    return pairs.f[0], float(pairs.f33[0])
 
 
 def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
@@ -83,7 +82,7 @@ def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
     moment = Moment(
         E=snapshot.E,
         seen=snapshot.views.visible[:, 2:],
-        displacement=snapshot.commanded - np.radians(snapshot.settings.start_deg),
+        displacement=snapshot.commanded - snapshot.settings.start_rad,
         moved=snapshot.moved,
         status=snapshot.status,
     )

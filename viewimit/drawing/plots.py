@@ -1,6 +1,6 @@
 """The experiments' figures: their size and caption, and lines told apart by more than their colour."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +55,7 @@ STYLES = (
 )
 
 
-def style_of(name: str, names: Sequence[str]) -> Style:
+def style_of(name: str, names: Iterable[str]) -> Style:
     """Each of a list has a style of its own, the first ones the most distinct."""
     return STYLES[list(names).index(name) % len(STYLES)]
 

@@ -79,7 +79,8 @@ def plain_contours(grid: Grid, E: NDArray) -> str:
 def contours(grid: Grid, E: NDArray, labels: Labels, lowest: NDArray) -> str:
     """Contours at levels 1, 2, 5 …, each labelled on two rays from `lowest` (2,) px to the plot's far corners."""
     generator = _generator(grid, E)
-    paths, texts = [], []
+    paths: list[str] = []
+    texts: list[str] = []
     rays = _rays(labels, lowest)
     for level in _levels(E):
         lines = [_thin(line) for line in _lines(generator, level)]

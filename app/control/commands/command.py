@@ -36,7 +36,7 @@ class Value(Command):
 
     @property
     def control(self) -> Hashable | None:
-        return type(self)
+        return type(self).__qualname__
 
 
 @dataclass(frozen=True)

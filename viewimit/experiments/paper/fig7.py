@@ -10,7 +10,7 @@ from ...analysis.convexity import Convexity, convexity
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape
 from ...analysis.minima import Conflict, Minima, local_minima
 from ...session import Session
-from ...settings import Settings
+from ...settings import Settings, given
 from ...transfer import TRANSFERS
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims, in_degrees
@@ -76,7 +76,7 @@ def run(
     """
     session = Session(settings)
     axes = grid_axes(session.world, step_deg or _step_deg(session))
-    demo_deg, joints = session.settings.demonstrator_deg, session.scene.moving_joints
+    demo_deg, joints = given(session.settings.demonstrator_deg), session.scene.moving_joints
     found = Fig7(session.settings, demo_deg, joints, {}, {})
     others = _demonstrators(axes, study)
     total, done = len(TRANSFERS) * (1 + len(others)), 0

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...session import Session
-from ...settings import Settings
+from ...settings import Settings, given
 from ...snapshot import Snapshot
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims
@@ -89,8 +89,9 @@ def run(
     session = Session(settings)
     settings, laws = session.settings, laws or laws_of(settings)
     truth = session.observe(session.snapshot.theta_demo, session.snapshot)
-    others = _spread(session, starts) if len(starts) == len(settings.start_deg) else _drawn(session, math.prod(starts))
-    starts_deg = (settings.start_deg, *others)
+    start_deg = given(settings.start_deg)
+    others = _spread(session, starts) if len(starts) == len(start_deg) else _drawn(session, math.prod(starts))
+    starts_deg = (start_deg, *others)
     found = Fig9(settings, session.scene.moving_joints, starts_deg, truth.E, ())
     total = len(starts_deg) * len(laws)
     for start in starts_deg:
@@ -131,8 +132,8 @@ def _run(session: Session) -> Run:
     settings, past = session.settings, session.history
     return Run(
         settings.servo,
-        settings.start_deg,
-        settings.demonstrator_deg,
+        given(settings.start_deg),
+        given(settings.demonstrator_deg),
         np.degrees([moment.theta for moment in past]),
         np.array([moment.E for moment in past]),
         np.array([moment.probe for moment in past]),

@@ -1,0 +1,19 @@
+"""What the code says of its types is true: mypy over the package as it is installed."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_the_type_checker_finds_nothing(tmp_path):
+    package = tmp_path / "viewimit"
+    shutil.copytree(ROOT / "viewimit", package)
+    for inside in ("app", "assets"):  # where they are installed
+        shutil.copytree(ROOT / inside, package / inside)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    command = [sys.executable, "-m", "mypy", "-p", "viewimit", "--cache-dir", str(tmp_path / "cache")]
+    found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert found.returncode == 0, found.stdout + found.stderr

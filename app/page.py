@@ -23,7 +23,7 @@ from .panels import PANELS
 from .panels.panel import Layout
 from .panels.status import StatusPanel
 from .scene.scene3d import Scene3D
-from .sessions.autosave import Memory
+from .sessions.autosave import SavedSession
 
 WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY = 0.1  # s
@@ -42,8 +42,8 @@ class Page:
         client: ClientHandle,
         services: Services,
         settings: Settings,
-        keep: Callable[[Memory], str | None],
-        resumed: Memory | None = None,
+        keep: Callable[[SavedSession], str | None],
+        resumed: SavedSession | None = None,
     ):
         self._client, self._shedding, self._keep = client, services.shedding, keep
         self.queue, self._redraw, self._sent_at = CommandQueue(), Redraw(), -SEND_EVERY
@@ -81,7 +81,7 @@ class Page:
         if not self._commands.busy and self._redraw.due("kept", now, KEPT_EVERY):
             self.model.unsaved = self._keep(self.memory())
 
-    def memory(self) -> Memory:
+    def memory(self) -> SavedSession:
         """What of the page is kept."""
         return self.model.memory()
 
@@ -105,7 +105,7 @@ class Page:
         self._commands.wait()
         self.model.close()
 
-    def _resume(self, memory: Memory) -> None:
+    def _resume(self, memory: SavedSession) -> None:
         """Show what the visitor had chosen; the loop is paused. Camera images are taken in the first turn."""
         if memory.history[memory.head.cursor].settings.camera == "rendered":
             self.model.begin_like(memory)

@@ -20,7 +20,7 @@ from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
 from viewimit.app.server.pages import App
 from viewimit.app.server.seat_counts import SeatCounts, WorkerCounts
-from viewimit.app.sessions.autosave import Keeper
+from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
 
@@ -133,7 +133,7 @@ class Here:
         self.access = AccessControl(40, (), counts, counts.rows[0])
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        self.app = App(self.viser, Settings(), self._scheduler, Keeper(SqliteStore(folder)))
+        self.app = App(self.viser, Settings(), self._scheduler, Autosave(SqliteStore(folder)))
         self.access.guard(self.viser)
         self.url = f"http://127.0.0.1:{self.viser.get_port()}"
 

@@ -6,7 +6,7 @@ from collections import Counter
 import pytest
 from quiet_page import QuietPage
 from viewimit.app.page import KEPT_EVERY
-from viewimit.app.sessions.autosave import CHUNK, Head, Keeper, Memory
+from viewimit.app.sessions.autosave import CHUNK, Autosave, SavedPage, SavedSession
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
 from viewimit.history import RECENT, STRIDE
@@ -33,15 +33,15 @@ def store(tmp_path):
 
 
 @pytest.fixture
-def keeper(store):
-    keeper = Keeper(store)
-    keeper.claim(KEY, BEGUN)
-    yield keeper
-    keeper.stop()
+def autosave(store):
+    autosave = Autosave(store)
+    autosave.claim(KEY, BEGUN)
+    yield autosave
+    autosave.stop()
 
 
 def memory(*history):
-    head = Head(
+    head = SavedPage(
         begun=BEGUN,
         cursor=0,
         length=len(history),
@@ -52,43 +52,43 @@ def memory(*history):
         dark=False,
         motion=None,
     )
-    return Memory(head, history)
+    return SavedSession(head, history)
 
 
 def moment(**changes):
     return dataclasses.replace(Session(BEGUN).snapshot, **changes)
 
 
-def test_a_store_that_refuses_is_told_until_it_takes_it_again(keeper, store):
+def test_a_store_that_refuses_is_told_until_it_takes_it_again(autosave, store):
     store.full = True
-    assert keeper.keep(KEY, memory(moment())) is None  # nothing is known of it yet
-    keeper.flush(KEY)
-    assert keeper.problem(KEY) == "no space left on device"
-    assert keeper.keep(KEY, memory(moment())) == "no space left on device"
+    assert autosave.keep(KEY, memory(moment())) is None  # nothing is known of it yet
+    autosave.flush(KEY)
+    assert autosave.problem(KEY) == "no space left on device"
+    assert autosave.keep(KEY, memory(moment())) == "no space left on device"
     store.full = False
-    keeper.keep(KEY, memory(moment()))
-    keeper.flush(KEY)
-    assert keeper.problem(KEY) is None and keeper.claim(KEY, BEGUN).head.length == 1
+    autosave.keep(KEY, memory(moment()))
+    autosave.flush(KEY)
+    assert autosave.problem(KEY) is None and autosave.claim(KEY, BEGUN).head.length == 1
 
 
-def test_a_state_that_nobody_said_how_to_store_is_told_and_costs_no_other_session(keeper):
-    keeper.claim("other", BEGUN)
+def test_a_state_that_nobody_said_how_to_store_is_told_and_costs_no_other_session(autosave):
+    autosave.claim("other", BEGUN)
     for unknown, why in ((object(), "cannot keep a object"), (2**70, "cannot keep it")):
-        keeper.keep(KEY, memory(moment(servo_state=unknown)))
-        keeper.keep("other", memory(moment()))
-        keeper.flush(KEY), keeper.flush("other")
-        assert why in keeper.problem(KEY) and keeper.problem("other") is None
-    keeper.forget(KEY)
-    assert keeper.problem(KEY) is None
+        autosave.keep(KEY, memory(moment(servo_state=unknown)))
+        autosave.keep("other", memory(moment()))
+        autosave.flush(KEY), autosave.flush("other")
+        assert why in autosave.problem(KEY) and autosave.problem("other") is None
+    autosave.forget(KEY)
+    assert autosave.problem(KEY) is None
 
 
-def test_the_page_says_so_as_long_as_it_holds(keeper, store):
-    page = QuietPage(BEGUN, lambda memory: keeper.keep(KEY, memory))
+def test_the_page_says_so_as_long_as_it_holds(autosave, store):
+    page = QuietPage(BEGUN, lambda memory: autosave.keep(KEY, memory))
 
     def hand_over():
         for seconds in (KEPT_EVERY, KEPT_EVERY, 0.5):
             page.tick(seconds)
-            keeper.flush(KEY)
+            autosave.flush(KEY)
 
     store.full = True
     page.click("Play")
@@ -134,18 +134,18 @@ def counting():
 
 @pytest.fixture
 def counted(counting):
-    keeper = Keeper(counting)
-    yield keeper
-    keeper.stop()
+    autosave = Autosave(counting)
+    yield autosave
+    autosave.stop()
 
 
-def keep_session(keeper, session):
-    head = Head(
+def keep_session(autosave, session):
+    head = SavedPage(
         begun=RESTLESS, cursor=session.cursor, length=len(session.history), preset="", speed=1.0, chosen=None, show={},
         dark=False, motion=None,
     )  # fmt: skip
-    keeper.keep(KEY, Memory(head, tuple(session.history)))
-    keeper.flush(KEY)
+    autosave.keep(KEY, SavedSession(head, tuple(session.history)))
+    autosave.flush(KEY)
 
 
 def test_moments_that_let_go_of_what_they_need_not_hold_are_not_written_again(counting, counted):

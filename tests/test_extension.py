@@ -18,7 +18,7 @@ from test_encoding import assert_same
 from viewimit.app.jobs import experiment_child
 from viewimit.app.page import KEPT_EVERY
 from viewimit.app.panels.help import help_html
-from viewimit.app.sessions.autosave import Keeper
+from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.codec import decode, encode
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
@@ -233,15 +233,15 @@ def test_all_transfers_are_compared_in_as_many_rows_as_needed(page):
 
 def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
     settings = outside(noise_px=0.2, missing=0.02)
-    keeper = Keeper(SqliteStore(tmp_path))
-    keeper.claim("key", settings)
-    page = QuietPage(settings, lambda memory: keeper.keep("key", memory))
+    autosave = Autosave(SqliteStore(tmp_path))
+    autosave.claim("key", settings)
+    page = QuietPage(settings, lambda memory: autosave.keep("key", memory))
     for _ in range(8):
         page.choose("Motion", "Step")
     page.tick(KEPT_EVERY)
-    keeper.flush("key")
-    assert keeper.problem("key") is None
-    memory = keeper.claim("key", settings)
+    autosave.flush("key")
+    assert autosave.problem("key") is None
+    memory = autosave.claim("key", settings)
     again = QuietPage(settings, resumed=memory)
     for each in (page, again):
         for _ in range(4):
@@ -249,7 +249,7 @@ def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
     kept, resumed = page.page.memory().history, again.page.memory().history
     assert len(kept) > 8 and isinstance(resumed[3].servo_state, CautiousState) and resumed[3] is not kept[3]
     assert_same(kept, resumed)
-    keeper.stop()
+    autosave.stop()
 
 
 def test_the_transfer_frozen_at_convergence_is_kept():

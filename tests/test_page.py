@@ -10,7 +10,7 @@ from viewimit.app.control.background import Background
 from viewimit.app.jobs import session_eyes
 from viewimit.app.panels import PANELS
 from viewimit.app.panels.panel import Panel
-from viewimit.app.sessions.autosave import Memory
+from viewimit.app.sessions.autosave import SavedSession
 
 from viewimit.settings import Settings
 
@@ -197,7 +197,7 @@ def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
     visit.arrive()
     kept, full = visit.page.memory(), Camera()
     full.refusal = "camera images are in use by 8 others"
-    back = Visit(full, Memory(kept.head, kept.history))
+    back = Visit(full, SavedSession(kept.head, kept.history))
     back.arrive()
     assert full.refusal in back.said
     assert back.session.settings.camera == "points" and back.session.settings.demonstrator_deg[0] == 60

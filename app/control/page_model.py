@@ -16,7 +16,7 @@ from viewimit.settings import Settings
 
 from ..jobs.experiments import Run
 from ..jobs.session_eyes import RemoteEyes, SessionEyes
-from ..sessions.autosave import Head, Memory
+from ..sessions.autosave import SavedPage, SavedSession
 from .appearance import Appearance
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
@@ -109,23 +109,23 @@ class PageModel:
         self.appearance = Appearance()
         self.generation += 1
 
-    def go_on(self, memory: Memory) -> None:
+    def go_on(self, memory: SavedSession) -> None:
         """With a session that was kept; the loop is paused."""
         self.session.resume(memory.history, memory.head.cursor)
         self._show_as(memory.head)
         self.view = replace(self.view, chosen=memory.head.chosen)
         self.begin_anew()
 
-    def begin_like(self, memory: Memory) -> None:
+    def begin_like(self, memory: SavedSession) -> None:
         """By points from where a session that was kept stands, until its first camera images are there."""
         self.session.begin(on_points(memory.history[memory.head.cursor].settings))
         self._show_as(memory.head)
         self.begin_anew()
 
-    def memory(self) -> Memory:
+    def memory(self) -> SavedSession:
         """What of the page is kept. The opponent of a duel and what runs in the tab Experiments is not."""
         session, view = self.session, self.view
-        head = Head(
+        head = SavedPage(
             begun=self._begun,
             cursor=session.cursor,
             length=len(session.history),
@@ -136,7 +136,7 @@ class PageModel:
             dark=view.dark,
             motion=self._recorded(),
         )
-        return Memory(head, tuple(session.history))
+        return SavedSession(head, tuple(session.history))
 
     def say(self, text: str, until: float) -> None:
         """A message for the visitor, as long as now < until, s."""
@@ -200,7 +200,7 @@ class PageModel:
         self._eyes.close()
         self._opponents_eyes.close()
 
-    def _show_as(self, head: Head) -> None:
+    def _show_as(self, head: SavedPage) -> None:
         self.preset = self.presets.get(head.preset, self.preset)
         self.player.speed = head.speed
         shown = {name: head.show[name] for name in SWITCHES if name in head.show}

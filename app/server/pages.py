@@ -22,8 +22,8 @@ from ..jobs.landscapes import LandscapeWorker
 from ..page import Page
 from ..scene.arms import share_meshes
 from ..scene.scene3d import share_scene
-from ..sessions.autosave import Keeper
-from ..sessions.resume import Seats
+from ..sessions.autosave import Autosave
+from ..sessions.resume import SessionKeys
 from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
@@ -45,7 +45,7 @@ def serving(
     worker: which of the processes this one is; listening: a socket in place of host and port.
     Raises OSError for a store that cannot be used.
     """
-    keeper = Keeper(open_store(options.store))
+    autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
     access = AccessControl(options.clients_of(worker), options.origins, counts, counts.rows[worker], listening)
     with (
@@ -53,7 +53,7 @@ def serving(
         viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
-    app = App(server, options.settings, scheduler, keeper, max(MOST_SESSIONS // options.workers, 1))
+    app = App(server, options.settings, scheduler, autosave, max(MOST_SESSIONS // options.workers, 1))
     access.guard(server)
     try:
         yield server.get_port()
@@ -74,12 +74,12 @@ class App:
         server: viser.ViserServer,
         settings: Settings,
         scheduler: Scheduler,
-        keeper: Keeper,
+        autosave: Autosave,
         pictured: int = MOST_SESSIONS,
     ):
-        self._server, self._settings, self._scheduler, self._keeper = server, settings, scheduler, keeper
+        self._server, self._settings, self._scheduler, self._autosave = server, settings, scheduler, autosave
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
-        self._seats = Seats(server, keeper, settings, self._retire)
+        self._keys = SessionKeys(server, autosave, settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._collecting = threading.Lock()
         share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
@@ -99,18 +99,18 @@ class App:
         with self._retiring:
             for client_id in list(self._pages):
                 self._retire(client_id)
-            self._keeper.stop()
+            self._autosave.stop()
         self.services.experiments.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        key, resumed = self._seats.take(client)
-        keep = (lambda memory: self._keeper.keep(key, memory)) if key else (lambda memory: None)
+        key, resumed = self._keys.take(client)
+        keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: None)
         try:
             page = Page(client, self.services, self._settings, keep, resumed)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
             client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             if key:
-                self._seats.leave(key)
+                self._keys.leave(key)
             return
         with self._lock:
             self._pages[client.client_id] = page, key
@@ -139,6 +139,6 @@ class App:
             whole = page.close()
             if key is not None:
                 if whole:  # else what was handed over some seconds ago stays
-                    self._keeper.keep(key, page.memory())
-                self._keeper.forget(key)
-                self._seats.leave(key)
+                    self._autosave.keep(key, page.memory())
+                self._autosave.forget(key)
+                self._keys.leave(key)

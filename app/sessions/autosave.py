@@ -21,7 +21,7 @@ HEAD = "head"
 log = logging.getLogger(__name__)
 
 
-class Head(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it."""
 
     version: str = __version__
@@ -37,10 +37,10 @@ class Head(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 @dataclass(frozen=True, eq=False)
-class Memory:
+class SavedSession:
     """All that is kept of a page, at one moment."""
 
-    head: Head
+    head: SavedPage
     history: tuple[Snapshot, ...]
 
 
@@ -49,12 +49,12 @@ class _Written:
     """What the store has of a session."""
 
     writer: str
-    head: Head | None = None
+    head: SavedPage | None = None
     history: tuple[Snapshot, ...] = ()
     seen: float = field(default_factory=time.monotonic)
 
 
-class Keeper:
+class Autosave:
     """`keep` returns at once; `claim` and `flush` wait for what was handed over before.
 
     `problem` says why a session is not kept, to be told to its visitor; None while it is.
@@ -63,15 +63,15 @@ class Keeper:
     def __init__(self, store: Store):
         self._store = store
         self._changed = threading.Condition()
-        self._waiting: dict[str, Memory] = {}
+        self._waiting: dict[str, SavedSession] = {}
         self._busy: str | None = None  # key that is being written
         self._written: dict[str, _Written] = {}
         self._problems: dict[str, str] = {}
         self._stopped = False
-        self._thread = threading.Thread(target=self._run, name="viewimit-keeper", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="viewimit-autosave", daemon=True)
         self._thread.start()
 
-    def claim(self, key: str, begun: Settings) -> Memory | None:
+    def claim(self, key: str, begun: Settings) -> SavedSession | None:
         """The session of this key, if it was begun with these settings; whoever had it before writes no more."""
         self.flush(key)
         written = _Written(secrets.token_hex(8))
@@ -87,7 +87,7 @@ class Keeper:
             self._written[key] = written
         return memory
 
-    def keep(self, key: str, memory: Memory) -> str | None:
+    def keep(self, key: str, memory: SavedSession) -> str | None:
         """Write what is new in it, soon; nothing is taken any more once it is stopped. → `problem`, up to now."""
         with self._changed:
             if not self._stopped:
@@ -142,7 +142,7 @@ class Keeper:
                 except OSError as error:
                     log.warning("sessions are not kept alive: %s", error)
 
-    def _try_to_write(self, key: str, memory: Memory, written: _Written) -> None:
+    def _try_to_write(self, key: str, memory: SavedSession, written: _Written) -> None:
         """What fails is said, and tried again with what is handed over next."""
         problem = None
         try:
@@ -159,7 +159,7 @@ class Keeper:
             else:
                 self._problems[key] = problem
 
-    def _write(self, key: str, memory: Memory, written: _Written) -> None:
+    def _write(self, key: str, memory: SavedSession, written: _Written) -> None:
         parts = {}
         history, before = memory.history, written.history
         for first in range(0, len(history), CHUNK):
@@ -175,12 +175,12 @@ class Keeper:
             written.head, written.history = memory.head, history
 
 
-def _decoded(parts: dict[str, bytes], begun: Settings) -> Memory | None:
+def _decoded(parts: dict[str, bytes], begun: Settings) -> SavedSession | None:
     """None without a session that goes on from these settings. Raises ValueError for parts that do not fit."""
     if HEAD not in parts:
         return None
     try:
-        head = msgspec.msgpack.decode(parts[HEAD], type=Head)
+        head = msgspec.msgpack.decode(parts[HEAD], type=SavedPage)
     except msgspec.MsgspecError as error:
         raise ValueError(f"it is of another version: {error}") from None
     if head.version != __version__ or head.begun != begun:
@@ -191,7 +191,7 @@ def _decoded(parts: dict[str, bytes], begun: Settings) -> Memory | None:
     history = tuple(moment for name in names for moment in codec.decode(parts[name]))
     if len(history) != head.length or not 0 <= head.cursor < head.length:
         raise ValueError("its parts are of different moments")
-    return Memory(head, history)
+    return SavedSession(head, history)
 
 
 def _same(one: Snapshot, other: Snapshot) -> bool:

@@ -10,7 +10,7 @@ from websockets.exceptions import ConnectionClosed
 from viewimit.settings import Settings
 
 from .. import viser_private
-from .autosave import Keeper, Memory
+from .autosave import Autosave, SavedSession
 
 MOST_TABS = 8  # of a browser that are kept
 ANSWERS_WITHIN = 2.0  # s: an open tab answers a ping sooner
@@ -23,15 +23,15 @@ class TokenConnection(Protocol):
     token: str | None
 
 
-class Seats:
+class SessionKeys:
     """Keys of sessions, each held by at most one client. retire(client_id): take the page of a client that is gone."""
 
-    def __init__(self, server: ViserServer, keeper: Keeper, begun: Settings, retire):
-        self._server, self._keeper, self._begun, self._retire = server, keeper, begun, retire
+    def __init__(self, server: ViserServer, autosave: Autosave, begun: Settings, retire):
+        self._server, self._autosave, self._begun, self._retire = server, autosave, begun, retire
         self._lock = threading.Lock()
         self._held: dict[str, int] = {}
 
-    def take(self, client: ClientHandle) -> tuple[str | None, Memory | None]:
+    def take(self, client: ClientHandle) -> tuple[str | None, SavedSession | None]:
         """A key for what this client does, and what its browser left under it; (None, None) without a token."""
         connection = viser_private.connection_of(self._server, client.client_id)
         token = connection.token if isinstance(connection, TokenConnection) else None
@@ -41,7 +41,7 @@ class Seats:
         for key in keys:
             self._free_if_silent(key)
         held = self._hold(keys, client.client_id)
-        return held, None if held is None else self._keeper.claim(held, self._begun)
+        return held, None if held is None else self._autosave.claim(held, self._begun)
 
     def leave(self, key: str) -> None:
         with self._lock:

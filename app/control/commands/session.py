@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from viewimit.simulation.kinematics import pose_for_hand
 
-from ...sessions.autosave import Memory
+from ...sessions.autosave import SavedSession
 from ..checks import choice, number, words
 from ..names import SPEEDS
 from ..page_model import PageModel
@@ -157,7 +157,7 @@ class PoseHand(Value):
 class Resume(Command):
     """A kept session with camera images goes on: its first look takes them."""
 
-    memory: Memory
+    memory: SavedSession
     moves: ClassVar[bool] = True
 
     def opens_pictures(self, model: PageModel) -> bool:

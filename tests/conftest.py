@@ -19,7 +19,7 @@ from waiting import wait_until
 from viewimit.cli import main
 
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
-SPLIT_FILES = {"tests/test_browser_page.py"}  # whose fixtures are of the whole run or of one test
+SPLIT_FILES = {"tests/page/test_browser_page.py"}  # whose fixtures are of the whole run or of one test
 passed_in_browser: list[str] = []
 hypothesis.settings.register_profile("patient", deadline=None)  # how long an example takes is the machine's matter
 hypothesis.settings.load_profile("patient")

@@ -1,6 +1,6 @@
 """A page without a browser: its widgets keep what is written into them, and a test changes them as a person would."""
 
-import asyncio
+import contextlib
 import time
 from types import SimpleNamespace
 
@@ -79,7 +79,7 @@ class QuietPage:
 
     def _tell(self, widget):
         for callback in widget.callbacks:
-            asyncio.run(callback(SimpleNamespace(client_id=PERSON, target=widget)))
+            _finish(callback(SimpleNamespace(client_id=PERSON, target=widget)))
         self.tick()
 
     def tick(self, seconds=0.05):
@@ -99,3 +99,10 @@ class QuietPage:
     def shown(self):
         """All that is written on the page."""
         return "\n".join(widget.content for widget in self.gui.widgets if widget.visible)
+
+
+def _finish(coroutine):
+    """Of a callback, which waits for nothing: no event loop is needed, and one may be running in this thread."""
+    with contextlib.suppress(StopIteration):
+        coroutine.send(None)
+        raise AssertionError("a callback waits")

@@ -17,7 +17,7 @@ from viewimit.app.page import KEPT_EVERY
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
-DEPLOY = Path(__file__).parent.parent / "deploy"
+DEPLOY = Path(__file__).parents[2] / "deploy"
 LOGIN = "student:chalk"
 TRUSTING = ssl.create_default_context()
 TRUSTING.check_hostname, TRUSTING.verify_mode = False, ssl.CERT_NONE  # the certificate is made by the test

@@ -123,7 +123,7 @@ def test_the_learner_arrives_by_pictures(ask_json):
 
 def test_pictures_need_a_robot_with_markers(ask, tmp_path):
     urdf = tmp_path / "mine.urdf"
-    urdf.write_text((Path(__file__).parent.parent / "assets/robots/panda/panda.urdf").read_text())
+    urdf.write_text((Path(__file__).parents[2] / "assets/robots/panda/panda.urdf").read_text())
     status, _, err = ask("imitate", "--camera", "rendered", "--robot", urdf)
     assert status == 2 and "--camera" in err and "iiwa and panda" in err
 

@@ -14,7 +14,7 @@ from multiprocessing import Pipe
 import numpy as np
 import pytest
 from quiet_page import QuietPage
-from test_encoding import assert_same
+from sameness import assert_same
 from viewimit.app.jobs import experiment_child
 from viewimit.app.page import KEPT_EVERY
 from viewimit.app.panels.help import help_html

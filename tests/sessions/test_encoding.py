@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 import zstandard
+from sameness import assert_same
 from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.history import STRIDE
@@ -23,26 +24,6 @@ def run(session: Session, passes: int, seed: int) -> None:
         session.step()
         if k % 7 > 4:
             session.pose(session.snapshot.theta_demo + np.radians(rng.normal(0, 1, 2)))
-
-
-def assert_same(one, other):
-    """To the last bit, whatever it is made of, and with it what a transfer measures only when asked."""
-    assert type(one) is type(other)
-    if isinstance(one, np.ndarray):
-        assert one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
-    elif isinstance(one, (float, np.floating)):
-        assert np.array(one).tobytes() == np.array(other).tobytes()
-    elif isinstance(one, tuple):
-        assert len(one) == len(other)
-        for a, b in zip(one, other):
-            assert_same(a, b)
-    elif dataclasses.is_dataclass(one):
-        for field in dataclasses.fields(one):
-            assert_same(getattr(one, field.name), getattr(other, field.name))
-        if hasattr(one, "condition"):
-            assert_same(one.condition, other.condition)
-    else:
-        assert one == other
 
 
 @pytest.mark.parametrize("transfer", TRANSFERS)

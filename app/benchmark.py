@@ -59,7 +59,7 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
             moved = session.step()
             stepped = time.process_time()
             state = model.state(0.0)
-            scene.draw_poses(*model.poses(0.0))
+            scene.arms.draw(*model.poses(0.0))
             scene.show(state)
             for panel in panels:
                 panel.show(state)

@@ -121,7 +121,7 @@ class Page:
         if anew:  # widgets of the world before are gone at once: what is sent to them would be lost
             self._scene.build(self.model.session.world)
         if self._redraw.changed("poses", self.model.generation, *(pose.tobytes() for pose in poses)):
-            self._scene.draw_poses(*poses)
+            self._scene.arms.draw(*poses)
         every = PANELS_EVERY * self._shedding.panels
         if self._redraw.due("panels", now, every) or anew:
             self.model.ask_for_landscapes()

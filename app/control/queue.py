@@ -40,6 +40,19 @@ class CommandQueue:
             command = Refused(str(refusal))
         self.put(command)
 
+    def on_value(self, widget: Any, parse: Callable[[Any], Command]) -> None:
+        """A person's changes of a widget are put as what `parse` makes of them."""
+
+        @widget.on_update
+        async def _(event) -> None:
+            if event.client_id is not None:  # None: the page itself wrote it
+                self.put_value(parse, event.target.value)
+
+    def on_click(self, widget: Any, command: Command) -> None:
+        @widget.on_click
+        async def _(_event) -> None:
+            self.put(command)
+
     def take(self, wanted: Callable[[Command], bool] = _all) -> list[Command]:
         """What is wanted of it, in order; the rest waits."""
         with self._lock:

@@ -8,7 +8,7 @@ from viewimit.settings import given
 from ..control.commands.session import PoseJoint
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import on_value, put
+from .widgets import put
 
 
 class DemonstratorPanel(Panel):
@@ -37,5 +37,5 @@ class DemonstratorPanel(Panel):
         with self._inside:
             for k, (joint, (low, high)) in enumerate(zip(scene.moving_joints, scene.range_deg)):
                 slider = self._gui.add_slider(joint_symbol(joint), low, high, 0.5, angles[k], hint="degrees")
-                on_value(slider, self._queue, partial(PoseJoint.parse, k))
+                self._queue.on_value(slider, partial(PoseJoint.parse, k))
                 self._sliders.append(slider)

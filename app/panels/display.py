@@ -7,7 +7,7 @@ from ..control.commands.method import change_points, switch_camera
 from ..control.names import NO_POINT
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import on_click, on_value, put
+from .widgets import put
 
 SWITCHES = (
     ("Rays", "rays"),
@@ -28,12 +28,12 @@ class DisplayPanel(Panel):
             self._camera = gui.add_checkbox("Camera images", False)
             self._switches = {name: gui.add_checkbox(label, getattr(state.view, name)) for label, name in SWITCHES}
             fit = gui.add_button("Fit view")
-        on_value(self._chosen, queue, ChoosePoint.parse)
-        on_value(self._points, queue, change_points)
-        on_value(self._camera, queue, switch_camera)
+        queue.on_value(self._chosen, ChoosePoint.parse)
+        queue.on_value(self._points, change_points)
+        queue.on_value(self._camera, switch_camera)
         for name, handle in self._switches.items():
-            on_value(handle, queue, partial(Switch.parse, name))
-        on_click(fit, queue, FitView())
+            queue.on_value(handle, partial(Switch.parse, name))
+        queue.on_click(fit, FitView())
         self._generation, self._dark = -1, False
 
     @property

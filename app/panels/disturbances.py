@@ -8,7 +8,7 @@ from ..control.commands.method import change_disturbance, change_seed
 from ..control.disturbances import DISTURBANCES
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import on_value, put
+from .widgets import put
 
 FOLDED = ("gain_error", "quantum_deg")
 
@@ -25,7 +25,7 @@ class DisturbancesPanel(Panel):
                 for name in FOLDED:
                     self._add(layout, name, settings)
                 self._seed = gui.add_number("Seed", settings.seed, min=0, max=MOST_SEED, step=1)
-                on_value(self._seed, layout.queue, change_seed)
+                layout.queue.on_value(self._seed, change_seed)
 
     def depends_on(self, state: PageState) -> tuple:
         return state.settings, state.refusals
@@ -40,5 +40,5 @@ class DisturbancesPanel(Panel):
         asked, begun = DISTURBANCES[name], DISTURBANCES[name].shown(settings)
         low, high = min(asked.low, begun), max(asked.high, begun)
         slider = layout.gui.add_slider(asked.label, low, high, asked.step, asked.low, hint=asked.hint)
-        on_value(slider, layout.queue, partial(change_disturbance, asked))
+        layout.queue.on_value(slider, partial(change_disturbance, asked))
         self._sliders[name] = slider

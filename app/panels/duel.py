@@ -8,7 +8,7 @@ from ..control.commands.duel import ChooseOpponent, ToggleDuel
 from ..control.names import servo_names, transfer_names
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import on_click, on_value, put, put_html, put_label
+from .widgets import put, put_html, put_label
 
 
 class DuelPanel(Panel):
@@ -29,9 +29,9 @@ class DuelPanel(Panel):
                 self._switch = gui.add_button("Begin duel", icon=Icon.SWORDS)
             self._ground, self._race = gui.add_html(drawing.draw_empty()), gui.add_html("")
             self._errors = gui.add_html("")
-        on_value(self._transfer, queue, ChooseOpponent.transfer)
-        on_value(self._servo, queue, ChooseOpponent.servo)
-        on_click(self._switch, queue, ToggleDuel())
+        queue.on_value(self._transfer, ChooseOpponent.transfer)
+        queue.on_value(self._servo, ChooseOpponent.servo)
+        queue.on_click(self._switch, ToggleDuel())
 
     def depends_on(self, state: PageState) -> tuple:
         duel = state.duel

@@ -22,7 +22,7 @@ from ..control.motions import NAMES
 from ..control.state import PageState
 from .panel import Layout, Panel
 from .verdict import draw_progress, draw_verdict
-from .widgets import on_click, on_value, put, put_html, put_label, put_visible
+from .widgets import put, put_html, put_label, put_visible
 
 POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
 
@@ -45,10 +45,10 @@ class ExperimentsPanel(Panel):
             with gui.add_folder("Demonstrator's motion", expand_by_default=False):
                 self._build_motion(layout)
             self._verdict = gui.add_html("")
-        on_value(self._experiment, queue, ChooseExperiment.parse)
-        on_value(self._trajectory, queue, ChooseMotion.parse)
-        on_click(self._run, queue, RunOrCancel())
-        on_click(self._download, queue, Download())
+        queue.on_value(self._experiment, ChooseExperiment.parse)
+        queue.on_value(self._trajectory, ChooseMotion.parse)
+        queue.on_click(self._run, RunOrCancel())
+        queue.on_click(self._download, Download())
 
     def depends_on(self, state: PageState) -> tuple:
         experiments, motions = state.experiments, state.motions
@@ -101,11 +101,11 @@ class ExperimentsPanel(Panel):
             self._said = gui.add_html("")
             save = gui.add_button("Save", icon=Icon.DOWNLOAD)
             load = gui.add_upload_button("Load", icon=Icon.UPLOAD, mime_type="application/json")
-        on_value(self._motion, queue, ChooseMotion.parse)
-        on_value(self._moment, queue, ShowFrame.parse)
-        on_click(self._record, queue, Record())
-        on_click(self._replay, queue, Replay())
-        on_click(save, queue, SaveMotion())
+        queue.on_value(self._motion, ChooseMotion.parse)
+        queue.on_value(self._moment, ShowFrame.parse)
+        queue.on_click(self._record, Record())
+        queue.on_click(self._replay, Replay())
+        queue.on_click(save, SaveMotion())
 
         @load.on_upload
         async def _(event) -> None:

@@ -4,7 +4,7 @@ from ..control.commands.session import ChooseSpeed, Scrub
 from ..control.names import SPEEDS
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
-from .widgets import on_value, put
+from .widgets import put
 
 
 class HistoryPanel(Panel):
@@ -12,8 +12,8 @@ class HistoryPanel(Panel):
         gui = layout.gui
         self._history = gui.add_slider("History", 0, 1, 1, 0)
         self._speed = gui.add_dropdown("Speed", list(SPEEDS), initial_value=speed_name(state.speed))
-        on_value(self._history, layout.queue, Scrub.parse)
-        on_value(self._speed, layout.queue, ChooseSpeed.parse)
+        layout.queue.on_value(self._history, Scrub.parse)
+        layout.queue.on_value(self._speed, ChooseSpeed.parse)
 
     def period(self, state: PageState) -> float:
         return SLOW

@@ -10,7 +10,6 @@ from ..control.commands.session import Play, Reset, Step, Undo
 from ..control.state import PageState
 from .help import help_html
 from .panel import Layout, Panel
-from .widgets import on_click
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ class KeysPanel(Panel):
             with self._help:
                 self._gui.add_html(help_html(key_caps(KEYS)))
                 done = self._gui.add_button("Close")
-            on_click(done, self._queue, ToggleHelp())
+            self._queue.on_click(done, ToggleHelp())
 
     def _add_hotkey(self, key: Key) -> None:
         command = self._gui.add_command(key.sentence, hotkey=key.hotkey)

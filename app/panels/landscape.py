@@ -5,7 +5,7 @@ from viser import Icon
 from ..control.commands.display import ToggleComparison
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
-from .widgets import on_click, put_html, put_label, put_visible
+from .widgets import put_html, put_label, put_visible
 
 COMPARE, ALONE = (
     ("Compare all transfers", Icon.LAYOUT_GRID),
@@ -22,7 +22,7 @@ class LandscapePanel(Panel):
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row vi-quiet"></span>')
                 self._compare = gui.add_button(COMPARE[0], icon=COMPARE[1])
-        on_click(self._compare, layout.queue, ToggleComparison())
+        layout.queue.on_click(self._compare, ToggleComparison())
 
     def period(self, state: PageState) -> float:
         """The marker that moves along the path is drawn as often as the arm in the images."""

@@ -5,7 +5,7 @@ from ..control.joints import chosen_joints, joint_choices
 from ..control.names import servo_names, transfer_names
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import on_value, put
+from .widgets import put
 
 
 class MethodPanel(Panel):
@@ -18,9 +18,9 @@ class MethodPanel(Panel):
             )
             self._servo = gui.add_dropdown("Servo", list(servos.values()), initial_value=servos[settings.servo])
             self._joints = gui.add_dropdown("Joints", ["–"], initial_value="–")
-        on_value(self._transfer, queue, change_transfer)
-        on_value(self._servo, queue, change_servo)
-        on_value(self._joints, queue, FreeJoints.parse)
+        queue.on_value(self._transfer, change_transfer)
+        queue.on_value(self._servo, change_servo)
+        queue.on_value(self._joints, FreeJoints.parse)
         self._generation = -1
 
     def depends_on(self, state: PageState) -> tuple:

@@ -6,7 +6,7 @@ from ..control.commands.command import Command
 from ..control.commands.session import ChoosePreset, Play, Reset, Step, Undo
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import on_click, on_value, put, put_html, put_label
+from .widgets import put, put_html, put_label
 
 MOTIONS: dict[str, Command] = {"Step": Step(), "Undo": Undo(), "Reset": Reset()}
 
@@ -15,10 +15,10 @@ class PlaybackPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         gui, queue = layout.gui, layout.queue
         self._preset = gui.add_dropdown("Preset", list(state.presets), initial_value=state.preset.name)
-        on_value(self._preset, queue, ChoosePreset.parse)
+        queue.on_value(self._preset, ChoosePreset.parse)
         self._lesson = gui.add_html(lesson(state.preset.lesson))
         self._play = gui.add_button("Play", icon=Icon.PLAYER_PLAY)
-        on_click(self._play, queue, Play())
+        queue.on_click(self._play, Play())
         motion = gui.add_button_group("Motion", list(MOTIONS))
 
         @motion.on_click

@@ -1,28 +1,8 @@
-"""Widgets of viser: what a person does with them goes into the queue, and they are written only if they differ."""
-
-from collections.abc import Callable
-from typing import Any
+"""Widgets of viser: written only if they differ: nothing is sent when nothing changes."""
 
 from viser import GuiButtonHandle, IconName
 
-from ..control.commands.command import Command
-from ..control.queue import CommandQueue
 from ..viser_private import push_html
-
-
-def on_value(handle, queue: CommandQueue, parse: Callable[[Any], Command]) -> None:
-    """A person's changes of a widget go into the queue as what `parse` makes of them."""
-
-    @handle.on_update
-    async def _(event) -> None:
-        if event.client_id is not None:  # None: the page itself wrote it
-            queue.put_value(parse, event.target.value)
-
-
-def on_click(handle, queue: CommandQueue, command: Command) -> None:
-    @handle.on_click
-    async def _(_event) -> None:
-        queue.put(command)
 
 
 def put(handle, value) -> None:

@@ -5,6 +5,8 @@ names on its own scene; they shadow the shared ones, and the shared meshes follo
 where the learner does, so one sees through it.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
@@ -100,6 +102,35 @@ class Arm:
 
     def _turned(self, i: int) -> tuple[float, float, float, float]:
         return joint_quaternion(self._rest[i], self._axes[i], self._angles[i])
+
+
+class Arms:
+    """Those of one page in one world. share_opponent(): puts the opponent's meshes on the server's scene, before they
+    are first shown."""
+
+    def __init__(self, client: ClientHandle, world: World, share_opponent: Callable[[], None]):
+        self._client, self._world, self._share_opponent = client, world, share_opponent
+        self._learner = Arm(client, world, "learner", world.T_world_own)
+        self._demonstrator = Arm(client, world, "demonstrator", world.T_world_demo)
+        self._opponent: Arm | None = None
+
+    def draw(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
+        """(m,) rad each. theta_opponent: None without a duel, which hides that arm."""
+        self._learner.draw(theta)
+        self._demonstrator.draw(theta_demo)
+        if theta_opponent is not None:
+            if self._opponent is None:
+                self._share_opponent()
+                self._opponent = Arm(self._client, self._world, "opponent", self._world.T_world_own)
+            self._opponent.draw(theta_opponent)
+        elif self._opponent is not None:
+            self._opponent.remove()
+            self._opponent = None
+
+    def remove(self) -> None:
+        for arm in (self._learner, self._demonstrator, self._opponent):
+            if arm is not None:
+                arm.remove()
 
 
 def _slug(robot: str) -> str:

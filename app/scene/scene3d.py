@@ -18,7 +18,7 @@ from ..control.state import PageState
 from ..control.view import View
 from ..viser_private import push_array
 from . import meshes
-from .arms import Arm, link_name, share_meshes
+from .arms import Arms, link_name, share_meshes
 from .fixtures import LOOKS, VIEW_ROLES, Fixtures, add_light_and_floor, plate_map
 from .hand_gizmo import HandGizmo
 from .view import FOV, fitted_view
@@ -36,7 +36,7 @@ def share_scene(server: ViserServer) -> None:
 
 
 class Scene3D:
-    """`build` for a world, then `draw_poses` and `show` as often as wanted; `build` again for another world.
+    """`build` for a world, then `arms.draw` and `show` as often as wanted; `build` again for another world.
 
     below: px at the bottom that overlays cover; share_opponent(): puts its meshes on the server's scene, before they
     are first shown.
@@ -45,7 +45,7 @@ class Scene3D:
     def __init__(self, client: ClientHandle, queue: CommandQueue, below: float, share_opponent: Callable[[], None]):
         self._client, self._queue, self._below = client, queue, below
         self._share_opponent = share_opponent
-        self._arms: dict[str, Arm] = {}
+        self._arms: Arms | None = None  # before the first world
         self._nodes: list = []
         self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
@@ -56,18 +56,15 @@ class Scene3D:
         """Set up the scene of a world, in place of the one before."""
         for node in self._nodes:  # before the arms, whose removal takes along what hangs on them
             node.remove()
-        for arm in self._arms.values():
-            arm.remove()
+        if self._arms is not None:
+            self._arms.remove()
         if self._fixtures is not None:
             self._fixtures.remove()
         self._world, self._nodes = world, []
         self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
         self._shown: dict[str, bool] = {}
         self._fixtures = Fixtures(self._client, world, self._dark)
-        self._arms = {
-            "learner": Arm(self._client, world, "learner", world.T_world_own),
-            "demonstrator": Arm(self._client, world, "demonstrator", world.T_world_demo),
-        }
+        self._arms = Arms(self._client, world, self._share_opponent)
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
@@ -109,18 +106,6 @@ class Scene3D:
         self._draw_residuals(snapshot, own, view.residuals)
         self._draw_chosen(own, demo, view.chosen)
 
-    def draw_poses(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
-        """Turn the arms only, (m,) rad each. theta_opponent: None without a duel, which hides that arm."""
-        self._arms["learner"].draw(theta)
-        self._arms["demonstrator"].draw(theta_demo)
-        if theta_opponent is not None:
-            if "opponent" not in self._arms:
-                self._share_opponent()
-                self._arms["opponent"] = Arm(self._client, self._world, "opponent", self._bases["learner"])
-            self._arms["opponent"].draw(theta_opponent)
-        elif "opponent" in self._arms:
-            self._arms.pop("opponent").remove()
-
     def hand_position(self, theta_demo: NDArray) -> NDArray:
         """(3,) m, the origin of the demonstrator's last link."""
         return hand_position(self._world, theta_demo, self._bases["demonstrator"])
@@ -139,6 +124,12 @@ class Scene3D:
         here = self._client.camera.position
         if min(np.linalg.norm(here - place) for place in (self._found, self._fitted)) < UNTOUCHED:
             self._fit_view()
+
+    @property
+    def arms(self) -> Arms:
+        """Of the world that was built."""
+        assert self._arms is not None
+        return self._arms
 
     @property
     def _standing(self) -> Fixtures:

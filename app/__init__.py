@@ -1,1 +1,1 @@
-"""The page."""
+"""The page. Its rooms are server, panels, scene, control, jobs and sessions; the library knows none of it."""

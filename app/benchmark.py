@@ -4,6 +4,7 @@ CPU time of this process, medians over many passes. viser's own sending is left 
 drawings write into take the values and send nothing.
 """
 
+import argparse
 import time
 
 import numpy as np
@@ -30,22 +31,19 @@ RUNS = 25
 SHOWN = (ImagesPanel, LandscapePanel, StatusPanel)
 
 
-def run(settings: Settings, chosen: int | None) -> dict[str, float]:
-    """Median ms of CPU of the loop's pass, of its drawings, and of both together."""
+def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, float]:
+    """Median ms of CPU of the loop's pass, of its drawings, and of both together. runs: starts."""
     client, queue = quiet_client(0), CommandQueue()
     services = Services(LandscapeWorker(), ExperimentWorker(), CameraProcess(), LoadShedding(0.05), lambda: None)
     model = PageModel(0, settings, services, queue, lambda name, data: None)
-    layout, panels, scene = (
-        Layout(client, queue, False),
-        [panel() for panel in SHOWN],
-        Scene3D(client, queue, 60.0, services.share_opponent),
-    )
+    layout, panels = Layout(client, queue, False), [panel() for panel in SHOWN]
+    scene = Scene3D(client, queue, 60.0, services.share_opponent)
     for panel in panels:
         panel.build(layout, model.state(0.0))
     session: Session = model.session
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
     low, high = np.transpose(session.scene.range_deg)
-    for start in np.random.default_rng(0).uniform(low, high, (RUNS, 2)):
+    for start in np.random.default_rng(0).uniform(low, high, (runs, 2)):
         session.begin(Settings(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
         model.begin_anew()
         ChoosePoint(chosen).apply(model, 0.0)
@@ -72,12 +70,15 @@ def run(settings: Settings, chosen: int | None) -> dict[str, float]:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--runs", type=int, default=RUNS, help="starts of each row (%(default)s)")
+    runs = parser.parse_args().runs
     print("ms of CPU a motion, median: look, fit, recover, evaluate, servo; then 3-D, images, path, status")
     print(f"{'transfer':10}{'servo':18}{'point':8}{'loop':>7}{'drawings':>10}{'whole':>8}")
     for transfer in ("epipolar", "linear"):
         for servo in ("broyden", "gradient-retuned"):
             for chosen in (None, 4):
-                cost = run(Settings(transfer=transfer, servo=servo), chosen)
+                cost = run(Settings(transfer=transfer, servo=servo), chosen, runs)
                 name = "none" if chosen is None else "chosen"
                 print(f"{transfer:10}{servo:18}{name:8}{cost['loop']:7.2f}{cost['drawings']:10.2f}{cost['whole']:8.2f}")
 

@@ -30,7 +30,7 @@ PANELS_EVERY = 0.1  # s
 COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
-SEND_EVERY = 1.0  # s at least between two files: a second click does not send it twice
+SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
 
 
 class Page:
@@ -46,7 +46,8 @@ class Page:
         resumed: SavedSession | None = None,
     ):
         self._client, self._shedding, self._keep = client, services.shedding, keep
-        self.queue, self._redraw, self._sent_at = CommandQueue(), Redraw(), -SEND_EVERY
+        self.queue, self._redraw = CommandQueue(), Redraw()
+        self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures)
         if resumed is not None:
@@ -144,6 +145,6 @@ class Page:
 
     def _send(self, name: str, data: bytes) -> None:
         now = time.monotonic()
-        if now - self._sent_at >= SEND_EVERY:
-            self._sent_at = now
+        if now - self._sent_at.get(name, -SEND_EVERY) >= SEND_EVERY:
+            self._sent_at[name] = now
             self._client.send_file_download(name, data, save_immediately=True)

@@ -72,15 +72,15 @@ class CommandLoop:
         if not opens and model.session.settings.camera == "points":
             self._carry_out(commands, now, self._shedding.step_budget)
             return
-        for command in commands:
-            if not command.moves:
-                self._apply(command, now)
-        moving = [command for command in commands if command.moves]
+        first = next((k for k, command in enumerate(commands) if command.moves), len(commands))
+        for command in commands[:first]:
+            self._apply(command, now)
+        rest = commands[first:]  # in their order: what comes after a motion may depend on it
         self._asked_at = now
         if opens:
             self._announce_pictures(now)
-        if moving or model.motions.replaying:
-            self._background.begin(lambda: self._carry_out(moving, now, _no_time), alone=True)
+        if rest or model.motions.replaying:
+            self._background.begin(lambda: self._carry_out(rest, now, _no_time), alone=True)
             return
         model.motions.tick()
         if model.player.due(now):
@@ -98,7 +98,7 @@ class CommandLoop:
     def _apply_meanwhile(self, now: float) -> None:
         """What need not wait for the turn that goes on."""
         if not self._background.alone:
-            for command in self._queue.take(_can_overtake):
+            for command in self._queue.take_what_need_not_wait():
                 self._apply(command, now)
 
     def _end_turn(self, now: float) -> None:
@@ -115,7 +115,3 @@ class CommandLoop:
             command.apply(self._model, now)
         except ValueError as refusal:
             self._model.refuse(str(refusal), now + MESSAGE_STAYS)
-
-
-def _can_overtake(command: Command) -> bool:
-    return command.can_overtake

@@ -56,7 +56,7 @@ class Experiments:
             self._worker.cancel(self._page_id)
             return
         offered = {"motion": self._motions.asked_for}
-        options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options}
+        options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options if name in offered}
         settings = msgspec.structs.replace(self._session.settings, camera="points")
         self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._tell)
 

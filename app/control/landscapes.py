@@ -69,7 +69,7 @@ class DuelLandscapes:
         if self._world is not world:
             self._world, self.html = world, drawing.draw_ground(world.scene, [], present.theta_demo)
         both = present, opponent.snapshot
-        asked = tuple(map(landscape_key, both))
+        asked = world, *map(landscape_key, both)
         if asked != self._asked:
             self._asked = asked
             self._worker.ask(self._page_id, partial(make_ground, world, both), self._take_later, kind="duel")

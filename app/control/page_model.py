@@ -17,7 +17,6 @@ from viewimit.settings import Settings
 from ..jobs.experiments import Run
 from ..jobs.session_eyes import RemoteEyes, SessionEyes
 from ..sessions.autosave import SavedPage, SavedSession
-from .appearance import Appearance
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .duel import Duel
@@ -25,6 +24,7 @@ from .experiments import Experiments
 from .joints import Freedom
 from .landscapes import DuelLandscapes, OwnLandscape
 from .motions import Motions
+from .on_the_way import OnTheWay
 from .player import DENSE, Player
 from .presets import Preset, presets_from
 from .queue import CommandQueue
@@ -54,7 +54,7 @@ class PageModel:
         self.session = Session(settings, self._eyes, DENSE)
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
-        self.view, self.freedom, self.appearance = View(), Freedom(), Appearance()
+        self.view, self.freedom, self.on_the_way = View(), Freedom(), OnTheWay()
         self.presets = presets_from(settings)
         self.preset = next(iter(self.presets.values()))
         self.motions = Motions(self.session, self.pose, self._make_motion, send)
@@ -106,7 +106,7 @@ class PageModel:
         chosen = self.view.chosen
         if chosen is not None and chosen >= len(self.session.world.body):
             self.view = replace(self.view, chosen=None)
-        self.appearance = Appearance()
+        self.on_the_way = OnTheWay()
         self.generation += 1
 
     def go_on(self, memory: SavedSession) -> None:
@@ -165,7 +165,7 @@ class PageModel:
         theta, moving = player.theta(now)
         if player.runners[0].duration < shortest_motion:
             theta, moving = present.theta, False
-        looked, shown = self.appearance.of(session, theta, moving)
+        looked, shown = self.on_the_way.of(session, theta, moving)
         if self.message is not None and now > self.message.until:
             self.message = None
         return PageState(

@@ -1,16 +1,12 @@
 """What a person did and what workers have made, in order, until the page's loop takes it."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Any
 
 from .commands.command import Command, Refused
 
 PENDING_LIMIT = 200  # actions that wait, per page
-
-
-def _all(command: Command) -> bool:
-    return True
 
 
 class CommandQueue:
@@ -32,12 +28,12 @@ class CommandQueue:
                 return
             self._waiting.append(command)
 
-    def put_value(self, parse: Callable[[Any], Command], value: Any) -> None:
-        """The command that a browser's value stands for, checked here and nowhere else: parse may raise ValueError."""
+    def put_value(self, parse: Callable[[Any], Command], value: Any, sender: Hashable = None) -> None:
+        """The command that a browser's value stands for: parse may raise ValueError. sender: the control it is of."""
         try:
             command = parse(value)
         except ValueError as refusal:
-            command = Refused(str(refusal))
+            command = Refused(str(refusal), sender)
         self.put(command)
 
     def on_value(self, widget: Any, parse: Callable[[Any], Command]) -> None:
@@ -46,18 +42,27 @@ class CommandQueue:
         @widget.on_update
         async def _(event) -> None:
             if event.client_id is not None:  # None: the page itself wrote it
-                self.put_value(parse, event.target.value)
+                self.put_value(parse, event.target.value, id(widget))
 
     def on_click(self, widget: Any, command: Command) -> None:
         @widget.on_click
         async def _(_event) -> None:
             self.put(command)
 
-    def take(self, wanted: Callable[[Command], bool] = _all) -> list[Command]:
-        """What is wanted of it, in order; the rest waits."""
+    def take(self) -> list[Command]:
+        """All of it, in order."""
         with self._lock:
-            taken = [command for command in self._waiting if wanted(command)]
-            self._waiting = [command for command in self._waiting if not wanted(command)]
+            taken, self._waiting = self._waiting, []
+        return taken
+
+    def take_what_need_not_wait(self) -> list[Command]:
+        """While nothing may move: what comes before all that moves, and what commutes with it; the rest waits."""
+        taken, waiting, blocked = [], [], False
+        with self._lock:
+            for command in self._waiting:
+                blocked = blocked or (command.moves and not command.commutes)
+                (waiting if blocked and not command.commutes else taken).append(command)
+            self._waiting = waiting
         return taken
 
     def _drop_older(self, command: Command, beyond_actions: bool) -> None:

@@ -1,1 +1,2 @@
-"""Heavy work beside the page: landscapes in a thread, experiments and camera images in processes of their own."""
+"""Heavy work beside the page: landscapes in a thread, experiments and camera images in processes of their own. What is
+asked of them, and when, is in control/."""

@@ -22,7 +22,7 @@ class CurvesPanel(Panel):
         return SLOW
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.present, state.cursor, state.last, state.view.chosen, state.landscape
+        return state.present, state.cursor, state.last, state.landscape
 
     def show(self, state: PageState) -> None:
         session = state.session

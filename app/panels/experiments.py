@@ -53,7 +53,7 @@ class ExperimentsPanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         experiments, motions = state.experiments, state.motions
         said = motions.name, motions.moment, motions.recording, motions.replaying, motions.describe()
-        runs = id(experiments.latest), id(experiments.shown)
+        runs = experiments.latest, experiments.shown
         return state.generation, experiments.chosen, *runs, experiments.sets_pictures_aside, *said, state.refusals
 
     def show(self, state: PageState) -> None:

@@ -23,16 +23,20 @@ class LandscapePanel(Panel):
                 gui.add_html('<span class="vi-row vi-quiet"></span>')
                 self._compare = gui.add_button(COMPARE[0], icon=COMPARE[1])
         layout.queue.on_click(self._compare, ToggleComparison())
+        self._here: tuple = ()  # what lies under the path
 
     def period(self, state: PageState) -> float:
-        """The marker that moves along the path is drawn as often as the arm in the images."""
-        return 0.0 if state.on_its_way is not None else SLOW
+        """The marker that moves along the path is drawn as often as the arm in the images, and a landscape that has
+        come at once; else the path as often as the other plots."""
+        here = state.landscape, state.transfers
+        return 0.0 if state.on_its_way is not None or here != self._here else SLOW
 
     def depends_on(self, state: PageState) -> tuple:
         seen = state.present.theta if state.on_its_way is None else state.on_its_way
         return state.present, seen.tobytes(), state.last, state.landscape, state.transfers
 
     def show(self, state: PageState) -> None:
+        self._here = state.landscape, state.transfers
         if state.landscape is not None:
             picture, session = state.landscape.picture, state.session
             put_html(self._landscape, picture.html)

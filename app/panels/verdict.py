@@ -22,13 +22,15 @@ MARKS = {True: PASS, False: MISS, None: svg.MISSING}
 def draw_progress(run: Run | None, chosen: str) -> str:
     """One line. run: None before any; it is named unless it is of the experiment that is chosen."""
     if run is None:
-        state, share, words = "idle", 0.0, "not run yet"
+        title, state, share, words = "experiment", "idle", 0.0, "not run yet"
     else:
-        name = "" if run.name == chosen else f"{EXPERIMENTS[run.name].short_title}: "
+        title = EXPERIMENTS[run.name].short_title
+        name = "" if run.name == chosen else f"{title}: "
         state, share, words = run.state, run.share, name + _words(run)
     percent = round(100 * share)
     return (
         f'<div class="vi-progress vi-progress-{state}"><div class="vi-progress-bar" role="progressbar"'
+        f' aria-label="{svg.escape(title)}"'
         f' aria-valuemin="0" aria-valuemax="100" aria-valuenow="{percent}"><i style="width:{percent}%"></i></div>'
         f'<span title="{svg.escape(words)}">{svg.escape(words)}</span></div>'
     )

@@ -1,1 +1,2 @@
-"""What is kept of a visitor between two connections, and where: autosave, codec, stores, resume."""
+"""What is kept of a visitor between two connections, and where: autosave, codec, stores, resume. The session itself is
+the library's."""

@@ -147,10 +147,8 @@ class Autosave:
         problem = None
         try:
             self._write(key, memory, written)
-        except (
-            OSError,
-            TypeError,
-        ) as error:  # a full disk, a Redis that is down; a state that nobody said how to store
+        # a full disk, a Redis that is down; a state that nobody said how to store
+        except (OSError, TypeError) as error:
             problem = str(error)
             log.warning("a session is not kept: %s", error)
         with self._changed:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
-from viewimit.app.control.commands.command import Arrival
-from viewimit.app.control.commands.display import Switch
-from viewimit.app.control.commands.session import ChoosePreset, PoseJoint, Reset, Step
+from viewimit.app.control.commands.command import Arrival, Refused
+from viewimit.app.control.commands.display import ChoosePoint, Switch
+from viewimit.app.control.commands.session import ChoosePreset, ChooseSpeed, Play, PoseJoint, Reset, Step
 from viewimit.app.control.disturbances import DISTURBANCES
 from viewimit.app.control.joints import joint_choices
 from viewimit.app.control.names import servo_names, transfer_names
@@ -225,8 +225,26 @@ def test_what_is_taken_out_of_order_leaves_the_rest_in_order():
     queue, step, dark = CommandQueue(), Step(), Switch("dark", True)
     for command in (PoseJoint(0, 1.0), dark, step):
         queue.put(command)
-    assert queue.take(lambda command: command.can_overtake) == [dark]
+    assert queue.take_what_need_not_wait() == [dark]
     assert queue.take() == [PoseJoint(0, 1.0), step]
+
+
+def test_nothing_overtakes_what_it_may_depend_on():
+    """A preset sets the speed, so that a speed chosen after it comes after it; before it, it need not wait."""
+    point, preset, speed, play = ChoosePoint(1), ChoosePreset(PRESETS[0].name), ChooseSpeed(1.0), Play()
+    queue = CommandQueue()
+    for command in (point, preset, speed, play):
+        queue.put(command)
+    assert queue.take_what_need_not_wait() == [point, play]  # pausing is never too early
+    assert queue.take() == [preset, speed]
+
+
+def test_bad_values_of_one_control_push_nothing_out():
+    queue, reset = CommandQueue(), Reset()
+    queue.put(reset)
+    for k in range(2 * PENDING_LIMIT):
+        queue.put_value(CONTROLS["seed"], f"no number {k}", sender="seed")
+    assert [type(command) for command in queue.take()] == [Reset, Refused]
 
 
 def test_what_a_person_did_is_done_in_that_order(page):

@@ -422,4 +422,5 @@ class TestVerdict:
         root = parsed(verdict.draw_progress(run, "fig9"))
         bar = next(box for box in root.iter("div") if box.get("role") == "progressbar")
         assert "".join(root.itertext()) == said and bar.get("aria-valuenow") == str(percent)
+        assert bar.get("aria-label") == ("experiment" if run is None else EXPERIMENTS[run.name].short_title)
         assert bar[0].get("style") == f"width:{percent}%"

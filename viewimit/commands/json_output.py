@@ -29,6 +29,7 @@ def print_json(args: argparse.Namespace, result: dict, settings: Settings | None
         told["settings"] = msgspec.to_builtins(settings)
         among = {OPTIONS_OF.get(name, name) for name in settings.__struct_fields__}
     told["options"] = {name: _exact(value) for name, value in vars(args).items() if name not in HOW_TOLD | among}
+    assert told.keys().isdisjoint(result), "a result that overwrites what it was made from"
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"
     readable = encoding.lower().startswith("utf")
     print(json.dumps(told | plain(result), allow_nan=False, ensure_ascii=not readable))

@@ -27,8 +27,8 @@ ROLES = {
     "hills": ("#46566b", "#a9bad2"),
 }
 
-# px in a drawing: filled circle, hollow diamond, filled diamond (half diagonals), ring
-OWN, RECOVERED, OBSERVED, RING = 3.0, 3.7, 3.6, 8.5
+# px in a drawing: hollow diamond, filled diamond (half diagonals), ring
+RECOVERED, OBSERVED, RING = 3.7, 3.6, 8.5
 HEAD = 4.6  # of a residual's arrow
 
 DRAWING_CSS = Path(__file__).with_name("drawing.css").read_text("utf-8")

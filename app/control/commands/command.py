@@ -8,19 +8,19 @@ from typing import Any, ClassVar
 
 
 class Command:
-    """An action, of which none is lost. `moves`: it moves, poses or looks, which takes long with camera images."""
+    """An action, of which none is lost.
+
+    moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
+    comes before or after any other, so that it need not wait.
+    """
 
     moves: ClassVar[bool] = False
+    commutes: ClassVar[bool] = False
 
     @property
     def control(self) -> Hashable | None:
         """Of commands with the same control the newest is enough; None: each counts."""
         return None
-
-    @property
-    def can_overtake(self) -> bool:
-        """Whether it may be carried out while motions go on beside the scheduler, before what waits for their end."""
-        return not self.moves
 
     def opens_pictures(self, model: Any) -> bool:
         """Whether it asks for camera images."""
@@ -41,9 +41,14 @@ class Value(Command):
 
 @dataclass(frozen=True)
 class Refused(Command):
-    """What a browser sent cannot be."""
+    """What a browser sent cannot be. sender: the control that it came from; of one the newest is enough."""
 
     why: str
+    sender: Hashable = None
+
+    @property
+    def control(self) -> Hashable | None:
+        return None if self.sender is None else (Refused, self.sender)
 
     def apply(self, model: Any, now: float) -> None:
         raise ValueError(self.why)

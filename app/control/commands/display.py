@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
-from ..checks import number
+from ..checks import number, switch
 from ..names import NO_POINT
 from ..page_model import PageModel
 from .command import Command, Value
@@ -29,6 +30,8 @@ class ChoosePoint(Value):
 
 
 class NextPoint(Command):
+    commutes: ClassVar[bool] = True
+
     def apply(self, model: PageModel, now: float) -> None:
         chosen, count = model.view.chosen, len(model.session.world.body)
         model.view = replace(model.view, chosen=0 if chosen is None else (chosen + 1) % count)
@@ -40,10 +43,11 @@ class Switch(Value):
 
     name: str
     on: bool
+    commutes: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, name: str, value: object) -> Switch:
-        return cls(name, bool(value))
+        return cls(name, switch(value))
 
     @property
     def control(self) -> Hashable:
@@ -54,17 +58,23 @@ class Switch(Value):
 
 
 class FitView(Command):
+    commutes: ClassVar[bool] = True
+
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, fits=model.view.fits + 1)
 
 
 class ToggleHelp(Command):
+    commutes: ClassVar[bool] = True
+
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, help=not model.view.help)
 
 
 class ToggleComparison(Command):
     """The landscapes of all transfers, or of the one that is used."""
+
+    commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.comparison.toggle()

@@ -6,8 +6,10 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..checks import choice
-from ..names import servo_names, transfer_names
+from viewimit.servo import SERVOS
+from viewimit.transfer import TRANSFERS
+
+from ..checks import named
 from ..page_model import PageModel
 from .command import Command, Value
 
@@ -33,11 +35,11 @@ class ChooseOpponent(Value):
 
     @classmethod
     def transfer(cls, value: object) -> ChooseOpponent:
-        return cls("transfer", choice(value, {title: name for name, title in transfer_names().items()}, "transfer"))
+        return cls("transfer", named(value, TRANSFERS, "transfer"))
 
     @classmethod
     def servo(cls, value: object) -> ChooseOpponent:
-        return cls("servo", choice(value, {title: name for name, title in servo_names().items()}, "servo"))
+        return cls("servo", named(value, SERVOS, "servo"))
 
     def apply(self, model: PageModel, now: float) -> None:
         model.duel.choose(**{self.part: self.name})

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..checks import choice, number
-from ..experiments import titles
+from viewimit.experiments import EXPERIMENTS
+
+from ..checks import choice, named, number
 from ..motions import MOST_BYTES, NAMES
 from ..page_model import PageModel
 from .command import Command, Value
@@ -18,7 +19,7 @@ class ChooseExperiment(Value):
 
     @classmethod
     def parse(cls, value: object) -> ChooseExperiment:
-        return cls(choice(value, {title: name for name, title in titles().items()}, "experiment"))
+        return cls(named(value, EXPERIMENTS, "experiment"))
 
     def apply(self, model: PageModel, now: float) -> None:
         model.experiments.chosen = self.name

@@ -6,10 +6,12 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..checks import choice, number, switch, words
+from viewimit.servo import SERVOS
+from viewimit.transfer import TRANSFERS
+
+from ..checks import choice, named, number, switch, words
 from ..disturbances import Amount
 from ..joints import joint_choices
-from ..names import servo_names, transfer_names
 from ..page_model import PageModel
 from .command import Value
 
@@ -34,11 +36,11 @@ class Change(Value):
 
 
 def change_transfer(value: object) -> Change:
-    return Change("transfer", choice(value, {title: name for name, title in transfer_names().items()}, "transfer"))
+    return Change("transfer", named(value, TRANSFERS, "transfer"))
 
 
 def change_servo(value: object) -> Change:
-    return Change("servo", choice(value, {title: name for name, title in servo_names().items()}, "servo"))
+    return Change("servo", named(value, SERVOS, "servo"))
 
 
 def change_disturbance(amount: Amount, value: object) -> Change:

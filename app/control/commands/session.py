@@ -19,13 +19,10 @@ from .command import Command, Value
 
 
 class Play(Command):
-    """Play or pause. A duel's opponent gets what has changed for the learner before both go on."""
+    """Play or pause, which need not wait. A duel's opponent gets what has changed for the learner before both go on."""
 
     moves: ClassVar[bool] = True
-
-    @property
-    def can_overtake(self) -> bool:
-        return True
+    commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         if not model.player.playing:

@@ -1,1 +1,3 @@
-"""Benchmarks and studies behind the figures of README, each reproducible from a seed."""
+"""Benchmarks and studies behind the figures of README, each reproducible from a seed.
+
+They judge nothing by the paper."""

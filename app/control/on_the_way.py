@@ -8,7 +8,7 @@ from viewimit.session import Session
 from viewimit.snapshot import Snapshot
 
 
-class Appearance:
+class OnTheWay:
     """Of one session in one world. By points an arm is seen anywhere on its way; no picture of it is taken before it
     has arrived."""
 

@@ -350,8 +350,11 @@ class TestCurves:
         assert line.count("M") == 2 and "nan" not in line
 
     @pytest.mark.parametrize(("last", "end"), [(0, 8), (8, 8), (9, 16), (17, 20), (41, 80), (2000, 2000), (2001, 4000)])
-    def test_the_axis_ends_at_nice_numbers(self, last, end):
-        assert 4 * curves._x_step(last) == end
+    def test_the_axis_ends_at_nice_numbers(self, session, last, end):
+        texts = list(parsed(curves.draw_curves(long_history(session, last + 1), 0, None, (2, 4))).iter("text"))
+        below = next(t.get("y") for t in texts if t.text == "motions")
+        ticks = [t.text for t in texts if t.get("y") == below and t.text != "motions"]
+        assert ticks == 2 * [str(quarter * end // 4) for quarter in range(5)]  # below E, and below the angles
 
 
 class TestEquations:

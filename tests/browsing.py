@@ -4,7 +4,9 @@ import io
 import re
 from pathlib import Path
 
+import drawn
 import numpy as np
+from drawn import css
 from PIL import Image
 from waiting import wait_until
 
@@ -13,28 +15,28 @@ PAUSE = 0.12  # s between widgets: the browser throttles messages at 50 ms and k
 PATIENCE_S = 90.0  # other tests may run beside
 PATIENCE_MS = 1000 * PATIENCE_S
 
-# Where on the page a visitor finds what: the only place in the browser's tests that knows how it is marked up
+# Where on the page a visitor finds what
 STATUS = "[role=status]"
 FOUR_IMAGES = '[aria-label="The four images"]'
-POSTURE = ".vi-bar b"  # the learner's joint angles
-LESSON = ".vi-lesson"  # what a preset shows
-KEYS = ".vi-keys"
-VIEW_NAME = ".vi-name"
-EPIPOLAR_LINE = ".vi-line"
-CHOSEN_POINT = "circle.vi-ring"
-LARGE_FIGURE = ".vi-big"  # the value of E over the curves, first of all
-LEVELS = ".vi-contour"  # level lines of a landscape
-ALL_TRANSFERS = ".vi-transfers"
-DUEL = ".vi-duel"
-HELP = ".vi-help"
-PANEL = ".vi-panel"
-CARD = ".vi-card"  # the curves, beside the scene where there is room
-EXPERIMENT = ".vi-figure"
-PROGRESS = ".vi-progress"
-VERDICT_ROW = ".vi-verdict tr"
-MOTION = ".vi-said"  # of the demonstrator, that is chosen
-PHOTOGRAPH = "image.vi-photograph"
-DETECTED = ".vi-own:not(.vi-idle)"
+POSTURE = f"{css(drawn.BAR)} b"  # the learner's joint angles
+LESSON = css(drawn.LESSON)
+KEYS = css(drawn.KEYS)
+VIEW_NAME = css(drawn.VIEW_NAME)
+EPIPOLAR_LINE = css(drawn.EPIPOLAR_LINE)
+CHOSEN_POINT = f"circle{css(drawn.CHOSEN_POINT)}"
+LARGE_FIGURE = css(drawn.LARGE_FIGURE)
+LEVELS = css(drawn.LEVELS)
+ALL_TRANSFERS = css(drawn.ALL_TRANSFERS)
+DUEL = css(drawn.DUEL)
+HELP = css(drawn.HELP)
+PANEL = css(drawn.PANEL)
+CARD = css(drawn.CARD)  # the curves, beside the scene where there is room
+EXPERIMENT = css(drawn.EXPERIMENT)
+PROGRESS = css(drawn.PROGRESS)
+VERDICT_ROW = f"{css(drawn.VERDICT)} tr"
+MOTION = css(drawn.MOTION)
+PHOTOGRAPH = f"image{css(drawn.PHOTOGRAPH)}"
+DETECTED = f"{css(drawn.OWN_POINTS)}:not({css(drawn.NOT_DETECTED)})"
 
 # A software renderer needs nearly a second of both cores for a frame of the 3-D scene. Everything but its triangles is
 # as ever, three.js with its shaders, lights and meshes too. `canvas_colours` has them drawn in the next frame, and no

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 
 import browser as chromium
 import numpy as np
+from drawn import CURSOR, IMAGE_PLANE, STATUS, css
 from protocol import Client
 from serving import Server
 
@@ -25,7 +26,7 @@ SMALL = {"width": 640, "height": 400}  # of browsers, which render on the same c
 PASSES = 100_000
 SETTLED_S = 60.0  # from which on memory should not grow
 TARGETS = {"poses": 20.0, "panels": 10.0, "plots": 5.0}
-MARKS = {"poses": b"SetOrientationMessage", "panels": b"vi-plane", "plots": b"vi-cursor"}
+MARKS = {"poses": b"SetOrientationMessage", "panels": IMAGE_PLANE.encode(), "plots": CURSOR.encode()}
 OPTIONS = ("--servo", "gradient-retuned", "--transfer", "epipolar", "--frames", "1", "--start", "25,-45")
 
 
@@ -101,7 +102,7 @@ def open_browsers(stack: list, url: str, count: int) -> None:
     for _ in range(count):
         page = launched.new_context(viewport=SMALL).new_page()
         page.goto(url)
-        page.wait_for_selector(".vi-status", state="attached", timeout=120_000)
+        page.wait_for_selector(css(STATUS), state="attached", timeout=120_000)
         page.keyboard.press("Space")
 
 

@@ -12,6 +12,7 @@ import sys
 import time
 
 import browser as chromium
+from drawn import LEVELS, STATUS, VIEW_NAME, css
 from playwright.sync_api import sync_playwright
 from serving import Server
 
@@ -22,7 +23,7 @@ EMPTY = (
 )
 COMPLETE = {
     "viser": "document.querySelector('canvas') !== null",
-    "viewimit": "document.querySelectorAll('.vi-contour, .vi-name, .vi-status').length >= 6"
+    "viewimit": f"document.querySelectorAll('{css(LEVELS)}, {css(VIEW_NAME)}, {css(STATUS)}').length >= 6"
     " && document.querySelector('canvas') !== null",
 }
 

@@ -1,10 +1,10 @@
 """A page without a browser, and what stands for its surroundings."""
 
-import re
 import threading
 import time
 from functools import partial
 
+from drawn import view_name
 from viewimit.app.control.commands.display import ChoosePoint, FitView, NextPoint, Switch, ToggleComparison, ToggleHelp
 from viewimit.app.control.commands.duel import ChooseOpponent, ToggleDuel
 from viewimit.app.control.commands.experiments import (
@@ -223,4 +223,4 @@ class Visit:
     def photographs(self):
         """Views with a picture, as drawn."""
         planes = self.images.split('<svg x="')[1:]
-        return sorted(re.search(r'vi-name[^>]*">(\w)<', plane)[1] for plane in planes if "data:image/jpeg" in plane)
+        return sorted(view_name(plane) for plane in planes if "data:image/jpeg" in plane)

@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import socket
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -14,16 +15,18 @@ import urllib.request
 from contextlib import suppress
 from pathlib import Path
 
+import msgspec
 import viser
 from viewimit.app import viser_private
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
 from viewimit.app.server.pages import App
 from viewimit.app.server.seat_counts import SeatCounts, WorkerCounts
-from viewimit.app.sessions.autosave import Autosave
+from viewimit.app.sessions.autosave import HEAD, Autosave, SavedPage
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
 
+from viewimit.session import Session
 from viewimit.settings import Settings
 
 STARTS_WITHIN_S = 90  # on a busy machine
@@ -142,6 +145,11 @@ class Here:
         """How many visitors have one."""
         return len(self._scheduler.present)
 
+    @property
+    def sessions(self) -> list[Session]:
+        """Of the visitors, as they came."""
+        return [page.model.session for page in self._scheduler.present]
+
     def stop(self) -> None:
         self.app.stop()
         with contextlib.redirect_stdout(io.StringIO()):
@@ -182,6 +190,22 @@ def browser_of(url: str) -> str:
     """The cookie of a browser that has opened the page."""
     with urllib.request.urlopen(url) as page:
         return page.headers["Set-Cookie"].split(";")[0]
+
+
+def kept_of(store: str, cookie: str) -> SavedPage | None:
+    """What a server has written there, a folder or a Redis, of the first tab of this browser; None before it has."""
+    key = f"{cookie.split('=')[1]}.0"
+    if store.startswith("unix:"):
+        from redis import Redis
+
+        with Redis.from_url(store) as there:
+            head = there.hget(f"viewimit:{key}", f"part:{HEAD}")
+    else:
+        file = Path(store, "sessions.sqlite")
+        with contextlib.closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as there:
+            found = there.execute("SELECT data FROM part WHERE key = ? AND name = ?", (key, HEAD)).fetchone()
+            head = found and found[0]
+    return head and msgspec.msgpack.decode(head, type=SavedPage)
 
 
 def processes_of(pid: int) -> list[int]:

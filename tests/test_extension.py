@@ -13,6 +13,7 @@ from multiprocessing import Pipe
 
 import numpy as np
 import pytest
+from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EQUATION, EXPERIMENT, OPPONENTS_PATH, TITLE, used
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.jobs import experiment_child
@@ -153,7 +154,7 @@ def run_start(settings, tell=lambda share, partial: None, motion="sinusoid"):
 
 def draw_start(scene, found=None):
     words = "E at the start?" if found is None else f"E {found.E:.3f} px² before the {found.motion}"
-    return f'<svg class="vi vi-figure" viewBox="0 0 424 212"><text>{words}</text></svg>'
+    return f'<svg class="{DRAWING} {EXPERIMENT}" viewBox="0 0 424 212"><text>{words}</text></svg>'
 
 
 @pytest.fixture(autouse=True)
@@ -199,7 +200,7 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert "caution is satisfied" in page.shown
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
     assert last.servo_state.saved > 0 and f">{number(last.servo_state.saved, 6)}<" in page.shown
-    assert len(re.findall(r"vi-line-E", page.shown)) == 1  # the curves
+    assert page.shown.count(E_CURVE) == 1  # the curves
     assert all(words in help_html("") for words in (RIDGE.assumes, RIDGE.fails, Cautious.assumes, Cautious.fails))
 
 
@@ -215,18 +216,18 @@ def test_a_duel_takes_them_as_opponent(page):
     page.choose("Opponent's transfer", "Ridge regression")
     page.choose("Opponent's servo", "Cautious")
     page.click("Begin duel")
-    page.tick_until(lambda: "vi-line-opponent" in page.shown)
+    page.tick_until(lambda: OPPONENTS_PATH in used(page.shown))
     assert "Opponent: Ridge regression" in page.shown and ">Cautious</text>" in page.shown
 
 
 def test_all_transfers_are_compared_in_as_many_rows_as_needed(page):
     page.click("Compare all transfers")
     page.tick_until(lambda: "basin" in page.shown)
-    (compared,) = (widget.content for widget in page.gui.widgets if "vi-transfers" in getattr(widget, "content", ""))
+    (compared,) = (widget.content for widget in page.gui.widgets if ALL_TRANSFERS in getattr(widget, "content", ""))
     for method in TRANSFERS.values():
         assert f">{method.title}</text>" in compared
     height = float(re.search(r'viewBox="0 0 \d+ (\d+)"', compared)[1])
-    places = re.findall(r'<g transform="translate\((\d+) (\d+)\)"><text class="vi-b"', compared)
+    places = re.findall(rf'<g transform="translate\((\d+) (\d+)\)"><text class="{TITLE}"', compared)
     assert len(places) == len(set(places)) == len(TRANSFERS) and 2 < height / 131 <= 3
     assert all(float(top) < height for _, top in places)
 
@@ -354,5 +355,5 @@ def test_its_own_process_runs_draws_and_packs_the_experiment(tmp_path, monkeypat
 
 def test_equations_of_outside_are_drawn_beside_the_papers():
     html = drawing.draw_equations(stepped(2).snapshot)
-    heads = re.findall(r'<div class="vi-eq"><b>([^<]*)</b>', html)
+    heads = re.findall(rf'<div class="{EQUATION}"><b>([^<]*)</b>', html)
     assert heads == ["(1)", "R", "(6)", "C"]

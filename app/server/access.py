@@ -20,7 +20,7 @@ from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
 from .cookie import cookie_for, token_of
 from .origins import is_own_page
-from .rate_limits import QuietLog, TokenBucket
+from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .seat_counts import SeatCounts, WorkerCounts
 
 PING_EVERY, PONG_WITHIN = 15.0, 15.0  # s: one that does not take what is sent does not answer either
@@ -53,7 +53,7 @@ class AccessControl:
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
         self.opened = 0  # connections that have no seat yet
-        self._log = QuietLog(log, TokenBucket(2, 30))
+        self._log = QuietLog(log, TokenBucket(LINES_A_SECOND, LINES_AT_ONCE))
 
     def guard(self, server: ViserServer) -> None:
         """Whose clients pass it; nobody gets a seat before."""

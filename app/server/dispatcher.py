@@ -13,7 +13,7 @@ from http.client import HTTPException, parse_headers
 
 from .cookie import token_of
 from .options import ServerOptions
-from .rate_limits import QuietLog, TokenBucket
+from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .seat_counts import SeatCounts
 
 MOST_HEAD = 1 << 14  # bytes
@@ -54,7 +54,7 @@ class Dispatcher:
     def __init__(self, placing: Placing, to: Sequence[socket.socket]):
         self._placing, self._to = placing, to
         self._unplaced: set[asyncio.Task] = set()
-        self._log = QuietLog(log, TokenBucket(2, 30))
+        self._log = QuietLog(log, TokenBucket(LINES_A_SECOND, LINES_AT_ONCE))
         for other in to:
             other.setblocking(False)
 

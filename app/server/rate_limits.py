@@ -4,6 +4,8 @@ import logging
 import time
 from collections.abc import Callable
 
+LINES_A_SECOND, LINES_AT_ONCE = 2.0, 30.0  # of refusals in a log
+
 
 class TokenBucket:
     """`rate` a second on average, up to `burst` at once."""

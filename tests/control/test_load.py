@@ -81,7 +81,7 @@ def test_poses_recover_their_pace_by_slower_panels(event_loop):
 
     def poses_prevail() -> bool:
         poses, panels = pages[0].poses, pages[0].panels
-        time.sleep(1)
+        wait_until(lambda: pages[0].poses >= poses + 20)
         return pages[0].poses - poses > 2 * (pages[0].panels - panels)
 
     wait_until(poses_prevail, 30)

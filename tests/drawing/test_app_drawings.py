@@ -8,6 +8,31 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
+from drawn import (
+    CENTRED,
+    CHOSEN_POINT,
+    E_CURVE,
+    EPIPOLAR_LINE,
+    FROM_LEFT,
+    FROM_PARTNER,
+    FROM_RIGHT,
+    HIGH,
+    LABELS,
+    LEARNERS_PATH,
+    LEVEL_NUMBERS,
+    OWN_POINTS,
+    RECOVERED_POINTS,
+    RESIDUALS,
+    SKELETON,
+    TOO_HIGH,
+    VIEW_NAME,
+    classes,
+    marked,
+    only,
+    parsed,
+    path,
+    used,
+)
 from viewimit.app.static import stylesheet
 from viewimit.assets import ROOT
 
@@ -27,7 +52,6 @@ from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 
 MINUS = "−"
-LINE_STYLES = ("", " vi-from-right", " vi-partner")
 MATHML = "{http://www.w3.org/1998/Math/MathML}"
 
 
@@ -86,22 +110,14 @@ def windows_of(session):
     return image_windows(reach(session.world), session.scene.head.image)
 
 
-def parsed(html):
-    return ElementTree.fromstring(f"<root>{html}</root>")
-
-
 def planes(html):
     """The four boxes by the name written in them."""
     boxes = {}
     for box in parsed(html).iter("svg"):
-        name = next((t.text for t in box.findall("text") if "vi-name" in t.get("class", "")), None)
+        name = next((t.text for t in box.findall("text") if VIEW_NAME in classes(t)), None)
         if name:
             boxes[name] = box
     return boxes
-
-
-def path(box, classes):
-    return next(p.get("d") for p in box.iter("path") if p.get("class") == classes)
 
 
 def numbers(text):
@@ -128,10 +144,10 @@ class TestImages:
     def test_epipolar_lines_of_affine_views_meet_in_the_matched_point(self, session, chosen, whole):
         html = drawn(session, chosen, snapshot=affine_snapshot(session), whole_frames=whole)
         for name, box in planes(html).items():
-            ring = next(c for c in box.iter("circle") if c.get("class") == "vi-ring")
+            (ring,) = only(box, "circle", CHOSEN_POINT)
             centre = np.array([float(ring.get("cx")), float(ring.get("cy"))])
-            lines = [p for p in box.iter("path") if p.get("class", "").startswith("vi-line")]
-            assert {line.get("class") for line in lines} == {f"vi-line{style}" for style in LINE_STYLES}, name
+            lines = marked(box, "path", EPIPOLAR_LINE)
+            assert {line.get("class") for line in lines} == {FROM_LEFT, FROM_RIGHT, FROM_PARTNER}, name
             for line in lines:
                 a, b = numbers(line.get("d")).reshape(2, 2)
                 off = np.cross([*(b - a), 0], [*(centre - a), 0])[2] / np.linalg.norm(b - a)
@@ -141,7 +157,7 @@ class TestImages:
         """In [R] the line of [l] is f31 x + f32 y + … = 0 of the pair (l, R)."""
         snapshot = session.snapshot
         box = planes(drawn(session, 2))["R"]
-        a, b = numbers(path(box, "vi-line")).reshape(2, 2)
+        a, b = numbers(path(box, FROM_LEFT)).reshape(2, 2)
         f, _ = fit_affine_fundamental(snapshot.views.demo_left, snapshot.views.own_right)
         assert (b - a) @ f[2:] / np.linalg.norm(b - a) / np.linalg.norm(f[2:]) == pytest.approx(0, abs=2e-3)
 
@@ -160,14 +176,14 @@ class TestImages:
     @pytest.mark.parametrize("gain", [1, 5])
     def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, gain):
         for box in (planes(drawn(session, gain=gain))[name] for name in "LR"):
-            arrows = numbers(path(box, "vi-e")).reshape(-1, 4)
-            own, recovered = starts(path(box, "vi-own")), starts(path(box, "vi-found"))
+            arrows = numbers(path(box, RESIDUALS)).reshape(-1, 4)
+            own, recovered = starts(path(box, OWN_POINTS)), starts(path(box, RECOVERED_POINTS))
             assert arrows[:, :2] == pytest.approx(recovered, abs=0.11)
             assert arrows[:, 2:] - arrows[:, :2] == pytest.approx(gain * (own - recovered), abs=0.11 * (1 + gain))
 
     def test_residuals_are_drawn_to_the_windows_scale(self, session):
         windows = windows_of(session)[False]
-        arrows = numbers(path(planes(drawn(session, gain=1))["R"], "vi-e")).reshape(-1, 4)
+        arrows = numbers(path(planes(drawn(session, gain=1))["R"], RESIDUALS)).reshape(-1, 4)
         assert (arrows[:, 2:] - arrows[:, :2]) / windows["R"].scale == pytest.approx(
             session.snapshot.e[:, 2:], abs=0.15
         )
@@ -203,10 +219,10 @@ class TestImages:
         html = drawn(session, 1)
         text = " ".join(parsed(html).itertext())
         assert text.count(svg.MISSING) >= 4 and "nan" not in html and f"{session.snapshot.usable.sum()}" in text
-        assert "vi-e" not in {p.get("class") for p in planes(html)["L"].iter("path")}
+        assert not only(planes(html)["L"], "path", RESIDUALS)
 
     def test_conditions_are_told_by_shape_and_word(self, session, monkeypatch):
-        for condition, shape, word in ((39.9, None, ""), (40, "vi-amber", "high"), (200, "vi-red", "too high")):
+        for condition, shape, word in ((39.9, None, ""), (40, HIGH, "high"), (200, TOO_HIGH, "too high")):
             transfer = conditioned(session.snapshot.transfer, condition)
             method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
             monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
@@ -241,7 +257,7 @@ class TestSilhouettes:
         np.testing.assert_array_equal(np.concatenate(found, -1), recovered)
 
     def test_without_meshes_the_skeleton_is_drawn(self, session):
-        assert "vi-bone" in drawn(session)
+        assert SKELETON in used(drawn(session))
 
     def test_polygons_are_closed_and_keep_their_corners(self):
         square = np.array([[[[0, 0], [10.04, 0], [10.04, 0], [10.04, 20.26], [0, 20.26]]]])
@@ -252,7 +268,7 @@ class TestSilhouettes:
 class TestLandscape:
     def test_contour_labels_equal_their_levels(self, session, picture):
         made, plane = surface(session), PosturePlane(session.scene)
-        labels = [t for t in parsed(picture.html).iter("text") if t.get("class") == "vi-2nd vi-halo vi-mid"]
+        labels = only(parsed(picture.html), "text", LEVEL_NUMBERS)
         assert len(labels) >= 8
         x, y = plane.grid(made.axes)
         for label in labels:
@@ -265,11 +281,11 @@ class TestLandscape:
         session = stepped(0, demonstrator_deg=demonstrator, transfer="linear")
         made = landscape_drawing.LandscapePicture(surface(session), session.scene, session.snapshot)
         over = made.draw_path(session.history, 0)
-        texts = [t for t in parsed(made.html + over).iter("text") if "vi-halo" in t.get("class", "")]
+        texts = marked(parsed(made.html + over), "text", LABELS)
         boxes = []
         for t in texts:
             x, y, half = float(t.get("x")), float(t.get("y")) - 10, 0.45 * CHARACTER * len(t.text)
-            left = x - half if "vi-mid" in t.get("class") else x
+            left = x - half if CENTRED in classes(t) else x
             boxes.append((left, y, left + 2 * half, y + LINE - 3))
         for i, (a, b, c, d) in enumerate(boxes):
             for left, top, right, bottom in boxes[:i]:
@@ -278,14 +294,14 @@ class TestLandscape:
     def test_path_runs_through_the_postures(self, session, picture):
         plane = PosturePlane(session.scene)
         over = parsed(picture.draw_path(session.history, session.cursor))
-        line = next(p.get("d") for p in over.iter("path") if p.get("class") == "vi-line-own")
+        line = path(over, LEARNERS_PATH)
         expected = plane.place(np.degrees([snapshot.theta for snapshot in session.history]))
         assert numbers(line).reshape(-1, 2) == pytest.approx(expected, abs=0.06)
 
     def test_long_paths_are_thinned_and_keep_their_ends(self, session, picture):
         history = long_history(session, 3000)
         over = parsed(picture.draw_path(history, 2999))
-        line = numbers(next(p.get("d") for p in over.iter("path") if p.get("class") == "vi-line-own")).reshape(-1, 2)
+        line = numbers(path(over, LEARNERS_PATH)).reshape(-1, 2)
         ends = PosturePlane(session.scene).place(np.degrees([history[0].theta, history[-1].theta]))
         assert len(line) <= landscape_drawing.PATH_LIMIT
         assert line[[0, -1]] == pytest.approx(ends, abs=0.06)
@@ -307,7 +323,7 @@ class TestLandscape:
 class TestCurves:
     def test_points_stand_at_E_on_a_log_axis(self, session):
         root = parsed(curves.draw_curves(session.history, session.cursor, 1.59, (2, 4)))
-        line = next(p.get("d") for p in root.iter("path") if p.get("class") == "vi-line-E")
+        line = path(root, E_CURVE)
         y = numbers(line).reshape(-1, 2)[:, 1]
         E = np.log([snapshot.E for snapshot in session.history])
         slope = (y[-1] - y[0]) / (E[-1] - E[0])
@@ -316,7 +332,7 @@ class TestCurves:
     def test_long_curves_are_thinned_and_keep_their_ends(self, session):
         history = long_history(session, 3000)
         html = curves.draw_curves(history, 2999, None, (2, 4))
-        line = next(p.get("d") for p in parsed(html).iter("path") if p.get("class") == "vi-line-E")
+        line = path(parsed(html), E_CURVE)
         x = numbers(line).reshape(-1, 2)[:, 0]
         assert len(x) <= curves.LIMIT and x[0] == curves.LEFT
         assert x[-1] == pytest.approx(curves.LEFT + (424 - curves.RIGHT - curves.LEFT) * 2999 / 4000, abs=0.06)
@@ -330,12 +346,15 @@ class TestCurves:
     def test_unknown_E_interrupts_the_line(self, session):
         history = [*session.history[:2], replace(session.history[2], E=np.nan), *session.history[3:]]
         root = parsed(curves.draw_curves(history, 4, None, (2, 4)))
-        line = next(p.get("d") for p in root.iter("path") if p.get("class") == "vi-line-E")
+        line = path(root, E_CURVE)
         assert line.count("M") == 2 and "nan" not in line
 
     @pytest.mark.parametrize(("last", "end"), [(0, 8), (8, 8), (9, 16), (17, 20), (41, 80), (2000, 2000), (2001, 4000)])
-    def test_the_axis_ends_at_nice_numbers(self, last, end):
-        assert 4 * curves._x_step(last) == end
+    def test_the_axis_ends_at_nice_numbers(self, session, last, end):
+        texts = list(parsed(curves.draw_curves(long_history(session, last + 1), 0, None, (2, 4))).iter("text"))
+        below = next(t.get("y") for t in texts if t.text == "motions")
+        ticks = [t.text for t in texts if t.get("y") == below and t.text != "motions"]
+        assert ticks == 2 * [str(quarter * end // 4) for quarter in range(5)]  # below E, and below the angles
 
 
 class TestEquations:

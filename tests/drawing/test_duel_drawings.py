@@ -1,11 +1,29 @@
 """Drawings of a duel, of all transfers and of what noise costs say what the arrays say, and stay small."""
 
 import re
-import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from drawn import (
+    JOINT_LABELS,
+    LAYOUT_ONLY_OF_DUELS,
+    LEARNER_NOW,
+    LEARNERS_PATH,
+    OPPONENT_NOW,
+    OPPONENTS_PATH,
+    SMALLEST_E,
+    TWO_COLUMNS,
+    WEAK_JOINT,
+    classes,
+    css,
+    dashed,
+    only,
+    parsed,
+    path,
+    paths,
+    used,
+)
 from viewimit.app.control.duel import Duel
 from viewimit.app.control.player import Player
 from viewimit.app.static import stylesheet
@@ -22,12 +40,7 @@ from viewimit.simulation.appearance import places, reach
 from viewimit.transfer import TRANSFERS
 
 PAGE_CSS = stylesheet()
-UNSTYLED = {"vi-duel", "vi-transfers", "vi-x-solid"}
 SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
-
-
-def parsed(html):
-    return ElementTree.fromstring(f"<root>{html}</root>")
 
 
 def words(html):
@@ -73,17 +86,17 @@ class TestDuel:
     def test_paths_run_through_the_postures_of_each(self, race):
         session, duel = race
         plane, root = small_plane(session.scene, duel_drawing.MOST_HIGH), parsed(draw_race(session, duel))
-        for racer, kind in ((session, "vi-line-own"), (duel.opponent, "vi-line-opponent")):
-            line = next(p.get("d") for p in root.iter("path") if p.get("class") == kind)
+        for racer, kind in ((session, LEARNERS_PATH), (duel.opponent, OPPONENTS_PATH)):
+            line = path(root, kind)
             expected = plane.place(np.degrees([moment.theta for moment in racer.history]))
             assert numbers(line).reshape(-1, 2) == pytest.approx(expected, abs=0.06)
 
     def test_the_two_are_told_apart_by_line_and_mark(self, race):
         root = parsed(draw_race(*race))
-        assert len([c for c in root.iter("circle") if c.get("class") == "vi-now"]) == 1
-        assert len([r for r in root.iter("rect") if r.get("class") == "vi-now-opponent"]) == 1
-        assert re.search(r"\.vi-line-opponent\{[^}]*stroke-dasharray", PAGE_CSS)
-        assert not re.search(r"\.vi-line-own\{[^}]*stroke-dasharray", PAGE_CSS)
+        assert len(only(root, "circle", LEARNER_NOW)) == 1
+        assert len(only(root, "rect", OPPONENT_NOW)) == 1
+        assert re.search(re.escape(css(OPPONENTS_PATH)) + r"\{[^}]*stroke-dasharray", PAGE_CSS)
+        assert not re.search(re.escape(css(LEARNERS_PATH)) + r"\{[^}]*stroke-dasharray", PAGE_CSS)
 
     def test_it_says_motions_error_E_and_method_of_each(self, race):
         session, duel = race
@@ -118,9 +131,9 @@ class TestDuel:
 
     def test_errors_stand_on_a_log_axis(self, race):
         _, duel = race
-        root = parsed(duel_drawing.draw_errors(duel.standings))
+        html = duel_drawing.draw_errors(duel.standings)
         for standing, dash in zip(duel.standings, ("solid", "dashed")):
-            line = next(p.get("d") for p in root.iter("path") if f"vi-x-{dash}" in p.get("class", ""))
+            line = paths(html, dashed(dash))[0]
             x, y = numbers(line).reshape(-1, 2).T
             errors = np.log(np.maximum(standing.errors_deg, duel_drawing.LEAST_DEG))
             slope = (y[-1] - y[0]) / (errors[-1] - errors[0])
@@ -130,7 +143,7 @@ class TestDuel:
     def test_with_seven_joints_errors_take_the_landscapes_place(self):
         session, duel = raced(SEVEN, 2, "linear", "broyden")
         html = draw_race(session, duel)
-        assert "Largest joint error" in html and "vi-line-own" not in html
+        assert "Largest joint error" in html and LEARNERS_PATH not in used(html)
 
     def test_paths_of_many_motions_stay_small(self, race):
         session, duel = race
@@ -155,7 +168,7 @@ class TestTransfers:
             bias = np.abs(one.bias_deg).max()
             assert f"bias {bias:.1f}° · 1 minimum · basin {100 * one.basin:.0f} %" in text
         root = parsed(html)
-        crosses = [p for p in root.iter("path") if p.get("class") == "vi-cross"]
+        crosses = only(root, "path", SMALLEST_E)
         plane = small_plane(session.scene, transfers.MOST_HIGH)
         for one, cross in zip(found, crosses, strict=True):
             x, y, half = numbers(cross.get("d"))[:3]
@@ -193,7 +206,7 @@ class TestObservability:
         assert "Joints 4 and 5 are weakly observable:" in said
         assert "1 px costs ∞ and 9.0° there, 4.0° at most at the others." in said
         root = parsed(html)
-        assert len([p for p in root.iter("path") if p.get("class") == "vi-amber"]) == 2
+        assert len(only(root, "path", WEAK_JOINT)) == 2
         one = observability.sentences((2, 4), np.radians([1, 3]))
         assert one == ["Joint 4 is weakly observable:", "1 px costs 3.0° there, 1.0° at most at the others."]
         none = observability.sentences((2, 4), np.radians([1, 1.5]))
@@ -230,7 +243,7 @@ class TestManyJoints:
         session = Session(settings)
         theta, demo = session.snapshot.theta, session.snapshot.theta_demo
         root = parsed(learner_bars.draw_learner(session.scene, theta, demo))
-        assert ("vi-many" in root[0].get("class")) == columns
+        assert (TWO_COLUMNS in classes(root[0])) == columns
         for row, own, mark, low, high in zip(root[0], theta, demo, session.scene.lower, session.scene.upper):
             left, right = (float(row.find(".//line").get(name)) for name in ("x1", "x2"))
             places = left + (right - left) * (np.array([own, mark]) - low) / (high - low)
@@ -243,7 +256,7 @@ class TestManyJoints:
         for _ in range(3):
             session.step()
         html = curves.draw_curves(session.history, 3, None, session.scene.moving_joints, 424, [9.0, 4.0, 3.0, 2.0])
-        labels = [t for t in parsed(html).iter("text") if t.get("class") == "vi-of-own"]
+        labels = only(parsed(html), "text", JOINT_LABELS)
         heights = sorted(float(t.get("y")) for t in labels)
         assert len(labels) == 7 and min(np.diff(heights)) > 12.9
         assert "2.0° off, rms 3.1° over 3 motions" in words(html)
@@ -274,5 +287,5 @@ def test_drawings_are_valid_name_roles_only_and_write_a_real_minus(race, studied
         assert not re.search(r"-\d|nan", text)
         without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
         assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
-        classes = {name for group in re.findall(r'class="([^"]+)"', drawing) for name in group.split()}
-        assert all(f".{name}" in PAGE_CSS for name in classes - UNSTYLED), classes
+        names = used(drawing)
+        assert all(css(name) in PAGE_CSS for name in names - LAYOUT_ONLY_OF_DUELS), names

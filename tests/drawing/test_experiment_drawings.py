@@ -1,12 +1,38 @@
 """The experiments' figures say what their results say: whole, in part, and where numbers are missing."""
 
 import re
-import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
 import msgspec
 import numpy as np
 import pytest
+from drawn import (
+    AXES,
+    BIASES_EPIPOLAR,
+    BIASES_LINEAR,
+    CURVE,
+    DEMONSTRATORS_POSTURE,
+    LAYOUT_ONLY,
+    LEVELS,
+    NOT_ARRIVED,
+    OWN_TRACE,
+    PAPERS_MINIMUM,
+    PARABOLAS_LEVEL,
+    PROGRESS,
+    SCALE_BAR,
+    SMALLEST_E,
+    SOLID,
+    TRUE,
+    css,
+    dashed,
+    line_of,
+    marked,
+    only,
+    parsed,
+    paths,
+    styled,
+    used,
+)
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.panels import verdict
 from viewimit.app.static import PAGE_CSS
@@ -45,22 +71,13 @@ def trajectory():
     return fig10.run(Settings(), max_motions=30)
 
 
-def parsed(html):
-    return ElementTree.fromstring(f"<root>{html}</root>")
-
-
 def words(html):
     return " ".join(parsed(html).itertext())
 
 
-def paths(html, *classes):
-    """What is drawn by all these classes, in order."""
-    return [p.get("d") for p in parsed(html).iter("path") if set(classes) <= set(p.get("class", "").split())]
-
-
-def lines(html, *classes):
+def lines(html, *seen):
     """Curves, without the legend's samples."""
-    return [d for d in paths(html, "vi-x", *classes) if "h22" not in d]
+    return [d for d in paths(html, CURVE, *seen) if "h22" not in d]
 
 
 def numbers(text):
@@ -84,9 +101,9 @@ class TestFig7:
     def test_marks_are_at_the_demonstrator_and_at_the_minimum(self, landscape):
         html = draw("fig7", landscape)
         minimum = np.degrees(landscape.surfaces["epipolar"].minima.theta[0])
-        cross = starts(paths(html, "vi-cross")[0])
+        cross = starts(paths(html, SMALLEST_E)[0])
         assert [cross[0, 0] + fig7_figure.CROSS, cross[0, 1]] == pytest.approx(self.place(minimum), abs=0.06)
-        diamond = starts(paths(html, "vi-seen")[0])[0]
+        diamond = starts(paths(html, DEMONSTRATORS_POSTURE)[0])[0]
         assert diamond == pytest.approx(self.place([45, -90]), abs=0.06)
         off = minimum - (45, -90)
         said = "smallest E (" + ", ".join(f"{angle:.1f}°".replace("-", MINUS) for angle in off) + ") off"
@@ -95,7 +112,7 @@ class TestFig7:
     def test_the_ellipse_is_a_level_of_the_parabola_as_far_as_it_holds(self, landscape):
         surface = landscape.surfaces["epipolar"]
         scale = PosturePlane(SCENE, fig7_figure.MAP_WIDTH, fig7_figure.MAP_HIGH).scale
-        away = vertices(paths(draw("fig7", landscape), "vi-x-ellipse")[0])
+        away = vertices(paths(draw("fig7", landscape), PARABOLAS_LEVEL)[0])
         away = (away - self.place(np.degrees(surface.minima.theta[0])))[:, ::-1] * (-1, 1) / scale
         level = np.einsum("ni,ij,nj->n", away, surface.convexity.Q, away)
         assert level == pytest.approx(np.full(len(level), level.mean()), rel=0.05)
@@ -106,7 +123,7 @@ class TestFig7:
         most = np.ceil(max(5, *(np.abs(study.bias_deg).max() for study in landscape.studies.values())))
         left, top, right, bottom = fig7_figure.CLOSE
         scale = (bottom - top) / (2 * most)
-        for transfer, kind in (("epipolar", "vi-x-fill-learner"), ("linear", "vi-x-recovered")):
+        for transfer, kind in (("epipolar", BIASES_EPIPOLAR), ("linear", BIASES_LINEAR)):
             bias = landscape.studies[transfer].bias_deg
             dots = next(starts(d) for d in paths(html, kind) if d.count("M") == len(bias))
             dots = dots - ((left + right) / 2, (top + bottom) / 2)
@@ -115,7 +132,7 @@ class TestFig7:
     def test_the_error_of_the_parabola_is_drawn_over_the_radius(self, landscape):
         html = draw("fig7", landscape)
         worst = 100 * landscape.surfaces["epipolar"].convexity.worst
-        drawn = vertices(lines(html, "vi-x-learner")[0])
+        drawn = vertices(lines(html, line_of("learner"))[0])
         assert len(drawn) == np.isfinite(worst).sum()
         assert drawn[[0, -1], 0] == pytest.approx([fig7_figure.VALID[0], fig7_figure.VALID[2]], abs=0.06)
         heights = np.log10(worst[np.isfinite(worst)])
@@ -125,10 +142,10 @@ class TestFig7:
         nothing = replace(landscape, surfaces={}, studies={})
         assert "computing" in words(draw("fig7", nothing))
         first = replace(nothing, surfaces={"epipolar": landscape.surfaces["epipolar"]})
-        assert paths(draw("fig7", first), "vi-contour") and len(lines(draw("fig7", first))) == 1
+        assert paths(draw("fig7", first), LEVELS) and len(lines(draw("fig7", first))) == 1
         some = replace(landscape.studies["epipolar"], bias_deg=landscape.studies["epipolar"].bias_deg[:3])
         html = draw("fig7", replace(landscape, studies={"epipolar": some}))
-        assert 3 in [d.count("M") for d in paths(html, "vi-x-fill-learner")]
+        assert 3 in [d.count("M") for d in paths(html, BIASES_EPIPOLAR)]
 
     def test_what_has_no_number_is_left_out(self, landscape):
         surface = landscape.surfaces["epipolar"]
@@ -136,7 +153,7 @@ class TestFig7:
         bias[1] = np.nan
         studies = {"epipolar": replace(landscape.studies["epipolar"], bias_deg=bias)}
         html = draw("fig7", replace(landscape, studies=studies))
-        assert 3 in [d.count("M") for d in paths(html, "vi-x-fill-learner")] and "nan" not in html
+        assert 3 in [d.count("M") for d in paths(html, BIASES_EPIPOLAR)] and "nan" not in html
         blind = replace(surface.landscape, E=np.full_like(surface.landscape.E, np.nan))
         none = replace(surface.minima, theta=np.empty((0, 2)), E=np.empty(0), on_limit=np.empty(0, bool))
         unseen = replace(surface, landscape=blind, minima=none, convexity=None, E_demo=np.nan)
@@ -145,7 +162,7 @@ class TestFig7:
 
     def test_the_papers_minimum_is_shown_for_the_papers_demonstrator_only(self, landscape):
         elsewhere = replace(landscape, demonstrator_deg=(60.0, -60.0))
-        marks = [len(paths(draw("fig7", found), "vi-x-paper")) for found in (landscape, elsewhere)]
+        marks = [len(paths(draw("fig7", found), PAPERS_MINIMUM)) for found in (landscape, elsewhere)]
         assert marks == [2, 1]  # in the legend, too
 
 
@@ -157,7 +174,7 @@ class TestFig9:
     def test_motions_are_logarithmic_and_angles_true(self, imitation):
         run = imitation.of("broyden")[0]
         html = draw("fig9", imitation)
-        curves = [vertices(d) for d in lines(html, "vi-x-learner", "vi-x-solid")][-3:]
+        curves = [vertices(d) for d in lines(html, line_of("learner"), SOLID)][-3:]
         top, bottom = fig9_figure.ANGLES
         for curve, angle in zip(curves, run.theta_deg.T):
             np.testing.assert_allclose(curve[:, 0], self.x(np.arange(len(run.E))), atol=0.06)
@@ -171,7 +188,7 @@ class TestFig9:
         html = draw("fig9", imitation)
         stuck = imitation.of("gradient")[0]
         late = [run for run in (imitation.of(law)[0] for law in imitation.laws) if run.error_deg[-1] > 3]
-        crosses = [starts(d)[:, 0] for d in paths(html, "vi-x-off-mark")]
+        crosses = [starts(d)[:, 0] for d in paths(html, NOT_ARRIVED)]
         assert stuck in late and len(crosses) == len(late) < 3
         for x, run in zip(crosses, late):
             np.testing.assert_allclose(x, self.x(len(run.E) - 1), atol=0.06)
@@ -181,10 +198,10 @@ class TestFig9:
         median = np.median([run.motions_until(3.0) for run in broyden])
         assert f"2 of 2, median {median:.0f}" in words(html)
         arrived = replace(stuck, theta_deg=stuck.theta_deg * 0 + stuck.demonstrator_deg)
-        assert not paths(draw("fig9", replace(imitation, runs=(arrived,))), "vi-x-off-mark")
+        assert not paths(draw("fig9", replace(imitation, runs=(arrived,))), NOT_ARRIVED)
 
     def test_the_demonstrators_angles_and_E_are_broken_lines(self, imitation):
-        levels = [vertices(d)[:, 1] for d in paths(draw("fig9", imitation), "vi-line-demo")]
+        levels = [vertices(d)[:, 1] for d in paths(draw("fig9", imitation), TRUE)]
         top, bottom = fig9_figure.ANGLES
         expected = [top + (bottom - top) * (90 - angle) / 270 for angle in (45, -90)]
         assert [level[0] for level in levels[:2]] == pytest.approx(expected, abs=0.06)
@@ -207,7 +224,7 @@ class TestFig9:
         found = replace(imitation, runs=(replace(run, E=run.E * 1e-12),), E_demo=1e-12)
         html = draw("fig9", found)
         assert "E < 0.01 px²" in words(html) and "1e-" not in words(html)
-        bottom = vertices(lines(html, "vi-x-solid")[2])[-1, 1]
+        bottom = vertices(lines(html, SOLID)[2])[-1, 1]
         assert bottom == pytest.approx(fig9_figure.CONFLICT[1], abs=0.06)
 
     def test_parts_of_it_are_drawn_too(self, imitation):
@@ -221,7 +238,7 @@ class TestFig9:
         E = run.E.copy()
         E[2] = np.nan
         html = draw("fig9", replace(imitation, runs=(replace(run, E=E),), E_demo=np.nan))
-        assert "nan" not in html and [d.count("M") for d in lines(html, "vi-x-solid")] == [1, 1, 2]
+        assert "nan" not in html and [d.count("M") for d in lines(html, SOLID)] == [1, 1, 2]
 
 
 class TestFig10:
@@ -230,8 +247,8 @@ class TestFig10:
         boxes = [box for box in parsed(html).iter("svg") if box.get("width") == str(fig10_figure.PANEL)]
         found = []
         for box in boxes:
-            own = [p.get("d") for p in box.iter("path") if p.get("class", "").startswith("vi-line-own")]
-            true = [p.get("d") for p in box.iter("path") if p.get("class") == "vi-line-demo"]
+            own = [p.get("d") for p in marked(box, "path", OWN_TRACE)]
+            true = [p.get("d") for p in only(box, "path", TRUE)]
             found.append((own, true, " ".join(box.itertext())))
         return found
 
@@ -257,7 +274,7 @@ class TestFig10:
         run = trajectory.runs[fig10.CONVERGED]
         own = vertices(self.panels(html)[1][0][0].replace("M", " "))
         scale = np.ptp(own, 0)[1] / np.ptp(run.own[:, run.wanted, 3])
-        x, _, end = numbers(paths(html, "vi-lead")[0])
+        x, _, end = numbers(paths(html, SCALE_BAR)[0])
         said = float(re.search(r"(\d+) px", self.panels(html)[1][2])[1])
         assert (end - x) / said == pytest.approx(scale, rel=0.03)
 
@@ -267,7 +284,7 @@ class TestFig10:
         low, high = decades(np.concatenate([1e3 * run.hand_m for run in trajectory.runs.values()]), 1, 1000)
         top, bottom = fig10_figure.LOWER
         for run, (role, dash) in zip(trajectory.runs.values(), styles):
-            curve = vertices(lines(html, f"vi-x-{role}", f"vi-x-{dash}")[1])
+            curve = vertices(lines(html, line_of(role), dashed(dash))[1])
             y = bottom - (bottom - top) * np.log10(1e3 * run.hand_m[[0, -1]] / low) / np.log10(high / low)
             assert curve[[0, -1], 1] == pytest.approx(y, abs=0.06)
         assert "5.95 s" in words(html) and "sinusoid" in words(html)
@@ -295,7 +312,7 @@ class TestFig10:
         run = trajectory.runs[fig10.CONVERGED]
         exact = replace(run, theta=run.theta_demo, hand_m=run.hand_m * 1e-12)
         html = draw("fig10", replace(trajectory, runs={fig10.CONVERGED: exact}))
-        for curve in lines(html, "vi-x-solid"):
+        for curve in lines(html, SOLID):
             np.testing.assert_allclose(vertices(curve)[:, 1], fig10_figure.LOWER[1], atol=0.06)
         assert "0.01" in words(html) and "0.001" not in words(html)
 
@@ -325,7 +342,7 @@ class TestAll:
             assert f"Demonstrator (45.0°, {MINUS}90.0°) · epipolar transfer · panda, 10 points" in words(drawing)
         for drawing, module in zip(drawings[3:], (fig7_figure, fig9_figure, fig10_figure)):
             assert "Demonstrator (" not in drawing and all(line in words(drawing) for line in module.SENTENCE)
-            assert paths(drawing, "vi-axis")
+            assert paths(drawing, AXES)
 
     def test_disturbances_are_among_what_it_was_made_of(self):
         settings = Settings(demonstrator_deg=(45.0, -90.0), noise_px=0.5, missing=0.1, transfer="linear")
@@ -343,15 +360,13 @@ class TestAll:
         assert "two joints must move" in words(EXPERIMENTS["fig7"].empty_figure(scene))
 
     def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
-        for drawing in [*drawings, theme.DRAWING_CSS, PAGE_CSS[PAGE_CSS.index(".vi-progress") :]]:
+        for drawing in [*drawings, theme.DRAWING_CSS, PAGE_CSS[PAGE_CSS.index(css(PROGRESS)) :]]:
             without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
             assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
             assert set(re.findall(r"var\(--([a-z-]+)", drawing)) <= set(theme.ROLES)
 
     def test_every_class_is_styled(self, drawings):
-        used = set(" ".join(re.findall(r'class="([^"]+)"', "".join(drawings))).split())
-        unstyled = used - set(re.findall(r"\.(vi[\w-]*)", theme.DRAWING_CSS))
-        assert unstyled <= {"vi-figure", "vi-x-solid"}
+        assert used("".join(drawings)) - styled(theme.DRAWING_CSS) <= LAYOUT_ONLY
 
     def test_writes_a_real_minus(self, drawings):
         for drawing in drawings:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from drawn import DEMONSTRATORS_POINTS, HULL, OWN_POINTS, SKELETON, view_name, written_path
 from viewimit.app import viser_private
 from viewimit.app.scene.fixtures import BEHIND, Fixtures, on_plate
 from viewimit.app.scene.meshes import link_meshes
@@ -32,7 +33,7 @@ def planes(session, whole, pictures):
     windows = image_windows(reach(world), world.scene.head.image)
     drawn = draw_images(session.snapshot, bodies, windows, whole_frames=whole, pictures=pictures)
     parts = re.findall(r'<svg x="[\d.]+" y="[\d.]+" width.*?</svg>', drawn, re.DOTALL)
-    return {re.search(r'vi-name[^>]*">(\w)<', part)[1]: part for part in parts}
+    return {view_name(part): part for part in parts}
 
 
 def number(attribute, text):
@@ -50,10 +51,10 @@ def test_a_pixel_of_a_picture_is_where_a_point_seen_there_is_drawn(session, whol
         share = image / (width, height)  # of the picture, whose pixel (i, j) covers j … j + 1, i … i + 1
         corner, size = ([number(name, picture) for name in names] for names in (("x", "y"), ("width", "height")))
         if view in "LR":
-            path = re.search(r'class="vi-own" d="([^"]*)"', drawn[view])[1]
+            path = written_path(drawn[view], OWN_POINTS)
             marks = np.array(re.findall(r"M(-?[\d.]+) (-?[\d.]+)h0", path), float)
         else:
-            path = re.search(r'class="vi-seen" d="([^"]*)"', drawn[view])[1]
+            path = written_path(drawn[view], DEMONSTRATORS_POINTS)
             marks = np.array(re.findall(r"M(-?[\d.]+) (-?[\d.]+)m0-", path), float)
         assert marks == pytest.approx(corner + share * size, abs=0.07)  # drawings have one digit
 
@@ -61,7 +62,7 @@ def test_a_pixel_of_a_picture_is_where_a_point_seen_there_is_drawn(session, whol
 def test_a_picture_is_behind_its_drawing_and_there_is_none_without_one(session):
     drawn = planes(session, False, PICTURES)
     for view in VIEWS:
-        assert drawn[view].index("<image") < drawn[view].index("vi-hull") < drawn[view].index("vi-bone")
+        assert drawn[view].index("<image") < drawn[view].index(HULL) < drawn[view].index(SKELETON)
     assert all("<image" not in part for part in planes(session, False, {}).values())
 
 

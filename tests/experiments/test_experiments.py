@@ -195,7 +195,7 @@ def test_every_named_motion_is_a_motion_of_the_scene():
 
 
 def test_fig7_takes_a_coarser_grid_over_larger_ranges():
-    assert fig7._step_deg(Session()) == 1.0
+    assert fig7.grid_step_deg(Session()) == 1.0
     wide = Session(Settings(joints=(1, 3)))
     low, high = np.transpose(wide.scene.range_deg)
-    assert np.prod((high - low) / fig7._step_deg(wide)) == pytest.approx(90 * 180)
+    assert np.prod((high - low) / fig7.grid_step_deg(wide)) == pytest.approx(90 * 180)

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+from drawn import CELL_NUMBERS, LAYOUT_ONLY, SMALLEST_E, classes, only, styled
 from PIL import Image
 
 from viewimit.analysis.landscape import Landscape
@@ -119,9 +120,9 @@ def test_an_svg_needs_nothing_beside_it(made):
     assert root.find(f"{SVG}desc").text == described(result.settings)
     without_namespace = text.replace('xmlns="http://www.w3.org/2000/svg"', "")
     assert not re.search(r"<script|var\(|@import|http|url\((?!#)|href=\"(?!data:)", without_namespace)
-    styled = set(re.findall(r"\.(vi[\w-]*)", root.find(f"{SVG}style").text))
-    used = {each for node in root.iter() for each in node.get("class", "").split()}
-    assert used - styled <= {"vi-figure", "vi-x-solid"} and styled <= used
+    known = styled(root.find(f"{SVG}style").text)
+    used = set().union(*map(classes, root.iter()))
+    assert used - known <= LAYOUT_ONLY and known <= used
     colours = {light for light, _ in ROLES.values()}
     assert set(re.findall(r"#[0-9a-f]{6}", text)) <= colours
     names = set(re.findall(r' id="([^"]+)"', text))
@@ -158,13 +159,13 @@ def test_fig8_is_drawn_from_its_surfaces(tmp_path):
         "fig8-surface.csv",
     }
     root = ElementTree.parse(tmp_path / "fig8.svg").getroot()
-    crosses = [node for node in root.iter(f"{SVG}path") if node.get("class") == "vi-cross"]
+    crosses = only(root, f"{SVG}path", SMALLEST_E)
     assert len(crosses) == len(surfaces) + 1  # and one in the legend
     said = "".join(root.itertext())
     assert all(
         f"{name}E {svg.number(k * E.min(), 2 if k * E.min() < 10 else 0)}" in said for k, name in enumerate("abcdef", 1)
     )
-    numbers = [node.text for node in root.iter(f"{SVG}text") if node.get("class") == "vi-mid" and node.text.isdigit()]
+    numbers = [node.text for node in only(root, f"{SVG}text", CELL_NUMBERS) if node.text.isdigit()]
     assert [int(number) for number in numbers] == usable.ravel().tolist()
 
 

@@ -18,6 +18,7 @@ from browsing import (
     wait_for_count,
     wait_for_status,
 )
+from drawn import learners_bars
 from protocol import Client
 from serving import Here, browser_of
 from viewimit.app.jobs.camera_images import CameraProcess
@@ -123,7 +124,7 @@ def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
         wait_until(lambda: len(photographs(client)) == 4, 60)
         client.press("Play or pause")
         wait_until(lambda: "Converged" in client.status, 60)
-        bars = next(html for html in client.html.values() if "vi-bar" in html and "<style" not in html)
+        bars = learners_bars(client.html.values())
         shown = [float(angle.replace("−", "-")) for angle in re.findall(r"<b>([^<]*)°</b>", bars)]
         assert np.abs(np.array(shown) - [45, -90]).max() < 2
 

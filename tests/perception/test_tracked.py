@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from drawn import RESIDUALS, written_path
 
 from viewimit import TRANSFERS
 from viewimit.perception.tracked import read_deeplabcut, read_tidy
@@ -92,10 +93,10 @@ def test_a_report_shows_points_and_residuals_to_one_scale(ask, ask_json, tidy, t
         seen = np.array(frame["seen"][view])
         scale = np.ptp(x) / np.ptp(seen[:, 0])
         np.testing.assert_allclose(y - y[0], scale * (seen[:, 1] - seen[0, 1]), atol=0.3)
-        arrows = re.search(r'class="vi-e" d="([^"]+)"', drawing)
+        arrows = written_path(drawing, RESIDUALS)
         assert (arrows is not None) == (view in "LR")
         if arrows:
-            a, b, c, d = np.array(re.findall(r"-?[\d.]+", arrows[1]), float).reshape(-1, 4).T
+            a, b, c, d = np.array(re.findall(r"-?[\d.]+", arrows), float).reshape(-1, 4).T
             away = seen - frame["recovered"][view]
             np.testing.assert_allclose(np.stack([c - a, d - b], -1), scale * away, atol=0.3)
 

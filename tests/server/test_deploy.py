@@ -12,8 +12,7 @@ from pathlib import Path
 
 import pytest
 from protocol import Client
-from serving import Server
-from viewimit.app.page import KEPT_EVERY
+from serving import Server, kept_of
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
@@ -89,7 +88,7 @@ def deployed(tmp_path, redis_url):
 
 
 @pytest.mark.parametrize("students", [4, pytest.param(30, marks=pytest.mark.slow)])
-def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, students):
+def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, redis_url, students):
     proxy, (first, second) = deployed
     wait_until(lambda: _answers(proxy))
     with pytest.raises(InvalidStatus) as refused:
@@ -110,8 +109,10 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, stude
     wait_until(lambda: all((client.value("History") or 0) >= 3 for client in clients), 60)
     for client in clients:
         client.press("Play or pause")
-    time.sleep(KEPT_EVERY + 1)
+    wait_until(lambda: not any("Moving" in client.status for client in clients))
     motions = [client.value("History") for client in clients]
+    kept = lambda: [kept_of(redis_url, cookie) for cookie in cookies]
+    wait_until(lambda: [page and page.cursor for page in kept()] == motions)
     moved = first.seated
     first.process.kill()
     wait_until(lambda: sum(client.closed(0) is not None for client in clients) == moved)

@@ -5,10 +5,10 @@ import signal
 import time
 
 import pytest
-from browsing import open_page, posture, press, stands, wait, wait_until_complete
+from browsing import PAUSE, open_page, posture, press, stands, wait, wait_until_complete
+from drawn import learners_bars
 from protocol import Client
-from serving import Here, Relay, Server, browser_of
-from viewimit.app.page import KEPT_EVERY
+from serving import Here, Relay, Server, browser_of, kept_of
 from viewimit.app.server import access, connection
 from waiting import stays, wait_until
 
@@ -26,8 +26,12 @@ def here(tmp_path):
 def what_a_visitor_sees(client: Client) -> dict:
     """Everything that must be as it was."""
     shown = ("θ₂", "θ₄", "Preset", "Speed", "Transfer", "Servo", "Noise px", "Seed", "History", "Point", "Rays", "Dark")
-    learner = next(html for html in client.html.values() if "vi-bar" in html and "<style" not in html)
-    return {label: client.value(label) for label in shown} | {"learner": learner, "status": client.status}
+    return {label: client.value(label) for label in shown} | {"learner": learner_of(client), "status": client.status}
+
+
+def learner_of(client: Client) -> str:
+    """Its bars, with the demonstrator's angles marked on them."""
+    return learners_bars(client.html.values())
 
 
 def work(client: Client) -> None:
@@ -43,24 +47,25 @@ def work(client: Client) -> None:
     ):
         client.put(label, value)
         client.values[client.widgets[label]] = value  # as a browser shows what was done in it
-        time.sleep(0.1)
+        time.sleep(PAUSE)  # as in a browser: viser hears two messages at once in either order, and a speed is not shown
     client.press("Play or pause")
     wait_until(lambda: (client.value("History") or 0) >= 6)
     client.press("Play or pause")
-    time.sleep(0.5)
+    wait_until(lambda: "Paused" in client.status)
+    last = what_a_visitor_sees(client)
     client.put("History", 4)
     client.values[client.widgets["History"]] = 4
-    time.sleep(0.7)
+    wait_until(lambda: learner_of(client) != last["learner"] and client.status != last["status"])
 
 
 def comes_back(url: str, cookie: str, seen: dict) -> None:
     with Client(url, cookie=cookie).ready() as client:
         wait_until(lambda: client.value("History") == seen["History"])
-        time.sleep(0.4)
+        wait_until(lambda: what_a_visitor_sees(client) == seen)
+        stays(lambda: what_a_visitor_sees(client) == seen, 0.3)  # the panels are drawn three times
         assert what_a_visitor_sees(client) == seen
         client.put("History", 6)  # the later motions are kept too
-        time.sleep(0.5)
-        assert what_a_visitor_sees(client)["learner"] != seen["learner"]
+        wait_until(lambda: learner_of(client) != seen["learner"])
 
 
 def test_a_tab_that_is_closed_or_reloaded_comes_back_to_what_it_was(here):
@@ -100,9 +105,11 @@ def test_a_laptop_that_slept_comes_back_before_its_old_connection_is_missed(here
 def test_two_tabs_of_a_browser_have_a_session_each_and_a_stranger_another(here):
     cookie = browser_of(here.url)
     with Client(here.url, cookie=cookie).ready() as one, Client(here.url, cookie=cookie).ready() as two:
+        begun = learner_of(one)
+        assert learner_of(two) == begun
         one.put("θ₂", 60.0)
         two.put("θ₂", 70.0)
-        time.sleep(0.5)
+        wait_until(lambda: begun not in (learner_of(one), learner_of(two)))
         with Client(here.url, cookie=browser_of(here.url)).ready() as stranger:
             assert stranger.value("θ₂") == 45.0
     with Client(here.url, cookie=cookie).ready() as one, Client(here.url, cookie=cookie).ready() as two:
@@ -134,7 +141,7 @@ def test_a_server_that_is_killed_has_lost_seconds_at_most(tmp_path):
     with Client(server.url, cookie=cookie).ready() as client:
         work(client)
         seen = what_a_visitor_sees(client)
-        time.sleep(KEPT_EVERY + 1)
+        wait_until(lambda: (kept := kept_of(str(tmp_path / "state"), cookie)) and kept.cursor == seen["History"])
         server.process.kill()
         server.process.wait()
     server = Server("--port", server.url.rsplit(":", 1)[1], *options)
@@ -154,13 +161,13 @@ def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(her
     with Client(here.url).ready() as unlucky, Client(here.url).ready() as other:
         unlucky.put("Seed", 13.0)
         other.press("Play or pause")
-        time.sleep(0.2)
+        wait_until(lambda: here.sessions[0].settings.seed == 13)
         unlucky.press("Play or pause")
         wait_until(lambda: "the arm fell off" in unlucky.status)
         wait_until(lambda: (other.value("History") or 0) >= 3)
         assert "the arm fell off" not in other.status
         unlucky.put("Seed", 7.0)
-        time.sleep(0.1)
+        wait_until(lambda: here.sessions[0].settings.seed == 7)
         unlucky.press("Reset to the start")
         wait_until(lambda: "Ready" in unlucky.status)
         unlucky.press("Play or pause")

@@ -15,9 +15,9 @@ from viewimit.app.server import message_schema
 from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
 from viewimit.app.server.content_policy import content_policy
 from viewimit.app.server.origins import is_own_page
-from viewimit.app.server.rate_limits import QuietLog, TokenBucket
+from viewimit.app.server.rate_limits import LINES_A_SECOND, QuietLog, TokenBucket
 from viewimit.app.server.validation import MOST_BYTES, PART
-from waiting import wait_until
+from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 
 SEATS = 5
@@ -196,11 +196,10 @@ def test_unfinished_uploads_stay_within_their_bound(guarded, client):
         for part in range(MOST_BYTES // PART - 1):
             send_part(client, f"t{k}", part, b"\x00" * PART)
     client.closed(2)
-    time.sleep(1)  # so many refusals have used up the lines that the log gives them
-    assert guarded.memory - before < 3 * MOST_BYTES / 2**20
+    stays(lambda: guarded.memory - before < 3 * MOST_BYTES / 2**20, 0.2)
 
 
-def test_an_upload_too_large_is_refused_and_the_page_goes_on(guarded, client):
+def test_an_upload_too_large_is_refused_and_the_page_goes_on(guarded, client, lines_left):
     with guarded.says("at most"):
         begin_upload(client, "big", MOST_BYTES + 1)
     assert client.closed(0) is None
@@ -243,8 +242,9 @@ def test_only_pages_of_this_server_may_connect(origin, host, own):
 
 @pytest.fixture
 def lines_left():
-    """Floods before this have used up the lines that the log gives to refusals, two more a second."""
-    time.sleep(1.5)
+    """Floods before this have used up the lines that the log gives to refusals. Only time brings one, in half a second:
+    to try whether there is one takes it."""
+    time.sleep(1.2 / LINES_A_SECOND)
 
 
 def test_a_page_of_another_site_is_refused_at_the_handshake(guarded, bystander, lines_left):

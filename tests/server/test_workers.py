@@ -10,9 +10,8 @@ import time
 import pytest
 from browsing import open_page, posture, press, stands, wait, wait_for_status, wait_until_complete
 from protocol import Client
-from serving import Server, browser_of, processes_of
+from serving import Server, browser_of, kept_of, processes_of
 from test_faults import comes_back, what_a_visitor_sees, work
-from viewimit.app.page import KEPT_EVERY
 from viewimit.app.server import dispatcher as dispatcher_module
 from viewimit.app.server.address import listen
 from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
@@ -129,11 +128,12 @@ def test_a_connection_is_handed_over_whole_and_its_browser_goes_to_the_same_work
         head = HEAD.format(token(name)).encode()
         with socket.create_connection(dispatching.place) as client:
             client.sendall(head[:20])
-            time.sleep(0.05)
+            time.sleep(0.05)  # so that the head comes in two parts
             client.sendall(head[20:] + b"and more")
             with dispatching.handed(worker) as connection:
-                time.sleep(0.05)
-                assert connection.recv(1000) == head + b"and more"
+                sent = head + b"and more"
+                wait_until(lambda: connection.recv(1000, socket.MSG_PEEK) == sent)  # noqa: B023
+                assert connection.recv(1000) == sent
                 assert connection.getpeername() == client.getsockname()
                 connection.sendall(b"an answer")
             assert client.recv(100) == b"an answer"
@@ -157,7 +157,6 @@ def test_of_connections_that_send_nothing_only_so_many_are_open(dispatching, mon
     waiting = [socket.create_connection(dispatching.place) for _ in range(5)]
     for client in waiting:
         client.settimeout(5)
-    time.sleep(0.2)
     assert [client.recv(10) for client in waiting[3:]] == [b"", b""]
     waiting[0].sendall(HEAD.format(token("dora")).encode())
     dispatching.handed(0).close()
@@ -186,7 +185,8 @@ def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_no
         client.put("θ₂", angle)
         client.press("Step: one motion")
     wait_until(lambda: all(client.value("History") == 1 for client in clients))
-    time.sleep(KEPT_EVERY + 1)
+    kept = lambda: [kept_of(str(tmp_path / "state"), cookie) for cookie in cookies]
+    wait_until(lambda: all(page and page.cursor == 1 for page in kept()))
     seen = [what_a_visitor_sees(client) | {"θ₂": angle} for client, angle in zip(clients, angles)]
     with server.says("a process of the server has ended"):
         os.kill(workers_of(server)[0], signal.SIGKILL)

@@ -18,7 +18,7 @@ from viewimit.simulation.markers import load_markers  # noqa: E402
 from viewimit.simulation.physics.arm import Arm  # noqa: E402
 from viewimit.simulation.physics.client import connect  # noqa: E402
 from viewimit.simulation.physics.model import write_urdf  # noqa: E402
-from viewimit.simulation.physics.studio import LIGHT, SAMPLES, matrices  # noqa: E402
+from viewimit.simulation.physics.studio import LIGHT, SAMPLES, Studio, matrices  # noqa: E402
 from viewimit.simulation.scene import load_scene  # noqa: E402
 from viewimit.views import VIEWS  # noqa: E402
 
@@ -33,6 +33,13 @@ def arm():
     scene = load_scene("panda")
     with tempfile.TemporaryDirectory() as folder:
         return Arm(write_urdf(scene, load_markers("panda"), Path(folder)))
+
+
+@pytest.fixture(scope="module")
+def studio():
+    scene = load_scene("panda")
+    with tempfile.TemporaryDirectory() as folder:
+        return Studio(scene, write_urdf(scene, load_markers("panda"), Path(folder)))
 
 
 @pytest.mark.parametrize("focal, centre", [(256.0, (320.0, 120.0)), (300.0, (301.0, 140.5))])
@@ -56,12 +63,13 @@ def test_a_sphere_is_drawn_where_the_camera_projects_it(focal, centre):
     assert np.abs(np.mean(errors, 0)).max() < 0.03 and np.std(errors, 0).max() < 0.1
 
 
-def test_a_picture_is_the_mean_over_the_nearest_of_arms_and_room_along_each_ray(eyes):
+def test_a_picture_is_the_mean_over_the_nearest_of_arms_and_room_along_each_ray(eyes, studio):
     eyes.own_images(np.radians([25.0, -25.0]))
-    studio, camera = eyes._studio, eyes.world.own_cameras[0]
+    studio.pose(eyes.theta["lr"], eyes.theta["LR"])
+    camera = eyes.world.own_cameras[0]
     view, projection = matrices(camera, SAMPLES)
     layers = []
-    for client in (studio._arms, studio._room):
+    for client in (studio.arms, studio.room):
         how = {"renderer": client.ER_TINY_RENDERER, **LIGHT}
         _, _, colours, depth, _ = client.getCameraImage(SAMPLES * 640, SAMPLES * 240, view, projection, **how)
         layers.append((np.reshape(colours, (240 * SAMPLES, -1, 4)), np.reshape(depth, (240 * SAMPLES, -1))))

@@ -75,7 +75,7 @@ def run(
     step_deg: of the grid; if None 1°, as for the paper's ranges, and coarser for larger ones.
     """
     session = Session(settings)
-    axes = grid_axes(session.world, step_deg or _step_deg(session))
+    axes = grid_axes(session.world, step_deg or grid_step_deg(session))
     demo_deg, joints = given(session.settings.demonstrator_deg), session.scene.moving_joints
     found = Fig7(session.settings, demo_deg, joints, {}, {})
     others = _demonstrators(axes, study)
@@ -95,7 +95,7 @@ def run(
     return found
 
 
-def _step_deg(session: Session) -> float:
+def grid_step_deg(session: Session) -> float:
     """As many postures as the paper's ranges have at 1°, or fewer."""
     return max(1.0, float(np.sqrt(np.prod(np.diff(session.scene.range_deg)) / PAPER_RANGE_DEG2)))
 

@@ -26,17 +26,17 @@ LIGHT = {
 
 
 class Studio:
-    """A room in which an arm stands at each of two bases.
+    """A room in which an arm stands at each of two bases. arms, room: PyBullet's clients, each with one of the two.
 
     The room does not move: it is rendered once a camera, and the arms are drawn over it where they are nearer.
     """
 
     def __init__(self, scene: Scene, urdf: Path):
-        self._arms, self._room = connect(), connect()
+        self.arms, self.room = connect(), connect()
         self._bodies = [self._stand(urdf, base) for base in (scene.demonstrator, scene.learner)]
-        joints = range(self._arms.getNumJoints(self._bodies[0]))
-        revolute = self._arms.JOINT_REVOLUTE
-        self._joints = [k for k in joints if self._arms.getJointInfo(self._bodies[0], k)[2] == revolute]
+        joints = range(self.arms.getNumJoints(self._bodies[0]))
+        revolute = self.arms.JOINT_REVOLUTE
+        self._joints = [k for k in joints if self.arms.getJointInfo(self._bodies[0], k)[2] == revolute]
         self._build_room(scene)
         self._empty: dict[bytes, tuple[NDArray, NDArray, NDArray]] = {}  # of the room: rays, their depth, picture
 
@@ -44,15 +44,15 @@ class Studio:
         """(m,) rad each"""
         for body, theta in zip(self._bodies, (theta_demo, theta_own)):
             for joint, angle in zip(self._joints, theta, strict=True):
-                self._arms.resetJointState(body, joint, float(angle))
+                self.arms.resetJointState(body, joint, float(angle))
 
     def picture(self, camera: Camera) -> NDArray:
         """(height, width, 3) uint8, red, green, blue: the mean over each pixel of SAMPLES² rays."""
         key = camera.T_world_camera.tobytes()
         if key not in self._empty:
-            room, depth = _render(self._room, camera)
+            room, depth = _render(self.room, camera)
             self._empty[key] = room, depth, _mean(room)
-        (arms, depth), (room, room_depth, empty) = _render(self._arms, camera), self._empty[key]
+        (arms, depth), (room, room_depth, empty) = _render(self.arms, camera), self._empty[key]
         nearer, picture = depth < room_depth, empty.copy()
         if nearer.any():  # only there the picture is not that of the empty room
             rows, columns = (_pixels(np.asarray(nearer.any(axis))) for axis in (1, 0))
@@ -62,13 +62,13 @@ class Studio:
 
     def depth_m(self, camera: Camera) -> NDArray:
         """(SAMPLES height, SAMPLES width) m along the optical axis, of the arms alone."""
-        _, depth = _render(self._arms, camera)
+        _, depth = _render(self.arms, camera)
         return FAR_M * NEAR_M / (FAR_M - depth.astype(float) * (FAR_M - NEAR_M))
 
     def _stand(self, urdf: Path, base: Base) -> int:
         half = np.radians(base.yaw_deg) / 2
         with quiet():
-            return self._arms.loadURDF(str(urdf), base.position, (0, 0, np.sin(half), np.cos(half)), useFixedBase=True)
+            return self.arms.loadURDF(str(urdf), base.position, (0, 0, np.sin(half), np.cos(half)), useFixedBase=True)
 
     def _build_room(self, scene: Scene) -> None:
         bases = (scene.demonstrator, scene.learner)
@@ -87,10 +87,8 @@ class Studio:
 
     def _box(self, centre: Sequence[float], half: Sequence[float], grey: float) -> None:
         colour = (grey, grey, grey, 1)
-        shape = self._room.createVisualShape(
-            self._room.GEOM_BOX, halfExtents=[float(m) for m in half], rgbaColor=colour
-        )
-        self._room.createMultiBody(0, -1, shape, [float(m) for m in centre])
+        shape = self.room.createVisualShape(self.room.GEOM_BOX, halfExtents=[float(m) for m in half], rgbaColor=colour)
+        self.room.createMultiBody(0, -1, shape, [float(m) for m in centre])
 
 
 def _render(client, camera: Camera) -> tuple[NDArray, NDArray]:

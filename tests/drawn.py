@@ -1,0 +1,148 @@
+"""What is seen in the drawings, and how it is marked up: the only place where tests know a class's name.
+
+What is seen is named by the classes that mark it, separated by spaces, as the attribute has them.
+"""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
+
+# In an image
+VIEW_NAME = "vi-name"
+IMAGE_PLANE = "vi-plane"
+CHOSEN_POINT = "vi-ring"
+EPIPOLAR_LINE = "vi-line"  # of any of the three other images
+FROM_LEFT = "vi-line"
+FROM_RIGHT = "vi-line vi-from-right"
+FROM_PARTNER = "vi-line vi-partner"
+OWN_POINTS = "vi-own"
+DEMONSTRATORS_POINTS = "vi-seen"
+RECOVERED_POINTS = "vi-found"
+RESIDUALS = "vi-e"  # arrows
+HULL = "vi-hull"  # of a link
+SKELETON = "vi-bone"
+PHOTOGRAPH = "vi-photograph"
+NOT_DETECTED = "vi-idle"
+
+# In a landscape
+LEVELS = "vi-contour"
+LEVEL_NUMBERS = "vi-2nd vi-halo vi-mid"
+LABELS = "vi-halo"  # that stand over the drawing
+CENTRED = "vi-mid"
+CELL_NUMBERS = "vi-mid"
+SMALLEST_E = "vi-cross"
+DEMONSTRATORS_POSTURE = "vi-seen"
+LEARNERS_PATH, OPPONENTS_PATH = "vi-line-own", "vi-line-opponent"
+LEARNER_NOW, OPPONENT_NOW = "vi-now", "vi-now-opponent"
+
+# In plots and figures
+AXES = "vi-axis"
+CURVE = "vi-x"
+SOLID = "vi-x-solid"
+E_CURVE = "vi-line-E"
+CURSOR = "vi-cursor"
+TRUE = "vi-line-demo"  # the demonstrator's angles and its E, or the true path
+OWN_TRACE = "vi-line-own"
+BIASES_EPIPOLAR, BIASES_LINEAR = "vi-x-fill-learner", "vi-x-recovered"  # dots
+PARABOLAS_LEVEL = "vi-x-ellipse"
+PAPERS_MINIMUM = "vi-x-paper"
+NOT_ARRIVED = "vi-x-off-mark"
+SCALE_BAR = "vi-lead"
+JOINT_LABELS = "vi-of-own"
+TITLE = "vi-b"
+LARGE_FIGURE = "vi-big"  # the value of E over the curves, first of all
+
+# Marks and parts of the page
+HIGH, TOO_HIGH = "vi-amber", "vi-red"
+WEAK_JOINT = "vi-amber"
+BAR = "vi-bar"  # a joint of the learner with its angle
+TWO_COLUMNS = "vi-many"
+STATUS = "vi-status"
+EQUATION = "vi-eq"
+LESSON = "vi-lesson"  # what a preset shows
+KEYS = "vi-keys"
+ALL_TRANSFERS = "vi-transfers"
+DUEL = "vi-duel"
+HELP = "vi-help"
+PANEL = "vi-panel"
+CARD = "vi-card"
+EXPERIMENT = "vi-figure"
+PROGRESS = "vi-progress"
+VERDICT = "vi-verdict"
+MOTION = "vi-said"  # of the demonstrator, that is chosen
+DRAWING = "vi"  # any
+
+LAYOUT_ONLY = {EXPERIMENT, SOLID}  # classes of figures that need no style
+LAYOUT_ONLY_OF_DUELS = {DUEL, ALL_TRANSFERS, SOLID}
+
+
+def parsed(html: str) -> ElementTree.Element:
+    return ElementTree.fromstring(f"<root>{html}</root>")
+
+
+def classes(element: ElementTree.Element) -> set[str]:
+    return set(element.get("class", "").split())
+
+
+def only(root: ElementTree.Element, tag: str, seen: str) -> list[ElementTree.Element]:
+    """The elements that are marked as this and as nothing else."""
+    return [element for element in root.iter(tag) if classes(element) == set(seen.split())]
+
+
+def marked(root: ElementTree.Element, tag: str, *seen: str) -> list[ElementTree.Element]:
+    """The elements that are marked as all of this, whatever else they are."""
+    wanted = set(" ".join(seen).split())
+    return [element for element in root.iter(tag) if wanted <= classes(element)]
+
+
+def path(root: ElementTree.Element, seen: str) -> str:
+    """The first path that is marked as this and as nothing else, as it is written."""
+    return only(root, "path", seen)[0].get("d", "")
+
+
+def paths(html: str, *seen: str) -> list[str]:
+    """All that are marked as all of this, as they are written, in order."""
+    return [element.get("d", "") for element in marked(parsed(html), "path", *seen)]
+
+
+def line_of(role: str) -> str:
+    """Of a curve in a role's colour."""
+    return f"vi-x-{role}"
+
+
+def dashed(dash: str) -> str:
+    """Of a curve with this dash."""
+    return f"vi-x-{dash}"
+
+
+def written_path(html: str, seen: str) -> str | None:
+    """As `path`, in HTML that is no XML; None without one."""
+    found = re.search(rf'class="{seen}" d="([^"]+)"', html)
+    return found and found[1]
+
+
+def view_name(plane: str) -> str:
+    """Of one image's drawing."""
+    found = re.search(rf'{VIEW_NAME}[^>]*">(\w)<', plane)
+    assert found, "an image without a name"
+    return found[1]
+
+
+def learners_bars(contents: Iterable[str]) -> str:
+    """Those among the page's parts, some of which are styles."""
+    return next(html for html in contents if BAR in html and "<style" not in html)
+
+
+def used(html: str) -> set[str]:
+    """Every class in it."""
+    return {name for group in re.findall(r'class="([^"]+)"', html) for name in group.split()}
+
+
+def styled(css: str) -> set[str]:
+    """Every class that a style sheet names."""
+    return set(re.findall(r"\.(vi[\w-]*)", css))
+
+
+def css(seen: str) -> str:
+    """The selector."""
+    return "".join(f".{name}" for name in seen.split())

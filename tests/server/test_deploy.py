@@ -110,9 +110,10 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, redis
     for client in clients:
         client.press("Play or pause")
     wait_until(lambda: not any("Moving" in client.status for client in clients))
-    motions = [client.value("History") for client in clients]
+    shown = lambda: [client.value("History") for client in clients]
     kept = lambda: [kept_of(redis_url, cookie) for cookie in cookies]
-    wait_until(lambda: [page and page.cursor for page in kept()] == motions)
+    wait_until(lambda: [page and page.cursor for page in kept()] == shown())
+    motions = shown()
     moved = first.seated
     first.process.kill()
     wait_until(lambda: sum(client.closed(0) is not None for client in clients) == moved)

@@ -129,6 +129,14 @@ def test_control_knows_no_widgets():
             assert not {"viser", "viser_private"} & named, path
 
 
+def test_panels_and_scene_are_given_what_they_show():
+    for path in EVERYTHING:
+        if module_of(path)[1:3] in (("app", "panels"), ("app", "scene")):
+            assert not parts_imported(path) & {"analysis", "perception"}, path
+            names = {alias.name for module, node in imports_of(path) for alias in node.names if module[0] == "viewimit"}
+            assert not names & {"triangulate", "Silhouettes", "image_windows", "Session"}, path
+
+
 def test_no_constructor_takes_more_than_anybody_keeps_apart():
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text())):

@@ -7,7 +7,7 @@ from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 
-from ..jobs.landscapes import LandscapeWorker, Quarter, landscape_key, make_quarter
+from ..jobs.landscapes import ComparedTransfer, LandscapeWorker, landscape_key, make_compared
 from .commands.command import Arrival
 from .queue import CommandQueue
 
@@ -21,7 +21,7 @@ class Comparison:
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
         self._page_id, self._worker, self._queue = page_id, worker, queue
         self._asked: tuple | None = None  # None while nothing is shown
-        self._quarters: dict[str, Quarter] = {}
+        self._compared: dict[str, ComparedTransfer] = {}
         self._fresh: set[str] = set()  # what has come since the last drawing
         self._on = False
         self.html: str | None = None
@@ -39,30 +39,30 @@ class Comparison:
         if asked == self._asked:
             return
         if self._asked is None or self._asked[0] is not world:
-            self._quarters.clear()
+            self._compared.clear()
             self.html = waiting("computing …")
         self._asked = asked
         for transfer in TRANSFERS:
-            make = partial(make_quarter, asked, world, snapshot, transfer)
+            make = partial(make_compared, asked, world, snapshot, transfer)
             self._worker.ask(self._page_id, make, partial(self._take_later, transfer), kind=f"compared: {transfer}")
 
-    def take(self, transfer: str, made: Quarter | Exception) -> None:
+    def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:
         if isinstance(made, Exception):
             raise ValueError(f"nothing to compare for the {transfer} transfer: {made}")
         if self._asked is None or made.asked[0] is not self._asked[0]:  # closed, or of another scene
             return
-        self._quarters[transfer] = made
+        self._compared[transfer] = made
         self._fresh.add(transfer)
         self._draw_if_complete()
 
-    def _take_later(self, transfer: str, made: Quarter | Exception) -> None:
+    def _take_later(self, transfer: str, made: ComparedTransfer | Exception) -> None:
         self._queue.put(Arrival(("compared", transfer), partial(self.take, transfer), made))
 
     def _draw_if_complete(self) -> None:
         """Once all are as asked for; or all are newer than what is shown, while the demonstrator goes on moving."""
-        if len(self._quarters) < len(TRANSFERS):
+        if len(self._compared) < len(TRANSFERS):
             return
-        as_asked = all(quarter.asked == self._asked for quarter in self._quarters.values())
+        as_asked = all(one.asked == self._asked for one in self._compared.values())
         if as_asked or len(self._fresh) == len(TRANSFERS):
             self._fresh.clear()
-            self.html = draw_together([self._quarters[transfer].html for transfer in TRANSFERS])
+            self.html = draw_together([self._compared[transfer].html for transfer in TRANSFERS])

@@ -6,13 +6,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.motion import FRAMES, MOTIONS, Motion, decode, encode, require_motion
+from viewimit.analysis.motion import FRAMES, MOTIONS, TITLES, Motion, decode, encode, require_motion
 from viewimit.session import Session
 
+from .recorder import NAME as RECORDED
 from .recorder import Playback, Recorder
 
-RECORDED = "recorded"
-NAMES = {"sinusoid": "sinusoid", "circle": "circle of the hand", RECORDED: "recorded"}
+NAMES = {name: TITLES.get(name, name) for name in (*MOTIONS, RECORDED)}
 MOST_BYTES = 2 << 20  # of a file
 FILE = "viewimit-motion.json"
 

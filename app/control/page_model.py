@@ -11,12 +11,16 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.motion import Motion
 from viewimit.analysis.motion import encode as encode_motion
+from viewimit.drawing.image_planes import Windows
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.simulation.appearance import Bodies
+from viewimit.snapshot import Snapshot
 
 from ..jobs.experiments import Run
 from ..jobs.session_eyes import RemoteEyes, SessionEyes
 from ..sessions.autosave import SavedPage, SavedSession
+from .appearance import Appearance
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .duel import Duel
@@ -29,8 +33,7 @@ from .player import DENSE, Player
 from .presets import Preset, presets_from
 from .queue import CommandQueue
 from .services import Services
-from .state import Message, PageState
-from .view import SWITCHES, View
+from .state import SWITCHES, Message, PageState, View
 
 METHOD = {"transfer", "servo"}
 
@@ -64,6 +67,7 @@ class PageModel:
         self.landscape = OwnLandscape(page_id, services.landscapes, queue)
         self.duel_landscapes = DuelLandscapes(page_id, services.landscapes, queue)
         self.comparison = Comparison(page_id, services.landscapes, queue)
+        self._appearance: Appearance | None = None  # made when it is first shown
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
         self.unsaved: str | None = None  # why the session is not kept, as far as is known
@@ -106,7 +110,7 @@ class PageModel:
         chosen = self.view.chosen
         if chosen is not None and chosen >= len(self.session.world.body):
             self.view = replace(self.view, chosen=None)
-        self.on_the_way = OnTheWay()
+        self.on_the_way, self._appearance = OnTheWay(), None
         self.generation += 1
 
     def go_on(self, memory: SavedSession) -> None:
@@ -175,6 +179,7 @@ class PageModel:
             settings=session.settings,
             present=present,
             looked=looked,
+            look_at=self._look_at,
             pictures=session.eyes.pictures(looked) if isinstance(session.eyes, RemoteEyes) else {},
             shown=shown,
             on_its_way=theta if moving else None,
@@ -194,6 +199,12 @@ class PageModel:
             message=None if self.message is None else self.message.text,
             unsaved=self.unsaved,
         )
+
+    def _look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
+        """Both arms in the images at a moment of the session's, and the windows that show them."""
+        if self._appearance is None:
+            self._appearance = Appearance(self.session.world, self.session.snapshot)
+        return self._appearance.of(moment)
 
     def close(self) -> None:
         """Give the eyes back."""

@@ -57,7 +57,9 @@ class CommandQueue:
 
     def take_what_need_not_wait(self) -> list[Command]:
         """While nothing may move: what comes before all that moves, and what commutes with it; the rest waits."""
-        taken, waiting, blocked = [], [], False
+        taken: list[Command] = []
+        waiting: list[Command] = []
+        blocked = False
         with self._lock:
             for command in self._waiting:
                 blocked = blocked or (command.moves and not command.commutes)

@@ -1,12 +1,17 @@
 """What a page shows at one moment. Panels read it and change nothing."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from numpy.typing import NDArray
 
+from viewimit.analysis.joint_errors import recent_errors_deg
+from viewimit.drawing.image_planes import Windows
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.simulation.appearance import Bodies
+from viewimit.simulation.camera import triangulate
 from viewimit.snapshot import Snapshot
 
 from ..jobs.landscapes import MadeLandscape
@@ -14,7 +19,23 @@ from .duel import Duel
 from .experiments import Experiments
 from .motions import Motions
 from .presets import Preset
-from .view import View
+
+SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by their names
+
+
+@dataclass(frozen=True)
+class View:
+    """chosen: a point or None; rays … dark: the switches of the folder Display; help: whether it is open; fits: how
+    often the visitor has asked for the default camera."""
+
+    chosen: int | None = None
+    rays: bool = False
+    residuals: bool = True
+    gizmo: bool = True
+    whole_frames: bool = False
+    dark: bool = False
+    help: bool = False
+    fits: int = 0
 
 
 @dataclass(frozen=True)
@@ -28,11 +49,13 @@ class Message:
 @dataclass(frozen=True, eq=False)
 class PageState:
     """generation: of the world, in which all is built anew; refusals: how many commands could not be, after each of
-    which widgets are written again; present: the session's moment; looked: what the images show; pictures: JPEGs by
-    view, of those that were taken; shown: what all else
-    does; on_its_way: (m,) rad, where the arm is seen while it moves; speed: motions a second; cursor, last: motions
-    that are shown and kept; transfers: all transfers' landscapes, None while one is shown; ground: the duel's;
-    unsaved: why the session is not kept, None as far as is known.
+    which widgets are written again.
+
+    present: the session's moment; looked: what the images show, which `look_at` computes the arms' look of; pictures:
+    JPEGs by view, of those that were taken; shown: what all else does; on_its_way: (m,) rad, where the arm is seen
+    while it moves. speed: motions a second; cursor, last: motions that are shown and kept. transfers: all transfers'
+    landscapes, None while one is shown; ground: the duel's. message: for the visitor; unsaved: why the session is not
+    kept, None as far as is known. Session, duel, experiments and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -41,6 +64,7 @@ class PageState:
     settings: Settings
     present: Snapshot
     looked: Snapshot
+    look_at: Callable[[Snapshot], tuple[Bodies, Windows]]
     pictures: Mapping[str, bytes]
     shown: Snapshot
     on_its_way: NDArray | None
@@ -59,3 +83,19 @@ class PageState:
     motions: Motions
     message: str | None
     unsaved: str | None
+
+    @cached_property
+    def arms_in_images(self) -> tuple[Bodies, Windows]:
+        """What the arms look like in the four images, and the windows of these."""
+        return self.look_at(self.looked)
+
+    @cached_property
+    def errors_deg(self) -> list[float]:
+        """Largest joint errors of the last motions: the truth, for the viewer."""
+        return recent_errors_deg(self.session.history, self.session.cursor)
+
+    @cached_property
+    def recovered_world(self) -> NDArray:
+        """(N, 3) m: where the learner's cameras would see the recovered points in space, NaN where there is none."""
+        shown, cameras = self.shown, self.session.world.own_cameras
+        return triangulate(*cameras, shown.recovered)

@@ -13,7 +13,7 @@ from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.study import study
 from viewimit.drawing import duel
 from viewimit.drawing.landscape import LandscapePicture
-from viewimit.drawing.transfers import draw_costs, draw_quarter
+from viewimit.drawing.transfers import draw_compared, draw_costs
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
@@ -32,7 +32,7 @@ class MadeLandscape:
 
 
 @dataclass(frozen=True, eq=False)
-class Quarter:
+class ComparedTransfer:
     """One transfer's drawing among all, and what was asked for: a world and what E depends on."""
 
     asked: tuple
@@ -75,14 +75,14 @@ def make_landscape(world: World, snapshot: Snapshot) -> MadeLandscape:
     return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None)
 
 
-def make_quarter(asked: tuple, world: World, snapshot: Snapshot, transfer: str) -> Quarter:
+def make_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str) -> ComparedTransfer:
     """For one transfer of all."""
     joints, theta_demo = world.scene.moving_joints, snapshot.theta_demo
     if len(joints) == 2:
-        return Quarter(asked, draw_quarter(world.scene, study(world, snapshot, transfer), theta_demo))
+        return ComparedTransfer(asked, draw_compared(world.scene, study(world, snapshot, transfer), theta_demo))
     views = snapshot.views
     spread = joint_uncertainty(world, TRANSFERS[transfer], views.demo, views.visible[:, :2], theta_demo)
-    return Quarter(asked, draw_costs(joints, transfer, spread))
+    return ComparedTransfer(asked, draw_costs(joints, transfer, spread))
 
 
 def make_ground(world: World, both: tuple[Snapshot, Snapshot]) -> Ground:

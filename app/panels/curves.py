@@ -2,7 +2,6 @@
 
 from contextlib import nullcontext
 
-from viewimit.analysis.joint_errors import recent_errors_deg
 from viewimit.drawing.curves import draw_curves
 
 from ..control.state import PageState
@@ -27,7 +26,8 @@ class CurvesPanel(Panel):
     def show(self, state: PageState) -> None:
         session = state.session
         E_true = None if state.landscape is None else state.landscape.E_true
-        errors_deg = recent_errors_deg(session.history, session.cursor)
         width = CARD_WIDTH if self._wide else TAB_WIDTH
-        drawn = draw_curves(session.history, session.cursor, E_true, session.scene.moving_joints, width, errors_deg)
+        drawn = draw_curves(
+            session.history, session.cursor, E_true, session.scene.moving_joints, width, state.errors_deg
+        )
         put_html(self._curves, f'<div class="vi-card">{drawn}</div>' if self._wide else drawn)

@@ -1,7 +1,6 @@
 """The sentence under the scene: a message while it stays, else what is recorded or replayed, else that
 nothing is saved, else the diagnosis."""
 
-from viewimit.analysis.joint_errors import recent_errors_deg
 from viewimit.drawing.curves import following
 from viewimit.drawing.status import describe, draw_status
 
@@ -30,7 +29,7 @@ class StatusPanel(Panel):
             self.show_message(state.message)
         elif busy is not None:
             kind, sentence = busy
-            off = following(recent_errors_deg(session.history, session.cursor))
+            off = following(state.errors_deg)
             put_html(self._status, draw_status(kind, sentence.rstrip(".") + f"; learner {off}." if off else sentence))
         elif state.unsaved is not None:
             self.show_message(f"not saved: {state.unsaved}; a reload would lose this session.")

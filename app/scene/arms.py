@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
 
 from viewimit.drawing.theme import half_white, rgb
+from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.scene import Scene, robot_names
 from viewimit.simulation.world import World
 
@@ -39,7 +40,7 @@ def share_meshes(server: ViserServer, arm: str) -> None:
     for robot in robot_names():
         name = f"/{robot}/{arm}"
         server.scene.add_frame(name, show_axes=False, visible=False)
-        for link, mesh in sorted(meshes.link_meshes(robot).items()):
+        for link, mesh in sorted(link_meshes(robot).items()):
             if link > 0:
                 name += f"/j{link}"
                 server.scene.add_frame(name, show_axes=False)
@@ -75,7 +76,7 @@ class Arm:
                 self._names[i], show_axes=False, wxyz=self._turned(i), position=joint.T_parent_joint[:3, 3]
             )
 
-        if not meshes.link_meshes(world.scene.robot):
+        if not link_meshes(world.scene.robot):
             self._add_bones(world.scene, arm)
 
     def _add_bones(self, scene: Scene, arm: str) -> None:

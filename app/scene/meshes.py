@@ -1,26 +1,13 @@
-"""Shapes of the 3-D scene: the shipped robots' links, pedestals, the head, markers of the points."""
-
-from functools import cache
+"""Shapes of the 3-D scene: pedestals, the head, markers of the points."""
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from viewimit.assets import ROOT
 
 OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)
 OCTAHEDRON_FACES = np.array(
     [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32
 )
-
-
-@cache
-def link_meshes(robot: str) -> dict[int, trimesh.Trimesh]:
-    """Meshes by link number (0 = base), in the link's frame; empty for a robot of the user's own."""
-    path = ROOT / "robots" / robot / f"{robot}.glb"
-    if not path.is_file():
-        return {}
-    loaded = trimesh.load_scene(path, process=False).geometry
-    return {int(name.removeprefix("link")): one for name, one in loaded.items() if isinstance(one, trimesh.Trimesh)}
 
 
 def octahedron(size: float) -> tuple[NDArray, NDArray]:

@@ -7,15 +7,13 @@ from numpy.typing import NDArray
 from viser import ClientHandle, IcosphereHandle, MeshHandle, ViserServer
 
 from viewimit.drawing.theme import rgb
-from viewimit.simulation.camera import triangulate
 from viewimit.simulation.kinematics import hand_position
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
 from ..control.commands.display import ChoosePoint
 from ..control.queue import CommandQueue
-from ..control.state import PageState
-from ..control.view import View
+from ..control.state import PageState, View
 from ..viser_private import push_array
 from . import meshes
 from .arms import Arms, link_name, share_meshes
@@ -90,12 +88,13 @@ class Scene3D:
         if view.fits != self._fits:
             self._fits = view.fits
             self._fit_view()
-        self.draw(state.shown, view)
+        self._draw(state)
         self._standing.show_pictures(state.pictures)
         self._gizmo.show(view.gizmo, state.present.theta_demo, self.hand_position)
 
-    def draw(self, snapshot: Snapshot, view: View) -> None:
+    def _draw(self, state: PageState) -> None:
         """Points on the plates, rays and residuals."""
+        snapshot, view = state.shown, state.view
         own = self._world.points_world(snapshot.theta, self._bases["learner"])
         if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
             points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
@@ -103,7 +102,7 @@ class Scene3D:
         demo = self._demo_points[1]
         on_plates, seen = self._on_plates(snapshot)
         self._draw_rays(on_plates, seen, demo, own, view)
-        self._draw_residuals(snapshot, own, view.residuals)
+        self._draw_residuals(state, own)
         self._draw_chosen(own, demo, view.chosen)
 
     def hand_position(self, theta_demo: NDArray) -> NDArray:
@@ -243,13 +242,13 @@ class Scene3D:
             lines = np.stack([eyes, targets[:, chosen]], axis=-2)
             push_array(self._chosen_rays, "points", lines[seen[:, chosen]])
 
-    def _draw_residuals(self, snapshot: Snapshot, own: NDArray, show: bool) -> None:
-        usable = snapshot.usable & (show and snapshot.transfer is not None)
+    def _draw_residuals(self, state: PageState, own: NDArray) -> None:
+        usable = state.shown.usable & (state.view.residuals and state.shown.transfer is not None)
         for node in (self._residuals, self._recovered):
             self._show(node, bool(usable.any()))
         if usable.any():
             positions = np.full((len(usable), 3), -50.0)
-            positions[usable] = triangulate(*self._world.own_cameras, snapshot.recovered[usable])
+            positions[usable] = state.recovered_world[usable]
             push_array(self._recovered, "batched_positions", positions)
             push_array(self._residuals, "points", np.stack([positions[usable], own[usable]], axis=-2))
 

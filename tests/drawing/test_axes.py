@@ -17,7 +17,7 @@ def test_linear_ticks_are_round_and_inside(low, high):
     assert said == pytest.approx(values)
 
 
-def test_angles_are_marked_at_quarters_of_what_people_know():
+def test_angles_are_marked_at_compared_of_what_people_know():
     assert angle_ticks(-180, 0) == [(-180, "−180°"), (-135, "−135°"), (-90, "−90°"), (-45, "−45°"), (0, "0°")]
     assert [value for value, _ in angle_ticks(-20, 20)] == [-15, 0, 15]
 

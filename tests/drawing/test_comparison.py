@@ -8,7 +8,7 @@ from viewimit.app.control.comparison import Comparison
 from viewimit.app.control.queue import CommandQueue
 
 from viewimit.analysis.study import study
-from viewimit.drawing.transfers import draw_quarter, draw_together
+from viewimit.drawing.transfers import draw_compared, draw_together
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
@@ -82,11 +82,11 @@ def test_a_moving_demonstrator_is_followed_and_its_last_posture_is_what_remains(
     worker.make(2)
     tick()
     assert len(shown) == 4 and not worker
-    quarters = [
-        draw_quarter(session.scene, study(session.world, session.snapshot, name), session.snapshot.theta_demo)
+    drawn = [
+        draw_compared(session.scene, study(session.world, session.snapshot, name), session.snapshot.theta_demo)
         for name in TRANSFERS
     ]
-    assert plain(shown[-1]) == plain(draw_together(quarters)) != plain(shown[-2])
+    assert plain(shown[-1]) == plain(draw_together(drawn)) != plain(shown[-2])
 
 
 def plain(html):

@@ -78,8 +78,8 @@ def draw_race(session, duel):
 
 
 def compared(session, found):
-    quarters = [transfers.draw_quarter(session.scene, one, session.snapshot.theta_demo) for one in found]
-    return transfers.draw_together(quarters)
+    drawn = [transfers.draw_compared(session.scene, one, session.snapshot.theta_demo) for one in found]
+    return transfers.draw_together(drawn)
 
 
 class TestDuel:

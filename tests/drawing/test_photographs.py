@@ -8,13 +8,13 @@ import pytest
 from drawn import DEMONSTRATORS_POINTS, HULL, OWN_POINTS, SKELETON, view_name, written_path
 from viewimit.app import viser_private
 from viewimit.app.scene.fixtures import BEHIND, Fixtures, on_plate
-from viewimit.app.scene.meshes import link_meshes
 
 from viewimit.drawing.image_planes import image_windows
 from viewimit.drawing.images import draw_images
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
+from viewimit.simulation.link_meshes import link_meshes
 from viewimit.views import VIEWS
 
 PICTURES = {view: f"picture of {view}".encode() for view in VIEWS}

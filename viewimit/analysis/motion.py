@@ -66,6 +66,7 @@ def hand_circle(world: World, theta: NDArray, frames: int = FRAMES) -> Motion:
 
 
 MOTIONS = {"sinusoid": sinusoid, "circle": hand_circle}
+TITLES = {"circle": "circle of the hand"}  # of those that their name does not say it all of
 
 
 def save(path: str | Path, saved: Motion) -> None:

@@ -17,11 +17,11 @@ MOST_HIGH, TOP = 82, 15  # px of a plot, and from its row's top
 TOTAL = 2 * WIDTH + GAP
 
 
-def draw_quarter(scene: Scene, studied: Studied, theta_demo: NDArray) -> str:
+def draw_compared(scene: Scene, studied: Studied, theta_demo: NDArray) -> str:
     """One transfer's landscape."""
     plane = small_plane(scene, MOST_HIGH)
     drawing = draw_small(plane, studied.landscape, studied.minima.theta, theta_demo)
-    return _quarter(studied.transfer, drawing, describe(studied), plane.box)
+    return _placed(studied.transfer, drawing, describe(studied), plane.box)
 
 
 def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray | None) -> str:
@@ -29,18 +29,18 @@ def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray | None) -> 
     bars, words = "", "fewer than five points are seen"
     if spread is not None:
         bars, words = draw_bars(joints, spread, WIDTH, (MOST_HIGH + 10) / len(joints)), "° a px of noise"
-    return _quarter(transfer, bars, words, (8, 0, WIDTH, MOST_HIGH))
+    return _placed(transfer, bars, words, (8, 0, WIDTH, MOST_HIGH))
 
 
-def draw_together(quarters: Sequence[str]) -> str:
+def draw_together(drawn: Sequence[str]) -> str:
     """HTML, in two columns."""
     parts = []
-    for k, quarter in enumerate(quarters):
-        parts.append(f'<g transform="translate({(WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{quarter}</g>')
-    return _wrap("".join(parts), len(quarters))
+    for k, one in enumerate(drawn):
+        parts.append(f'<g transform="translate({(WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{one}</g>')
+    return _wrap("".join(parts), len(drawn))
 
 
-def _quarter(transfer: str, drawing: str, words: str, box: tuple[float, float, float, float]) -> str:
+def _placed(transfer: str, drawing: str, words: str, box: tuple[float, float, float, float]) -> str:
     """box: px of the drawing's plot."""
     return (
         f'<text class="vi-b" x="{box[0]:.1f}" y="10">{svg.escape(TRANSFERS[transfer].title)}</text>'

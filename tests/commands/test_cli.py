@@ -198,6 +198,8 @@ def test_landscape_writes_its_data(ask, tmp_path, coarse):
 
 @pytest.mark.parametrize("name, magic", [("a.png", b"\x89PNG"), ("a.svg", b"<?xml")])
 def test_landscape_draws_itself(ask, tmp_path, name, magic):
+    if name.endswith(".png"):
+        pytest.importorskip("resvg_py")
     status, out, err = ask("landscape", "--step-deg", 10, "--json", "--out", tmp_path / name)
     assert status == 0 and json.loads(out) and name in err
     assert (tmp_path / name).read_bytes().startswith(magic)

@@ -38,7 +38,7 @@ from viewimit.app.control.commands.session import (
     Step,
     Undo,
 )
-from viewimit.app.control.disturbances import DISTURBANCES
+from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
 from viewimit.app.control.page_model import PageModel
 from viewimit.app.control.queue import CommandQueue
 from viewimit.app.control.scheduler import TICK
@@ -59,7 +59,7 @@ from viewimit.simulation.world import World
 
 CONTROLS = {  # what a browser's values become
     **{f"joint{k}": partial(PoseJoint.parse, k) for k in range(7)},
-    **{name: partial(change_disturbance, amount) for name, amount in DISTURBANCES.items()},
+    **{amount.name: partial(change_disturbance, amount) for amount in (*OF_IMAGES, *OF_ARMS)},
     **{name: partial(Switch.parse, name) for name in ("rays", "residuals", "gizmo", "whole_frames", "dark")},
     "joints": FreeJoints.parse,
     "seed": change_seed,

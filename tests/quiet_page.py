@@ -47,6 +47,9 @@ class Gui(QuietHandle):
         options = tuple(options)
         return self._add(label, options=options, value=initial_value or options[0], visible=visible)
 
+    def add_slider(self, label, min, max, step, initial_value, hint=None, **_):
+        return self._add(label, min=min, max=max, step=step, value=initial_value, hint=hint)
+
     def add_button_group(self, label, options, **_):
         return self._add(label, options=tuple(options), value=options[0])
 
@@ -70,7 +73,7 @@ class QuietPage:
     def choose(self, label, value):
         """Change a widget as a person does: a dropdown offers the value."""
         widget = self.widget(label)
-        assert value in getattr(widget, "options", (value,)), f"{value} is none of {widget.options}"
+        assert value in vars(widget).get("options", (value,)), f"{value} is none of {widget.options}"
         widget.value = value
         self._tell(widget)
 

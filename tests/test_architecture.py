@@ -15,6 +15,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "threads",
     "assets",
     "equations",
+    "disturbances",
     "geometry",
     "views",
     "evaluation",

@@ -6,8 +6,8 @@ With equal seeds it sees the same to the last bit. Every look has a stream of th
 import numpy as np
 from numpy.typing import NDArray
 
+from .disturbances import ImageDisturbance, any_of, spoil, spoil_frames
 from .perception import frames
-from .perception.disturbance import UNDISTURBED, Disturbance
 from .perception.latency import MOST_LAG, lag_of
 from .settings import Settings
 from .simulation.eyes import Eyes
@@ -40,19 +40,20 @@ class Observer:
 
     def demo(self, settings: Settings, theta_demo: NDArray) -> Images:
         """The demonstrator, looked at anew only when it, or its disturbance, has changed. theta_demo: (m,) rad."""
-        key = theta_demo.tobytes(), disturbance(settings), settings.frames, settings.seed
+        key = theta_demo.tobytes(), settings.amounts(ImageDisturbance), settings.frames, settings.seed
         if self._demo is None or self._demo[0] != key:
             self._demo = key, merged_look(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
         return self._demo[1]
 
     def noise_at_rest(self, settings: Settings) -> float:
         """Standard deviation of a coordinate, as averaged, from single images of the own body at the start, px."""
-        key = disturbance(settings), settings.seed, settings.frames
+        amounts = settings.amounts(ImageDisturbance)
+        key = amounts, settings.seed, settings.frames
         if self._noise is None or self._noise[0] != key:
             measured = 0.0
-            if key[0] != UNDISTURBED:
+            if any_of(amounts):
                 images = self._eyes.own_images(self._theta_rest)
-                looks = key[0].frames(*images, [settings.seed, REST_LOOK], REST_LOOKS)
+                looks = spoil_frames(amounts, *images, [settings.seed, REST_LOOK], REST_LOOKS)
                 measured = frames.noise(*looks) / np.sqrt(settings.frames)
             self._noise = key, float(np.hypot(measured, self._eyes.noise_px))
         return self._noise[1]
@@ -73,15 +74,9 @@ class Observer:
         return MOST_LAG if lag is None else lag, lag
 
 
-def disturbance(settings: Settings) -> Disturbance:
-    """What spoils the images of a run with these settings."""
-    return Disturbance(settings.noise_px, settings.missing, settings.outliers)
-
-
 def merged_look(settings: Settings, images: Images, *stream: int) -> Images:
     """What is seen of images: as many frames as are set, disturbed and merged. stream: of the seed."""
-    seed = [settings.seed, *stream]
-    spoilt = disturbance(settings)
-    if settings.frames == 1 or spoilt == UNDISTURBED:
-        return spoilt.apply(*images, seed)
-    return frames.merge(*spoilt.frames(*images, seed, settings.frames))
+    seed, amounts = [settings.seed, *stream], settings.amounts(ImageDisturbance)
+    if settings.frames == 1 or not any_of(amounts):
+        return spoil(amounts, *images, seed)
+    return frames.merge(*spoil_frames(amounts, *images, seed, settings.frames))

@@ -1,11 +1,13 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from typing import Annotated, TypeVar, get_type_hints
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from .disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, Disturbance
 from .perception.latency import MOST_LAG
 from .servo import SERVOS
 from .transfer import TRANSFERS
@@ -15,13 +17,15 @@ USUAL_POINTS = 10
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
 
+D = TypeVar("D", bound=Disturbance)
+
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """With equal settings a run repeats itself to the last bit. Raises ValueError that names the field and its bounds.
 
     demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
-    gain_error, quantum_deg: of the arm; delay: looks after a motion that still show the posture before it. The learner
-    is told of none of them.
+    noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
+    it. The learner is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
     camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers; ten,
@@ -36,12 +40,12 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     start_deg: tuple[float, ...] | None = None
     transfer: str = "epipolar"
     servo: str = "broyden"
-    noise_px: float = 0.0
-    missing: float = 0.0
-    outliers: float = 0.0
+    noise_px: Annotated[float, NOISE] = 0.0
+    missing: Annotated[float, MISSING] = 0.0
+    outliers: Annotated[float, OUTLIERS] = 0.0
     frames: int = 1
-    gain_error: float = 0.0
-    quantum_deg: float = 0.0
+    gain_error: Annotated[float, GAIN_ERROR] = 0.0
+    quantum_deg: Annotated[float, QUANTUM] = 0.0
     delay: int = 0
     seed: int = 7
     camera: str = "points"
@@ -51,18 +55,32 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         """(m,) rad. Raises ValueError for the scene's own start: the settings of a session say which that is."""
         return np.radians(given(self.start_deg))
 
+    def amounts(self, kind: type[D]) -> tuple[tuple[D, float], ...]:
+        """Of every disturbance of a kind, those that are 0 too."""
+        return tuple((found, getattr(self, name)) for name, found in disturbances(kind).items())
+
     def __post_init__(self) -> None:
         _require_choice("transfer", self.transfer, TRANSFERS)
         _require_choice("servo", self.servo, SERVOS)
         _require_choice("camera", self.camera, CAMERAS)
-        _require_range("noise_px", self.noise_px, 0, 20)
-        _require_range("missing", self.missing, 0, 1)
-        _require_range("outliers", self.outliers, 0, 1)
-        _require_range("gain_error", self.gain_error, -0.5, 0.5)
-        _require_range("quantum_deg", self.quantum_deg, 0, 5)
+        for name, disturbance in DISTURBANCES.items():
+            _require_range(name, getattr(self, name), *disturbance.bounds)
         _require_range("delay", self.delay, 0, MOST_LAG)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
+
+
+DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
+    name: mark
+    for name, hint in get_type_hints(Settings, include_extras=True).items()
+    for mark in getattr(hint, "__metadata__", ())
+    if isinstance(mark, Disturbance)
+}
+
+
+def disturbances(kind: type[D]) -> dict[str, D]:
+    """Those of one kind, by their field."""
+    return {name: found for name, found in DISTURBANCES.items() if isinstance(found, kind)}
 
 
 def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from viewimit.settings import Settings
+from viewimit.disturbances import ArmDisturbance, Disturbance, ImageDisturbance
+from viewimit.settings import Settings, disturbances
 
 from .checks import number
 
@@ -40,16 +41,12 @@ class Count(Amount):
         return found
 
 
-DISTURBANCES = {
-    amount.name: amount
-    for amount in (
-        Amount("noise_px", "Noise px", 0.0, 2.0, 0.05, 1, "of every image coordinate, standard deviation"),
-        Amount("missing", "Missing %", 0, 50, 1, 100, "points that an image does not show"),
-        Amount("outliers", "Wrong %", 0, 30, 1, 100, "points that are found at a wrong place"),
-        Count(
-            "frames", "Frames", 1, 50, 1, 1, "images averaged at each posture; gross errors among them are set aside"
-        ),
-        Amount("gain_error", "Gain err. %", -20, 20, 1, 100, "the arm moves by so much more than it is told"),
-        Amount("quantum_deg", "Steps °", 0.0, 2.0, 0.1, 1, "the arm stands at multiples of this only"),
-    )
-}
+def _amounts(kind: type[Disturbance]) -> list[Amount]:
+    return [Amount(name, it.label, *it.reach, it.per, it.says) for name, it in disturbances(kind).items()]
+
+
+FRAMES = Count(
+    "frames", "Frames", 1, 50, 1, 1, "images averaged at each posture; gross errors among them are set aside"
+)
+OF_IMAGES: tuple[Amount, ...] = (*_amounts(ImageDisturbance), FRAMES)
+OF_ARMS: tuple[Amount, ...] = (*_amounts(ArmDisturbance),)

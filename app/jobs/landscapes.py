@@ -11,14 +11,16 @@ import numpy as np
 from viewimit.analysis.landscape import Landscape, conflict_at, grid_axes, landscape
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.study import study
+from viewimit.disturbances import ArmDisturbance
 from viewimit.drawing import duel
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.transfers import draw_compared, draw_costs
+from viewimit.settings import disturbances
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 
-LEARNERS_OWN = ("start_deg", "servo", "gain_error", "quantum_deg")
+LEARNERS_OWN = ("start_deg", "servo", *disturbances(ArmDisturbance))
 TOO_FEW = "fewer than five points are seen in all four images"
 
 

@@ -5,25 +5,22 @@ from functools import partial
 from viewimit.settings import MOST_SEED, Settings
 
 from ..control.commands.method import change_disturbance, change_seed
-from ..control.disturbances import DISTURBANCES
+from ..control.disturbances import OF_ARMS, OF_IMAGES, Amount
 from ..control.state import PageState
 from .panel import Layout, Panel
 from .widgets import put
-
-FOLDED = ("gain_error", "quantum_deg")
 
 
 class DisturbancesPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         gui, settings = layout.gui, state.settings
-        self._sliders: dict = {}
+        self._sliders: list[tuple] = []
         with gui.add_folder("Disturbances"):
-            for name in DISTURBANCES:
-                if name not in FOLDED:
-                    self._add(layout, name, settings)
+            for amount in OF_IMAGES:
+                self._add(layout, amount, settings)
             with gui.add_folder("Arm and chance", expand_by_default=False):
-                for name in FOLDED:
-                    self._add(layout, name, settings)
+                for amount in OF_ARMS:
+                    self._add(layout, amount, settings)
                 self._seed = gui.add_number("Seed", settings.seed, min=0, max=MOST_SEED, step=1)
                 layout.queue.on_value(self._seed, change_seed)
 
@@ -31,14 +28,14 @@ class DisturbancesPanel(Panel):
         return state.settings, state.refusals
 
     def show(self, state: PageState) -> None:
-        for name, slider in self._sliders.items():
-            put(slider, DISTURBANCES[name].shown(state.settings))
+        for slider, amount in self._sliders:
+            put(slider, amount.shown(state.settings))
         put(self._seed, state.settings.seed)
 
-    def _add(self, layout: Layout, name: str, settings: Settings) -> None:
+    def _add(self, layout: Layout, amount: Amount, settings: Settings) -> None:
         """It reaches farther if the page is asked to begin there."""
-        asked, begun = DISTURBANCES[name], DISTURBANCES[name].shown(settings)
-        low, high = min(asked.low, begun), max(asked.high, begun)
-        slider = layout.gui.add_slider(asked.label, low, high, asked.step, asked.low, hint=asked.hint)
-        layout.queue.on_value(slider, partial(change_disturbance, asked))
-        self._sliders[name] = slider
+        begun = amount.shown(settings)
+        low, high = min(amount.low, begun), max(amount.high, begun)
+        slider = layout.gui.add_slider(amount.label, low, high, amount.step, amount.low, hint=amount.hint)
+        layout.queue.on_value(slider, partial(change_disturbance, amount))
+        self._sliders.append((slider, amount))

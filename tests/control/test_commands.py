@@ -6,7 +6,7 @@ from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
 from viewimit.app.control.commands.command import Arrival, Refused
 from viewimit.app.control.commands.display import ChoosePoint, Switch
 from viewimit.app.control.commands.session import ChoosePreset, ChooseSpeed, Play, PoseJoint, Reset, Step
-from viewimit.app.control.disturbances import DISTURBANCES
+from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
 from viewimit.app.control.joints import joint_choices
 from viewimit.app.control.names import servo_names, transfer_names
 from viewimit.app.control.presets import AS_STARTED, PRESETS, presets_from
@@ -20,6 +20,8 @@ from viewimit.settings import Settings
 from viewimit.simulation.kinematics import hand_position
 from viewimit.transfer import TRANSFERS
 
+AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
+
 
 @pytest.fixture
 def page():
@@ -32,7 +34,7 @@ def page():
 HOSTILE = [np.nan, np.inf, "1e9x", None, [1, 2], {"a": 1}, "<script>"]
 
 
-@pytest.mark.parametrize("name", ["joint0", "joint1", *DISTURBANCES, "joints", "seed", "history", "chosen"])
+@pytest.mark.parametrize("name", ["joint0", "joint1", *AMOUNTS, "joints", "seed", "history", "chosen"])
 @pytest.mark.parametrize("value", HOSTILE, ids=str)
 def test_values_that_are_no_numbers_are_refused_and_change_nothing(page, name, value):
     session, _, model, visitor = page
@@ -106,7 +108,7 @@ def test_joints_move_the_demonstrator_alone(page):
     assert np.array_equal(session.snapshot.theta, theta) and session.snapshot.motion == 0
 
 
-@pytest.mark.parametrize("name, amount", DISTURBANCES.items())
+@pytest.mark.parametrize("name, amount", AMOUNTS.items())
 def test_a_slider_shows_what_it_has_asked_for(page, name, amount):
     session, _, _, visitor = page
     for value in np.arange(amount.low, amount.high + amount.step / 2, amount.step):

@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 
-from viewimit.perception.disturbance import Disturbance
+from viewimit.disturbances import ImageDisturbance, spoil_frames
 from viewimit.perception.frames import merge, noise
+from viewimit.settings import Settings
 
 TRUE = np.random.default_rng(0).uniform(0, 240, (200, 4))
 SEEN = np.ones((200, 2), bool)
 
 
-def looks(count, seed=3, **disturbance):
-    return Disturbance(**disturbance).frames(TRUE, SEEN, [seed], count)
+def looks(count, seed=3, **disturbed):
+    return spoil_frames(Settings(**disturbed).amounts(ImageDisturbance), TRUE, SEEN, [seed], count)
 
 
 @pytest.mark.parametrize("count", [2, 5, 25])

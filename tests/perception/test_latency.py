@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.perception.disturbance import Disturbance
+from viewimit.disturbances import ImageDisturbance, spoil
 from viewimit.perception.latency import MOST_LAG, lag_of
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
@@ -12,10 +12,10 @@ BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
 SEEN = np.ones((10, 2), bool)
 
 
-def late(by, moved_px=5.0, **disturbance):
+def late(by, moved_px=5.0, **disturbed):
     def look(k):
         true = BEFORE + (moved_px if k >= by else 0.0)
-        return Disturbance(**disturbance).apply(true, SEEN, [1, k])
+        return spoil(Settings(**disturbed).amounts(ImageDisturbance), true, SEEN, [1, k])
 
     return look
 

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit import evaluation
+from viewimit import evaluation, looking
 from viewimit.analysis.landscape import grid_axes, landscape
-from viewimit.perception.disturbance import Disturbance
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
 from viewimit.session import Session
@@ -202,13 +201,13 @@ def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
     plain = Session(settings)
     for _ in range(12):
         plain.step()
-    apply = Disturbance.apply
+    spoil = looking.spoil
 
-    def applied(self, points, visible, rng):
-        points, visible = apply(self, points, visible, rng)
+    def spoilt(*images):
+        points, visible = spoil(*images)
         return np.where(np.repeat(visible, 2, -1), points, junk), visible
 
-    monkeypatch.setattr(Disturbance, "apply", applied)
+    monkeypatch.setattr(looking, "spoil", spoilt)
     blind = Session(settings)
     for _ in range(12):
         blind.step()

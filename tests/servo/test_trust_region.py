@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from viewimit import evaluation
+from viewimit.disturbances import NOISE, spoil
 from viewimit.evaluation import residual
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.perception.disturbance import Disturbance
 from viewimit.servo import Observation
 from viewimit.servo.trust_region import LONGEST, TrustRegion
 from viewimit.simulation.scene import load_scene
@@ -24,12 +24,15 @@ class Learner:
     """A world's learner as the servo meets it: images and displacements from the start."""
 
     def __init__(self, scene="panda", noise_px=0.0):
-        self.world, self.noise = World(load_scene(scene)), Disturbance(noise_px)
+        self.world, self.noise_px = World(load_scene(scene)), noise_px
+
+    def look(self, points, visible, seed):
+        return spoil(((NOISE, self.noise_px),), points, visible, seed)
 
     def run(self, demo_deg, start_deg, servo=None, most=60):
         """→ postures (T, m) rad, status"""
         servo, scene = servo or TrustRegion(), self.world.scene
-        demo, _ = self.noise.apply(*self.world.demo_images(np.radians(demo_deg)), [1])
+        demo, _ = self.look(*self.world.demo_images(np.radians(demo_deg)), [1])
         start = np.radians(start_deg)
         theta, state = [start], None
 
@@ -42,11 +45,9 @@ class Learner:
             return e if like is None else e @ noise_weight(views.with_own(like[known]))
 
         for motion in range(most):
-            own, seen = self.noise.apply(*self.world.own_images(theta[-1]), [2, motion])
+            own, seen = self.look(*self.world.own_images(theta[-1]), [2, motion])
             here = theta[-1] - start
-            told = Observation(
-                own, seen, np.nan, here, scene.lower - start, scene.upper - start, motion, self.noise.noise_px
-            )
+            told = Observation(own, seen, np.nan, here, scene.lower - start, scene.upper - start, motion, self.noise_px)
             state = servo.start(told) if state is None else state
             state, step = servo.step(state, told, conflict)
             if not step.any():

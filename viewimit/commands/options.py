@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable, Iterator
 import msgspec
 import numpy as np
 
+from ..disturbances import ArmDisturbance, Disturbance, ImageDisturbance
 from ..servo import SERVOS
-from ..settings import CAMERAS, USUAL_POINTS, Settings
+from ..settings import CAMERAS, DISTURBANCES, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene, load_scene, robot_names, scene_names
 from ..transfer import TRANSFERS
@@ -33,9 +34,7 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
     parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
     parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
-    parser.add_argument("--noise-px", type=float, metavar="PX", help="standard deviation of image points (0)")
-    parser.add_argument("--missing", type=float, metavar="SHARE", help="of points not found in an image (0)")
-    parser.add_argument("--outliers", type=float, metavar="SHARE", help="of points found at a wrong place (0)")
+    _add_disturbances(parser, ImageDisturbance)
     parser.add_argument("--frames", type=int, metavar="N", help=f"images averaged at each posture ({defaults.frames})")
     parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
 
@@ -53,6 +52,17 @@ def add_run_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER)
     """Where the learner starts, and how it moves."""
     parser.add_argument("--start", type=angles, metavar="DEG,DEG", help="the learner's moving joints (the scene's)")
     parser.add_argument("--servo", metavar="NAME", help=f"{', '.join(SERVOS)} ({defaults.servo})")
+    _add_disturbances(parser, ArmDisturbance)
+
+
+def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) -> None:
+    for name, found in disturbances(kind).items():
+        parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.says} (0)")
+
+
+def option(name: str) -> str:
+    """The option that sets a field of `Settings`."""
+    return "--" + name.replace("_", "-")
 
 
 def add_json_option(parser: argparse.ArgumentParser) -> None:
@@ -64,11 +74,11 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     if args.scene is None and args.robot in scene_names():
         args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
     settings = defaults
-    names = ("transfer", "servo", "noise_px", "missing", "outliers", "frames", "seed", "camera")
+    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "camera")
     given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():
         if value is not None:
-            with naming("--" + name.replace("_", "-")):
+            with naming(option(name)):
                 settings = msgspec.structs.replace(settings, **{name: value})
     with naming("--scene"):
         scene = load_scene(args.scene or settings.scene)

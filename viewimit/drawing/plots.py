@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..disturbances import Disturbance
 from ..settings import Settings
 from . import svg
 from .labels import CHARACTER
@@ -13,13 +14,6 @@ from .labels import CHARACTER
 WIDTH, HEIGHT = 424, 212  # px of a figure, whatever it shows: nothing below it moves
 END = 3.4  # px, half the size of the mark at a line's end
 LONGEST = 92  # letters of a caption
-DISTURBANCES = (
-    ("noise_px", "noise {:g} px"),
-    ("missing", "missing {:.0%}"),
-    ("outliers", "outliers {:.0%}"),
-    ("gain_error", "gain error {:.0%}"),
-    ("quantum_deg", "steps of {:g}°"),
-)
 
 
 class Style(NamedTuple):
@@ -80,7 +74,7 @@ def described(settings: Settings) -> str:
     scene = settings.scene.replace("\\", "/").rsplit("/", 1)[-1]
     said = f"{settings.transfer} transfer · {scene}, {settings.points} points"
     said = f"Demonstrator ({posture}) · {said}" if posture else said[0].upper() + said[1:]
-    disturbed = [words.format(getattr(settings, name)) for name, words in DISTURBANCES if getattr(settings, name)]
+    disturbed = [found.caption.format(amount) for found, amount in settings.amounts(Disturbance) if amount]
     return " · ".join([said, ", ".join(disturbed)] if disturbed else [said])
 
 

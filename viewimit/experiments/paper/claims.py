@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from ...settings import Settings
+from ...disturbances import ImageDisturbance
+from ...settings import Settings, disturbances
 
 PAPER = Settings()  # the scene and transfer that the tolerances are about
 PAPER_DEMONSTRATOR_DEG = (45.0, -90.0)
@@ -53,7 +54,7 @@ class Claims(list[Claim]):
         super().__init__()
         same = judged and all(
             getattr(settings, name) == getattr(PAPER, name)
-            for name in ("scene", "robot", "points", "transfer", "noise_px", "missing", "outliers")
+            for name in ("scene", "robot", "points", "transfer", *disturbances(ImageDisturbance))
         )
         self._judged = same and settings.demonstrator_deg in (None, PAPER_DEMONSTRATOR_DEG)
 

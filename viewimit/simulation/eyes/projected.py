@@ -3,13 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...disturbances import ArmDisturbance, any_of, drive
 from ...settings import Settings
-from ..actuator import Actuator
 from ..robot import Angles
 from ..scene import Scene
 from ..world import World
-
-EXACT = Actuator()
 
 
 class ProjectedEyes:
@@ -30,8 +28,7 @@ class ProjectedEyes:
         return theta
 
     def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
-        arm = Actuator(settings.gain_error, settings.quantum_deg)
-        if arm == EXACT:
+        amounts, scene = settings.amounts(ArmDisturbance), self.world.scene
+        if not any_of(amounts):
             return commanded
-        scene = self.world.scene
-        return np.clip(arm.move(theta, commanded - sent), scene.lower, scene.upper)
+        return np.clip(drive(amounts, theta, theta + (commanded - sent)), scene.lower, scene.upper)

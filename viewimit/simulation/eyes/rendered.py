@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...disturbances import ArmDisturbance, drive
 from ...perception.detection import Detections, detect
 from ...settings import Settings
 from ...views import VIEWS
-from ..actuator import Actuator
 from ..camera import Camera
 from ..markers import load_markers
 from ..physics.arm import Arm
@@ -56,8 +56,8 @@ class RenderedEyes:
     def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
         """What the actuator makes of a command is where the motors are told to go; `sent` plays no part."""
         start, scene = settings.start_rad, self.world.scene
-        actuator = Actuator(settings.gain_error, settings.quantum_deg)
-        return self._arm.drive(theta, np.clip(actuator.move(start, commanded - start), scene.lower, scene.upper))
+        told = drive(settings.amounts(ArmDisturbance), start, commanded)
+        return self._arm.drive(theta, np.clip(told, scene.lower, scene.upper))
 
     def look(self, view: str) -> NDArray:
         """Take a picture of VIEWS with the arms as they stand → (height, width, 3) uint8, and detect its markers."""

@@ -1,10 +1,8 @@
 """How far an experiment is, in a bar and a few words; and when it is done, what the paper says beside what is found."""
 
-from collections.abc import Sequence
-
 from viewimit.drawing import svg
 from viewimit.experiments import EXPERIMENTS
-from viewimit.experiments.paper.claims import Claim
+from viewimit.experiments.paper.claims import Claim, verdict
 
 from ..jobs.experiments import Run
 
@@ -44,15 +42,11 @@ def _words(run: Run) -> str:
     if run.state == "writing":
         return "writing the files …"
     if run.state == "done":
-        return f"done in {run.seconds:.0f} s{_held(run.claims)}"
+        said = verdict(run.claims)
+        return f"done: {said}" if said else f"done in {run.seconds:.0f} s"
     if run.state == "cancelled":
         return f"cancelled at {round(100 * run.share)} %"
     return f"failed: {run.problem}"
-
-
-def _held(claims: Sequence[Claim]) -> str:
-    judged = [claim.holds for claim in claims if claim.holds is not None]
-    return f", {sum(judged)}/{len(judged)} hold" if judged else ""
 
 
 def draw_verdict(run: Run | None) -> str:
@@ -64,9 +58,8 @@ def draw_verdict(run: Run | None) -> str:
         return ""
     head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))
     rows = "".join(_row(claim) for claim in run.claims)
-    unjudged = all(claim.holds is None for claim in run.claims)
-    note = "<p>The tolerances are about the paper's scene, demonstrator and transfer: nothing is judged here.</p>"
-    return f'<div class="vi-verdict"><table><tr>{head}</tr>{rows}</table>{note if unjudged else ""}</div>'
+    said = f"<p><b>{svg.escape(verdict(run.claims))}</b></p>"
+    return f'<div class="vi-verdict">{said}<table><tr>{head}</tr>{rows}</table></div>'
 
 
 def _row(claim: Claim) -> str:

@@ -16,6 +16,7 @@ from viewimit.drawing.plots import described
 from viewimit.drawing.theme import ROLES
 from viewimit.experiments import EXPERIMENTS, ON_PICTURES, files
 from viewimit.experiments.paper import fig7, fig8, fig9, fig10
+from viewimit.experiments.paper.claims import verdict
 from viewimit.settings import Settings
 
 COARSE = {
@@ -59,6 +60,7 @@ def test_the_manifest_says_of_what(made):
     assert manifest["settings"]["demonstrator_deg"] == [45, -90] and manifest["settings"]["transfer"] == "epipolar"
     assert manifest["seed"] == result.settings.seed
     assert {"python", "viewimit", "numpy"} <= set(manifest["versions"])
+    assert manifest["verdict"] == verdict(result.claims)
     assert [claim["name"] for claim in manifest["claims"]] == [claim.name for claim in result.claims] != []
 
 
@@ -176,7 +178,7 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("settings", OTHERS.values(), ids=OTHERS)
-def test_other_settings_are_drawn_and_judged_by_nothing(tmp_path, settings):
+def test_other_settings_are_drawn_and_judged(tmp_path, settings):
     result = fig7.run(settings, step_deg=30.0, study=(1, 1))
     assert len(files.write("fig7", EXPERIMENTS["fig7"], result, tmp_path)) > 5
-    assert all(claim.holds is None for claim in result.claims)
+    assert any(claim.holds is not None for claim in result.claims)

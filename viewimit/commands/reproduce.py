@@ -72,11 +72,12 @@ def run(args: argparse.Namespace) -> int:
         if args.out:
             with naming("--out"):
                 written = files.write(name, experiment, result, args.out)
-        told[name] = {"claims": files.told(result.claims), "files": [str(path) for path in written]}
+        told[name] = {**files.told(result.claims), "files": [str(path) for path in written]}
     if args.json:
         print_json(args, {"figures": told, "missed": [claim.name for claim in said if claim.holds is False]}, settings)
     else:
         print(claims.table(said))
+        print(f"\n{claims.verdict(said) or 'nothing is judged'}")
     return MISSED if any(claim.holds is False for claim in said) else DONE
 
 

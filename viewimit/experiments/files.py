@@ -13,7 +13,7 @@ import numpy as np
 from ..drawing import standalone
 from ..drawing.plots import described
 from .experiment import Experiment, Result
-from .paper.claims import Claim
+from .paper.claims import Claim, verdict
 from .tables import Table, Tables
 
 PACKAGES = ("viewimit", "numpy", "resvg_py")
@@ -43,9 +43,9 @@ def write(name: str, experiment: Experiment, result: Result, folder: Path) -> li
     return [*written, manifest]
 
 
-def told(claims: list[Claim]) -> list[dict]:
-    """Claims as JSON has them."""
-    return [msgspec.to_builtins(claim) for claim in claims]
+def told(claims: list[Claim]) -> dict:
+    """Claims as JSON has them, and what they come to."""
+    return {"verdict": verdict(claims), "claims": [msgspec.to_builtins(claim) for claim in claims]}
 
 
 def _manifest(name: str, result, files: list[str]) -> dict:
@@ -54,7 +54,7 @@ def _manifest(name: str, result, files: list[str]) -> dict:
         "settings": msgspec.to_builtins(result.settings),
         "seed": result.settings.seed,
         "versions": {"python": platform.python_version(), **_versions()},
-        "claims": told(result.claims),
+        **told(result.claims),
         "files": files,
     }
 

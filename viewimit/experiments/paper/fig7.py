@@ -13,7 +13,7 @@ from ...session import Session
 from ...settings import Settings, given
 from ...transfer import TRANSFERS
 from ..tables import Tables, joint_columns, stacked
-from .claims import TOLERANCES, Claims, in_degrees
+from .claims import Claims, in_degrees
 
 PAPER_MINIMUM_DEG = (41.0, -90.0)
 PAPER_RANGE_DEG2 = 90.0 * 180.0
@@ -136,20 +136,18 @@ def _demonstrators(axes: tuple[NDArray, NDArray], counts: tuple[int, int]) -> ND
 
 
 def _claims(found: Fig7) -> Claims:
-    claims, allowed = Claims(found.settings), TOLERANCES
+    claims = Claims(found.settings)
     surface = found.surfaces.get(found.settings.transfer)
     if surface is None or not len(surface.minima):
         return claims
     here = np.degrees(surface.minima.theta[0])
-    off = np.abs(here - found.demonstrator_deg).max()
-    most = allowed["minimum"].value
-    claims.add("Fig. 7: smallest E", "(41°, −90°)", in_degrees(here), f"{most:g}° of demonstrator", off <= most)
+    off = float(np.abs(here - found.demonstrator_deg).max())
+    form = "{:g}° of demonstrator"
+    claims.judge("Fig. 7: smallest E", "(41°, −90°)", in_degrees(here), "minimum", off, form, "the place of smallest E")
     count = len(surface.minima)
-    claims.add("Fig. 7: local minima", "1", str(count), "1", count == allowed["minima"].value)
-    least = allowed["basin"].value
-    claims.add(
-        "Fig. 7: descents that reach it", "all", f"{surface.basin:.1%}", f"≥ {least:.0%}", surface.basin >= least
-    )
+    claims.judge("Fig. 7: local minima", "1", str(count), "minima", count, "{:g}", "a single minimum")
+    reached = f"{surface.basin:.1%}"
+    claims.judge("Fig. 7: descents that reach it", "all", reached, "basin", surface.basin, "≥ {:.0%}")
     if (curved := surface.convexity) is not None:
         low, high = curved.eigenvalues
         definite = curved.positive_definite

@@ -11,7 +11,7 @@ from ...session import Session
 from ...settings import Settings
 from ...transfer import TRANSFERS
 from ..tables import Tables, joint_columns, stacked
-from .claims import TOLERANCES, Claims, in_degrees
+from .claims import Claims, in_degrees
 
 PAPER_MINIMUM_DEG = (45.0, -86.0)
 STEP_DEG = 10.0  # of θ2 in the paper; that of θ4 is not printed
@@ -110,14 +110,14 @@ def fitted_minimum(axes: tuple[NDArray, NDArray], E: NDArray) -> NDArray:
 
 
 def _claims(found: Fig8) -> Claims:
-    claims, most = Claims(found.settings), TOLERANCES["minimum on pictures"].value
+    claims = Claims(found.settings)
     for name, surface in found.surfaces.items():
         E, grid = surface.landscape.E, np.degrees(surface.landscape.minimum)
-        off = np.abs(grid - found.demonstrator_deg).max()
+        off = float(np.abs(grid - found.demonstrator_deg).max())
         paper = "(45°, −86°)" if name == found.settings.transfer else "–"
         line = f"Fig. 8: {name}, smallest E on the grid"
         if name == found.settings.transfer:
-            claims.add(line, paper, in_degrees(grid), f"{most:g}° of demonstrator", off <= most)
+            claims.judge(line, paper, in_degrees(grid), "minimum on pictures", off, "{:g}° of demonstrator")
         else:
             claims.add(line, paper, in_degrees(grid))
         fitted = in_degrees(np.degrees(surface.fitted)) if np.isfinite(surface.fitted).all() else "none"

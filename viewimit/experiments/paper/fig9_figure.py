@@ -8,8 +8,7 @@ from ...drawing.axes import Axes, decade_ticks, decades, log10
 from ...drawing.plots import Style, figure, sentence, style_of
 from ...servo import SERVOS
 from ...simulation.scene import Scene
-from .claims import TOLERANCES
-from .fig9 import BESIDE, MOTIONS, PAPERS_LAWS, Fig9, Run
+from .fig9 import BESIDE, MOTIONS, PAPERS_LAWS, Fig9, Run, near_deg
 
 SENTENCE = (
     "Three laws, seven starts each: which",
@@ -34,8 +33,9 @@ def draw(scene: Scene, found: Fig9 | None = None) -> str:
     if found.E_demo > 0:
         parts.append(conflict.level(max(found.E_demo, FLOOR_E), "vi-line-demo"))
     runs = [(k, run) for law in found.laws for k, run in enumerate(found.of(law))]
+    near = near_deg(found.settings)
     for k, run in sorted(runs, key=lambda ranked: ranked[0] == 0):  # those from the first start lie over the others
-        parts.append(_run(angles, conflict, run, faint=k > 0))
+        parts.append(_run(angles, conflict, run, bool(run.error_deg[-1] <= near), faint=k > 0))
     parts.append(_values(conflict, [run for k, run in runs if k == 0]))
     return figure(found.settings, "".join(parts) + _legend(found))
 
@@ -65,7 +65,7 @@ def _frames(scene: Scene, angles: Axes, conflict: Axes, found: Fig9 | None) -> s
     )
 
 
-def _run(angles: Axes, conflict: Axes, run: Run, faint: bool) -> str:
+def _run(angles: Axes, conflict: Axes, run: Run, arrived: bool, faint: bool) -> str:
     style = _style(run.law)
     kept = _thinned(len(run.E), FAINT_VERTICES if faint else VERTICES)
     classes = style.line + (" vi-x-faint" if faint else "")
@@ -73,7 +73,7 @@ def _run(angles: Axes, conflict: Axes, run: Run, faint: bool) -> str:
     drawn = "".join(plot.line(kept, values[kept], classes) for plot, values in lines)
     if not faint:
         ends = np.concatenate([plot.place(kept[-1:], values[-1:]) for plot, values in lines])
-        drawn += _ends(style, ends, arrived(run))
+        drawn += _ends(style, ends, arrived)
     return drawn
 
 
@@ -104,10 +104,6 @@ def _values(conflict: Axes, runs: list[Run]) -> str:
     return "".join(parts)
 
 
-def arrived(run: Run) -> bool:
-    return bool(run.error_deg[-1] <= TOLERANCES["near"].value)
-
-
 def _legend(found: Fig9 | None) -> str:
     """A law: its line, from how many starts it came near, and how soon; or how far off it is still."""
     parts = []
@@ -115,13 +111,13 @@ def _legend(found: Fig9 | None) -> str:
         y, runs = ANGLES[0] + 4 + 31 * k, found.of(law) if found else []
         parts.append(_style(law).sample(LEGEND, y))
         parts.append(svg.text(LEGEND + 27, y + 4, SERVOS[law].title, "vi-b"))
-        for words, classes in [_outcome(runs)] if runs else []:
+        for words, classes in [_outcome(runs, near_deg(found.settings))] if found and runs else []:
             parts.append(svg.text(LEGEND + 27, y + 18, words, classes))
     return "".join(parts)
 
 
-def _outcome(runs: list[Run]) -> tuple[str, str]:
-    counts = [run.motions_until(TOLERANCES["near"].value) for run in runs]
+def _outcome(runs: list[Run], near: float) -> tuple[str, str]:
+    counts = [run.motions_until(near) for run in runs]
     reached = [count for count in counts if count is not None]
     if not reached:
         off = np.min([run.error_deg[-1] for run in runs])

@@ -121,7 +121,7 @@ class Cautious:
             return (Equation("C", "no motion yet", r"𝐮=\frac{9}{10}𝐮_B"),)
         return (Equation("C", "caution", rf"\sum|𝐮_B-𝐮|={HOLE}", (number(state.saved, 6),)),)
 
-    def rests(self, state, status):
+    def says(self, state, status):
         return "caution is satisfied" if status == "converged" else ""
 
 
@@ -192,7 +192,7 @@ def page():
 def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert "cond ridge" in page.shown and "𝐮_B" not in page.shown and "no motion yet" in page.shown
     page.click("Play")
-    page.tick_until(lambda: "Converged" in page.shown)
+    page.tick_until(lambda: "Arrived" in page.shown)
     page.tick(1.0)
     last = page.page.memory().history[-1]
     assert (last.settings.transfer, last.settings.servo, last.status) == ("ridge", "cautious", "converged")
@@ -208,7 +208,7 @@ def test_too_large_a_condition_is_said_in_the_transfers_words(monkeypatch):
     now = stepped(1).snapshot
     ill = replace(TRANSFERS["linear"](now.views), sigma=np.array([300.0, 2, 1]))
     monkeypatch.setitem(TRANSFERS, now.settings.transfer, replace(TRANSFERS[now.settings.transfer], fit=lambda _: ill))
-    assert status.describe(replace(now))[1].startswith("cond ridge 300, far too high: the ridge is too narrow; E ")
+    assert status.describe(replace(now)).doubt == "cond ridge 300, far too high: the ridge is too narrow."
 
 
 def test_a_duel_takes_them_as_opponent(page):

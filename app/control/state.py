@@ -7,6 +7,7 @@ from functools import cached_property
 from numpy.typing import NDArray
 
 from viewimit.analysis.joint_errors import recent_errors_deg
+from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.image_planes import Windows
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -93,6 +94,11 @@ class PageState:
     def errors_deg(self) -> list[float]:
         """Largest joint errors of the last motions: the truth, for the viewer."""
         return recent_errors_deg(self.session.history, self.session.cursor)
+
+    @cached_property
+    def assessment(self) -> Assessment | None:
+        """What the learner can tell of the posture in which it rests; None unless it does."""
+        return assess(self.session) if self.present.status in ("converged", "stalled") else None
 
     @cached_property
     def recovered_world(self) -> NDArray:

@@ -13,7 +13,8 @@ class LearnerPanel(Panel):
             self._bars = layout.gui.add_html("")
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.generation, state.shown.theta.tobytes(), state.present.theta_demo.tobytes()
+        return state.generation, state.shown.theta.tobytes(), state.present.theta_demo.tobytes(), state.present.status
 
     def show(self, state: PageState) -> None:
-        put_html(self._bars, draw_learner(state.session.scene, state.shown.theta, state.present.theta_demo))
+        arms = state.shown.theta, state.present.theta_demo
+        put_html(self._bars, draw_learner(state.session.scene, *arms, state.assessment))

@@ -37,6 +37,7 @@ from viewimit.app.static import stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing import curves, equations, images, metrics, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.image_planes import image_windows
@@ -396,36 +397,71 @@ class TestEquations:
         assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)
 
 
+def assessed(spread_deg=(2.0, 2.0), room_deg=0.1, lower_deg=0.1, explained=False):
+    return Assessment(np.radians(spread_deg), np.radians(room_deg), np.radians(lower_deg), explained)
+
+
 class TestStatus:
-    def test_the_diagnosis_knows_no_posture(self, session):
+    def test_what_the_learner_says_knows_no_posture(self, session):
         hidden = replace(session.snapshot, theta=np.full(2, np.nan), theta_demo=np.full(2, np.nan))
         assert status.describe(hidden, session.history[:-1]) == status.describe(session.snapshot, session.history[:-1])
 
     def test_states(self, session, monkeypatch):
         now = session.snapshot
         ill = conditioned(now.transfer, 63.0)
-        assert status.describe(stepped(0).snapshot)[0] == "ready"
-        assert status.describe(now)[0] == "moving"
-        assert status.describe(now, playing=False)[0] == "paused"
-        assert status.describe(replace(now, status="converged"))[0] == "converged"
-        assert status.describe(replace(now, status="stalled"))[0] == "stalled"
-        state, sentence = status.describe(stepped(0, missing=0.5).snapshot)
-        assert state == "stopped" and "at least 5 non-coplanar points are needed" in sentence
+        assert status.describe(stepped(0).snapshot).state == "ready"
+        assert status.describe(now).state == "moving"
+        assert status.describe(now, playing=False).state == "paused"
+        assert status.describe(replace(now, status="converged")).state == "arrived"
+        assert status.describe(replace(now, status="stalled")).state == "stalled"
+        lost = status.describe(stepped(0, missing=0.5).snapshot)
+        assert lost.state == "lost" and "at least 5 non-coplanar points are needed" in lost.sentence
         method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
         monkeypatch.setitem(TRANSFERS, now.settings.transfer, method)
-        assert status.describe(replace(now))[0] == "ill-conditioned"
+        assert status.describe(replace(now)).doubt == "cond A 63: epipolar lines nearly parallel, E may mislead."
+
+    @pytest.mark.parametrize(
+        "claimed, known, state, doubt",
+        [
+            ("converged", assessed(), "arrived", ""),
+            ("converged", assessed(room_deg=30, explained=True), "arrived", ""),
+            ("converged", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
+            ("converged", assessed(room_deg=120), "least", "So much E could hide any displacement."),
+            ("stalled", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
+            ("stalled", assessed(room_deg=14, lower_deg=3), "stalled", ""),
+            ("converged", assessed((36.0, 3.0)), "untold", ""),
+        ],
+    )
+    def test_at_rest_it_claims_no_more_than_it_can_know(self, session, claimed, known, state, doubt):
+        now = replace(session.snapshot, status=claimed, servo_state=None)
+        said = status.describe(now, assessment=known, joints=(2, 4))
+        assert (said.state, said.doubt) == (state, doubt)
+
+    def test_a_joint_that_nothing_tells_is_named_and_its_cost(self, session):
+        now = replace(session.snapshot, status="converged", servo_state=None)
+        one = status.describe(now, assessment=assessed((36.4, 3.0)), joints=(2, 4))
+        assert one.title == "Cannot tell θ₂" and one.sentence.startswith("1 px of noise would turn θ₂ by 36°. E ")
+        two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))
+        assert two.title == "Cannot tell θ₄ and θ₂" and "turn θ₄ any angle, θ₂ 36°" in two.sentence
 
     @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "noise leaves about 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):
         session = Session(msgspec.structs.replace(BEST, noise_px=noise_px))
         session.run()
-        state, sentence = status.describe(session.snapshot)
-        assert state == "converged" and said in sentence
+        claim = status.describe(session.snapshot, assessment=assess(session), joints=(2, 4))
+        assert claim.state == "arrived" and said in claim.sentence
 
     def test_the_trend_is_the_geometric_mean(self, session):
         E = (100.0, 50.0, 25.0)
         history = [replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E)]
-        assert f"{MINUS}50 % a motion" in status.describe(history[-1], history[:-1])[1]
+        assert f"{MINUS}50 % a motion" in status.describe(history[-1], history[:-1]).sentence
+
+    def test_the_truth_names_the_joint_that_is_farthest_off(self):
+        told = status.describe_truth((2, 4), np.radians([25.1, -93.5]), np.radians([45.0, -90.0]))
+        assert told == "19.9° off, at θ₂: 25.1° instead of 45.0°."
+        told = status.describe_truth((2, 4), np.radians([45.0, -93.5]), np.radians([45.0, -90.0]))
+        assert told == f"3.5° off, at θ₄: {MINUS}93.5° instead of {MINUS}90.0°."
+        assert "to 0.1°" in status.describe_truth((2, 4), np.radians([45.0, -90.01]), np.radians([45.0, -90.0]))
 
 
 @pytest.fixture(scope="module")
@@ -442,7 +478,7 @@ def drawings(session, silhouettes, picture):
         curves.draw_curves(few.history, 0, None, (2, 4)),
         equations.draw_equations(session.snapshot),
         equations.draw_equations(few.snapshot),
-        *(status.draw_status(state, "x") for state in status.TITLES),
+        *(status.draw_status(status.Said(state, "x", "y", "z"), "w") for state in status.TITLES),
     ]
 
 
@@ -470,8 +506,9 @@ class TestEverything:
 
     def test_escapes_what_people_write(self):
         hostile = '<img src=x onerror="1">&'
-        assert "<img" not in status.draw_status("message", hostile) and "<img" not in svg.text(0, 0, hostile)
-        assert parsed(status.draw_status("message", hostile))
+        strip = status.draw_status(status.Said("message", hostile, hostile, hostile), hostile)
+        assert "<img" not in strip and "<img" not in svg.text(0, 0, hostile)
+        assert parsed(strip)
 
     @pytest.mark.parametrize("scene", ["panda", "iiwa", "panda-facing"])
     def test_is_small(self, scene):
@@ -503,5 +540,5 @@ def test_equations_and_status_survive_the_loss_of_points(seed):
     for _ in range(15):
         session.step()
         ElementTree.fromstring(equations.draw_equations(session.snapshot).replace("&nbsp;", " "))
-        state, _ = status.describe(session.snapshot)
-        assert (state == "stopped") == (session.snapshot.transfer is None)
+        said = status.describe(session.snapshot)
+        assert (said.state == "lost") == (session.snapshot.transfer is None)

@@ -74,7 +74,7 @@ def test_a_new_visitor_sees_everything(page):
 
 def test_playing_converges_and_says_so(page):
     press(page, "Space")
-    text = wait_for_status(page, "Converged")
+    text = wait_for_status(page, "Arrived")
     assert float(re.search(r"E ([\d.]+) px²", text)[1]) < 2
     assert np.abs(np.array(posture(page)) - [45, -90]).max() < 2
 
@@ -100,11 +100,11 @@ def test_step_undo_reset_by_button_and_key(page):
 
 def test_the_demonstrator_may_move_while_the_loop_runs(page):
     press(page, "Space")
-    wait_for_status(page, "Converged")
+    wait_for_status(page, "Arrived")
     set_number(page, "θ₂", 70)
     wait_for_text(page, "demonstrator (70°")
     wait(page, lambda: np.abs(np.array(posture(page)) - [70, -90]).max() < 5)
-    wait_for_status(page, "Converged")
+    wait_for_status(page, "Arrived")
 
 
 def test_every_preset_runs(page):
@@ -113,7 +113,7 @@ def test_every_preset_runs(page):
         wait(page, lambda preset=preset: page.text_content(LESSON) == preset.lesson)
         start = posture(page)
         press(page, "Space")
-        wait(page, lambda start=start: posture(page) != start or "Stopped" in status(page))
+        wait(page, lambda start=start: posture(page) != start or "Lost" in status(page))
         assert re.search(r"E [\d.]+ px²|points? (is|are) seen", status(page)), preset.name
         press(page, "Space")  # one that rests costs a frame, not one after the other
         assert canvas_colours(page) > 1000, preset.name
@@ -133,7 +133,7 @@ def test_every_method_can_be_chosen(page):
 def test_too_few_points_hold_the_arm_still_and_say_so(page):
     set_number(page, "Frames", 1)  # of 25, one or another shows each point
     set_number(page, "Missing %", 50)
-    wait_for_status(page, "Stopped · (only|no)")
+    wait_for_status(page, "Lost · (only|no)")
     before = posture(page)
     press(page, "ArrowRight")
     page.wait_for_timeout(700)
@@ -193,7 +193,7 @@ def test_two_methods_race_from_one_start(page):
     wait(page, lambda: "Opponent: Rank 3, all views" in said())
     wait_for_count(page, f"{DUEL} {LEVELS}", 2, exactly=True)
     wait(page, lambda: re.search(r"was first within 1° of the demonstrator, after \d+ motions", said()))
-    wait_for_status(page, "Converged")
+    wait_for_status(page, "Arrived")
     press(page, "r")
     wait(page, lambda: "Neither is within 1° of the demonstrator yet" in said())
     set_number(page, "θ₄", -45)
@@ -230,7 +230,7 @@ def test_keys_choose_points_and_show_the_help(page):
 
 def test_history_can_be_scrubbed(page):
     press(page, "Space")
-    wait_for_status(page, "Converged")
+    wait_for_status(page, "Arrived")
     end = posture(page)
     assert np.abs(np.array(end) - [45, -90]).max() < 2
     set_number(page, "History", 1)
@@ -250,7 +250,7 @@ def test_nothing_is_sent_when_nothing_changes(page):
 
 def test_nothing_leaves_the_machine(page):
     press(page, "Space")
-    wait_for_status(page, "Converged")
+    wait_for_status(page, "Arrived")
     hosts = {urlparse(url).hostname for url in page.requested if not url.startswith(("data:", "blob:"))}
     assert hosts == {"127.0.0.1"}
 
@@ -365,7 +365,7 @@ def test_layout_has_no_overlap(browser, server, size, dark, tmp_path):
         page.get_by_text("Display", exact=True).click()
     press(page, "n")
     press(page, "Space")
-    wait_for_status(page, "Converged")
+    wait_for_status(page, "Arrived")
     page.wait_for_timeout(800)
     page.screenshot(path=tmp_path / f"{size}_{'dark' if dark else 'light'}.png")
     width, height = SIZES[size]

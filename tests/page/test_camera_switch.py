@@ -123,7 +123,7 @@ def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
         client.put("Preset", "Camera images")
         wait_until(lambda: len(photographs(client)) == 4, 60)
         client.press("Play or pause")
-        wait_until(lambda: "Converged" in client.status, 60)
+        wait_until(lambda: "Arrived" in client.status, 60)
         bars = learners_bars(client.html.values())
         shown = [float(angle.replace("−", "-")) for angle in re.findall(r"<b>([^<]*)°</b>", bars)]
         assert np.abs(np.array(shown) - [45, -90]).max() < 2

@@ -1,9 +1,15 @@
-"""The live diagnosis: one state, one sentence. Only what the learner itself knows goes into it."""
+"""The strip over the scene: what the learner says, and, for the viewer only, what is true.
+
+Only what the learner itself knows goes into what it says.
+"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..analysis.self_assessment import Assessment
 from ..geometry.affine import MIN_POINTS
 from ..history import MAX_HISTORY
 from ..servo import SERVOS
@@ -14,13 +20,17 @@ from . import svg
 from .metrics import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
+EXACT = np.radians(0.05)  # off, which reads as 0.0°
+ANY = np.radians(90.0)  # a pixel's cost, or a room, that says no more than "any posture"
 TITLES = {
     "ready": "Ready",
     "paused": "Paused",
     "moving": "Moving",
-    "converged": "Converged",
-    "ill-conditioned": "Ill-conditioned",
+    "arrived": "Arrived",
+    "least": "Arrived where E is least",
+    "untold": "Cannot tell",
     "stalled": "Stalled",
+    "lost": "Lost",
     "stopped": "Stopped",
     "message": "Note",
     "recording": "Recording",
@@ -38,62 +48,138 @@ SQUARE = (
     '<rect x="1.5" y="1.5" width="19" height="19" rx="4" fill="var(--stopped)" fill-opacity=".28"/>'
     '<rect x="5.5" y="5.5" width="11" height="11" rx="1.5" class="vi-red"/>'
 )
-RING = '<circle cx="11" cy="11" r="5.5" fill="none" stroke="var(--secondary)" stroke-width="2"/>'
+RING = '<circle cx="11" cy="11" r="5.5" fill="none" stroke="var(--{0})" stroke-width="2.4"/>'
 PLAY = (
     '<circle cx="11" cy="11" r="10" fill="var(--demonstrator)" fill-opacity=".28"/>'
     '<path d="M8 5.5v11l9-5.5z" class="vi-amber"/>'
 )
+IDLE = RING.format("secondary")
 SHAPES = {
     "moving": DOT.format("learner"),
-    "converged": DOT.format("recovered"),
-    "ill-conditioned": DIAMOND,
+    "arrived": DOT.format("recovered"),
+    "least": RING.format("recovered"),
+    "untold": DIAMOND,
     "stalled": DIAMOND,
+    "lost": SQUARE,
     "stopped": SQUARE,
     "recording": DOT.format("stopped"),
     "replaying": PLAY,
 }
+BETWEEN = (
+    '<path d="M6 11h10" stroke="var(--residual)" stroke-width="2.4"/>'
+    '<circle cx="5" cy="11" r="4" fill="var(--learner)"/><path d="M17 6l5 5-5 5-5-5z" class="vi-amber"/>'
+)
 
 
-def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: bool = True) -> tuple[str, str]:
-    """State and sentence. previous: the snapshots before this one, the latest last."""
-    used, E = int(snapshot.usable.sum()), f"E {svg.short(snapshot.E)} px²"
+@dataclass(frozen=True)
+class Said:
+    """What the learner says: state, of TITLES; of what: what its title is about; doubt: what makes it unsure."""
+
+    state: str
+    sentence: str
+    of: str = ""
+    doubt: str = ""
+
+    @property
+    def title(self) -> str:
+        return f"{TITLES[self.state]} {self.of}".strip()
+
+
+def describe(
+    snapshot: Snapshot,
+    previous: Sequence[Snapshot] = (),
+    playing: bool = True,
+    assessment: Assessment | None = None,
+    joints: Sequence[int] = (),
+) -> Said:
+    """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
+    from 1 of those that move."""
     if snapshot.transfer is None:
-        seen = f"only {used} points are" if used != 1 else "only 1 point is"
-        if used == 0:
-            seen = "no point is"
-        return "stopped", f"{seen} seen in all images; at least {MIN_POINTS} non-coplanar points are needed."
+        return Said("lost", _too_few(int(snapshot.usable.sum())))
+    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _ill_conditioned(snapshot)
     if snapshot.status == "stopped":
-        return "stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on."
-    condition = float(snapshot.transfer.condition)
-    method = TRANSFERS[snapshot.settings.transfer]
-    gauge = f"{method.condition_name} {svg.number(condition, 0)}"
-    if snapshot.flatness >= RED > condition:
-        return "ill-conditioned", f"{FLATNESS} {svg.number(snapshot.flatness, 0)}: {FLAT}; {E}."
-    if condition >= RED:
-        return "ill-conditioned", f"{gauge}, far too high: {method.ill}; {E}."
-    if condition >= AMBER:
-        return "ill-conditioned", f"{gauge}: {method.ill}; {E}."
-    if snapshot.status == "converged":
-        return "converged", f"{E} after {_motions(snapshot.motion)}; {_arrival(snapshot)}."
-    if snapshot.status == "stalled":
-        why = _rest(snapshot)
-        ending = f"; {why}." if why else ", and it no longer falls; move an arm or reset."
-        return "stalled", f"{E} after {_motions(snapshot.motion)}{ending}"
+        return Said("stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on.", doubt=doubt)
+    if snapshot.status in ("converged", "stalled"):
+        said = _resting(snapshot, E, assessment, joints)
+        return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
-        return "ready", f"{E}; press space, or drag the demonstrator."
-    trend = _trend(snapshot, previous)
-    state = "moving" if playing else "paused"
-    if snapshot.probe and playing:
-        return state, f"{E}; a probing motion, to learn how the images move."
-    return state, f"{E}{trend}; transfer well conditioned."
+        return Said("ready", f"{E}; press space, or drag the demonstrator.", doubt=doubt)
+    state, doing = "moving" if playing else "paused", _says(snapshot)
+    trend = "" if snapshot.probe else _trend(snapshot, previous)
+    return Said(state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt)
 
 
-def draw_status(state: str, sentence: str) -> str:
-    """The pill over the scene."""
+def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int]) -> Said:
+    says, after = _says(snapshot), f"after {_motions(snapshot.motion)}"
+    why = f"; {says}." if says else "."
+    if assessment is not None and assessment.untold:
+        names = " and ".join(svg.joint_symbol(joints[k]) for k in assessment.untold)
+        return Said("untold", f"1 px of noise would turn {_costs(assessment, joints)}. {E} {after}{why}", names)
+    converged = snapshot.status == "converged"
+    if converged and (assessment is None or assessment.certain or snapshot.expected_error):
+        if snapshot.expected_error:
+            why = f"; the images' noise leaves about {svg.short(float(np.degrees(snapshot.expected_error)))}°."
+        return Said("arrived", f"{E} {after}{why}")
+    if assessment is not None and (converged or assessment.least):
+        return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")
+    return Said("stalled", f"{E} {after}{why if says else ', and it no longer falls; move an arm or reset.'}")
+
+
+def _costs(assessment: Assessment, joints: Sequence[int]) -> str:
+    by = "by " if len(assessment.untold) == 1 else ""
+    each = [f"{svg.joint_symbol(joints[k])} {by}{_angle(assessment.spread[k])}" for k in assessment.untold]
+    return ", ".join(each)
+
+
+def _angle(rad: float) -> str:
+    return svg.degrees(rad, 0) if rad < ANY else "any angle"
+
+
+def _upto(rad: float) -> str:
+    return f"up to {svg.degrees(rad, 0)}" if rad < ANY else "any displacement"
+
+
+def _too_few(used: int) -> str:
+    seen = "no point is" if used == 0 else "only 1 point is" if used == 1 else f"only {used} points are"
+    return f"{seen} seen in all images; at least {MIN_POINTS} non-coplanar points are needed."
+
+
+def _ill_conditioned(snapshot: Snapshot) -> str:
+    """What speaks against the transfer, "" if nothing does."""
+    assert snapshot.transfer is not None
+    condition, method = float(snapshot.transfer.condition), TRANSFERS[snapshot.settings.transfer]
+    if snapshot.flatness >= RED > condition:
+        return f"{FLATNESS} {svg.number(snapshot.flatness, 0)}: {FLAT}."
+    if condition < AMBER:
+        return ""
+    high = ", far too high" if condition >= RED else ""
+    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.ill}."
+
+
+def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -> str:
+    """How far off the learner is, which it cannot know. joints: numbers from 1; theta, theta_demo: (m,) rad."""
+    off = np.abs(theta - theta_demo)
+    k = int(off.argmax())
+    if off[k] < EXACT:
+        return "The demonstrator's posture, to 0.1°."
+    instead = f"{svg.degrees(theta[k])} instead of {svg.degrees(theta_demo[k])}"
+    return f"{svg.degrees(off[k])} off, at {svg.joint_symbol(joints[k])}: {instead}."
+
+
+def draw_status(said: Said, truth: str) -> str:
+    """The strip. truth: for the viewer."""
+    words = f"<b>{svg.escape(said.title)}</b> · {svg.escape(said.sentence)}"
+    if said.doubt:
+        words += f" <i>{svg.escape(said.doubt)}</i>"
     return (
-        f'<div class="vi-status" role="status"><svg width="22" height="22" viewBox="0 0 22 22">'
-        f"{SHAPES.get(state, RING)}</svg><span><b>{TITLES[state]}</b> · {svg.escape(sentence)}</span></div>"
+        f'<div class="vi-strip"><div class="vi-status"><div>{_icon(SHAPES.get(said.state, IDLE))}'
+        f'<em>Learner says</em><p role="status">{words}</p></div>'
+        f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{svg.escape(truth)}</p></div></div></div>'
     )
+
+
+def _icon(shape: str) -> str:
+    return f'<svg width="22" height="22" viewBox="0 0 22 22" aria-hidden="true">{shape}</svg>'
 
 
 def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
@@ -107,16 +193,10 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
     return f", {text if share < 0 else '+' + text} % a motion"
 
 
-def _arrival(snapshot: Snapshot) -> str:
-    if snapshot.expected_error:
-        return f"the images' noise leaves about {svg.short(float(np.degrees(snapshot.expected_error)))}°"
-    return _rest(snapshot) or "E no longer falls"
-
-
-def _rest(snapshot: Snapshot) -> str:
+def _says(snapshot: Snapshot) -> str:
     """The servo's own words, "" without any."""
     state = snapshot.servo_state
-    return "" if state is None else SERVOS[snapshot.settings.servo].rests(state, snapshot.status)
+    return "" if state is None else SERVOS[snapshot.settings.servo].says(state, snapshot.status)
 
 
 def _motions(count: int) -> str:

@@ -93,7 +93,9 @@ class Broyden:
             note = f"D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
         return (Equation("", "servo: the images are learned, not E", _LAW, note=note),)
 
-    def rests(self, state: BroydenState, status: str) -> str:
+    def says(self, state: BroydenState, status: str) -> str:
+        if status == "moving":
+            return "a probe, to learn how the images move" if state.probe else ""
         return f"next step under {np.degrees(DONE_STEP):g}°" if status == "converged" else ""
 
 

@@ -105,7 +105,7 @@ class Gradient:
         numbers = (f"{c.gain:g}", *each(state.jacobian, 2), short(state.E), *asked)
         return (Equation("(13)", "this motion", latex, numbers, note, wide=True),)
 
-    def rests(self, state: GradientState, status: str) -> str:
+    def says(self, state: GradientState, status: str) -> str:
         return f"not lower for {state.since_best} motions" if status == "stalled" else ""
 
     def _learn(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:

@@ -75,6 +75,7 @@ class Servo(Protocol):
         """The law with the numbers of a moment. state: None before the first motion."""
         ...
 
-    def rests(self, state: Any, status: str) -> str:
-        """Why it rests, in a few words; "" if there is nothing to add to the status, converged or stalled."""
+    def says(self, state: Any, status: str) -> str:
+        """What it does, or why it rests, in a few words; "" if there is nothing to add to the status: moving, converged
+        or stalled."""
         ...

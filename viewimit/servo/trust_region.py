@@ -122,8 +122,19 @@ class TrustRegion:
         note = f"{known}D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
         return (Equation("", "servo: the images are predicted, E is asked", _LAW, note=note, wide=True),)
 
-    def rests(self, state: TrustState, status: str) -> str:
-        return f"E leaves no room for {np.degrees(CERTAIN):.1g}°" if status == "converged" else ""
+    def says(self, state: TrustState, status: str) -> str:
+        if status == "converged":
+            return f"E leaves no room for {np.degrees(CERTAIN):.1g}°"
+        if status == "stalled":
+            return f"nothing lower in {state.restarts} searches elsewhere"
+        if state.ending:
+            return "back to the best posture"
+        if state.restarts:
+            return f"looking for something lower, as noise explains less: search {state.restarts} of {MOST_RESTARTS}"
+        if state.probe:
+            return "a probe, to learn how the images move"
+        other = PHASES[state.phase][0]
+        return f"asks the {other} transfer for a way on" if other else ""
 
 
 def _outcome(state: TrustState, moment: Moment) -> str:

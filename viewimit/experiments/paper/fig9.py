@@ -57,6 +57,11 @@ class Fig9:
     runs: tuple[Run, ...]
 
     @property
+    def near_deg(self) -> float:
+        """Within which of the demonstrator a run counts as arrived."""
+        return Claims(self.settings).limit("near") or TOLERANCES["near"].value
+
+    @property
     def laws(self) -> tuple[str, ...]:
         return laws_of(self.settings)
 
@@ -147,7 +152,7 @@ SUBJECTS = {"gradient": "the law as printed", "gradient-retuned": "the law retun
 def _claims(found: Fig9) -> Claims:
     """A law that does not come near the demonstrator is not asked for the E at which it gave up."""
     claims = Claims(found.settings)
-    near = near_deg(found.settings)
+    near = found.near_deg
     for law in dict.fromkeys(run.law for run in found.runs):
         runs, subject = found.of(law), SUBJECTS.get(law, law)
         counts = [run.motions_until(near) for run in runs]
@@ -166,11 +171,6 @@ def _claims(found: Fig9) -> Claims:
         else:
             claims.add(name, "0", f"{least:.3g} px²")
     return claims
-
-
-def near_deg(settings: Settings) -> float:
-    """Within which of the demonstrator a run counts as arrived."""
-    return Claims(settings).limit("near") or TOLERANCES["near"].value
 
 
 def _tables(found: Fig9) -> Tables:

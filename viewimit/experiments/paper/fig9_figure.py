@@ -8,7 +8,7 @@ from ...drawing.axes import Axes, decade_ticks, decades, log10
 from ...drawing.plots import Style, figure, sentence, style_of
 from ...servo import SERVOS
 from ...simulation.scene import Scene
-from .fig9 import BESIDE, MOTIONS, PAPERS_LAWS, Fig9, Run, near_deg
+from .fig9 import BESIDE, MOTIONS, PAPERS_LAWS, Fig9, Run
 
 SENTENCE = (
     "Three laws, seven starts each: which",
@@ -33,7 +33,7 @@ def draw(scene: Scene, found: Fig9 | None = None) -> str:
     if found.E_demo > 0:
         parts.append(conflict.level(max(found.E_demo, FLOOR_E), "vi-line-demo"))
     runs = [(k, run) for law in found.laws for k, run in enumerate(found.of(law))]
-    near = near_deg(found.settings)
+    near = found.near_deg
     for k, run in sorted(runs, key=lambda ranked: ranked[0] == 0):  # those from the first start lie over the others
         parts.append(_run(angles, conflict, run, bool(run.error_deg[-1] <= near), faint=k > 0))
     parts.append(_values(conflict, [run for k, run in runs if k == 0]))
@@ -111,7 +111,7 @@ def _legend(found: Fig9 | None) -> str:
         y, runs = ANGLES[0] + 4 + 31 * k, found.of(law) if found else []
         parts.append(_style(law).sample(LEGEND, y))
         parts.append(svg.text(LEGEND + 27, y + 4, SERVOS[law].title, "vi-b"))
-        for words, classes in [_outcome(runs, near_deg(found.settings))] if found and runs else []:
+        for words, classes in [_outcome(runs, found.near_deg)] if found and runs else []:
             parts.append(svg.text(LEGEND + 27, y + 18, words, classes))
     return "".join(parts)
 

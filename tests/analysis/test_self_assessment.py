@@ -1,0 +1,90 @@
+"""What a learner tells of its posture agrees with what the simulation knows, though it is told none of it."""
+
+import numpy as np
+import pytest
+
+from viewimit.analysis.observability import joint_uncertainty
+from viewimit.analysis.self_assessment import CERTAIN, NEAR, assess
+from viewimit.history import History
+from viewimit.servo import SERVOS
+from viewimit.session import Session
+from viewimit.settings import BEST, Settings
+from viewimit.transfer import TRANSFERS
+
+
+def rested(settings):
+    session = Session(settings)
+    session.run(400)
+    return session
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        BEST,
+        Settings(),
+        Settings(transfer="linear", start_deg=(75, -150)),
+        Settings(scene="panda-verged", start_deg=(25, -45)),
+        Settings(scene="panda-facing", start_deg=(25, -45)),
+        Settings(scene="iiwa", start_deg=(25, -25)),
+    ],
+    ids=lambda settings: f"{settings.scene} {settings.transfer}",
+)
+def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
+    session = rested(settings)
+    now = session.snapshot
+    fit, views = TRANSFERS[settings.transfer], now.views
+    true = joint_uncertainty(session.world, fit, views.demo, views.visible[:, :2], now.theta)
+    assert assess(session).spread == pytest.approx(true, rel=0.1)
+
+
+def test_five_points_do_not_tell_the_joints():
+    found = assess(rested(Settings(points=5, start_deg=(25, -45))))
+    assert found.untold == [0, 1] and not found.certain
+
+
+def test_only_an_E_that_leaves_no_room_is_certain():
+    certain, bent = assess(rested(BEST)), rested(Settings(scene="panda-facing", start_deg=(25, -45)))
+    off = np.abs(bent.snapshot.theta - bent.snapshot.theta_demo).max()
+    found = assess(bent)
+    assert certain.certain and certain.room < CERTAIN
+    assert not found.certain and found.least and off < found.room
+
+
+def test_a_law_that_gave_up_knows_that_E_is_lower_elsewhere():
+    found = assess(rested(Settings(servo="gradient", start_deg=(30, -60))))
+    assert found.lower > NEAR and not found.least
+
+
+def test_it_is_told_no_posture():
+    """Only what was seen, and how far it has moved itself."""
+    session = rested(BEST)
+    expected = assess(session)
+    unknown = np.full(2, np.nan)
+    hidden = [moment.with_fields(theta=unknown, theta_demo=unknown) for moment in session.history]
+    session.history = History(hidden, session.cursor)
+    found = assess(session)
+    assert found.room == expected.room and (found.spread == expected.spread).all()
+
+
+def test_before_every_joint_has_moved_nothing_is_told():
+    session = Session(BEST)
+    session.step()
+    assert assess(session) is None
+    session.step()
+    assert assess(session) is not None
+
+
+def test_no_flight_goes_without_a_word():
+    """A trust region that finds E too large wherever it is least searches elsewhere, and says so at every motion."""
+    session, servo = Session(Settings(servo="trust-region", start_deg=(25, -25))), SERVOS["trust-region"]
+    said = []
+    while session.step():
+        now = session.snapshot
+        if now.servo_state.restarts:
+            said.append(servo.says(now.servo_state, now.status))
+    assert len(said) > 4
+    assert all("looking for something lower" in words or words == "back to the best posture" for words in said)
+    last = session.snapshot
+    assert last.status == "stalled" and "nothing lower in 4 searches" in servo.says(last.servo_state, last.status)
+    assert assess(session).least

@@ -200,11 +200,21 @@ class TestObservability:
         ]
         assert np.array(bars) / bars[4] == pytest.approx([2 / 9, 1 / 9, 4 / 9, 1, 1], abs=1e-3)
 
+    @pytest.mark.parametrize("degrees", [20.0, 170.3, np.inf])
+    def test_a_cost_that_says_nothing_is_no_number(self, degrees):
+        spread = np.radians([2.0, degrees])
+        told = observability.described((2, 4), spread)
+        assert told == "1 px costs θ₂ 2.0°; θ₄ not observable"
+        assert observability.described((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ not observable"
+        said = observability.sentences((2, 4), spread)
+        assert said[0].startswith("Joint 4 is not observable") and said[1] == "1 px costs 2.0° at most at the others."
+        assert words(observability.draw_bars((2, 4), spread, 200, 20)) == "θ₂2.0°θ₄not observable"
+
     def test_weak_joints_are_named_marked_and_beside_the_rest(self):
         html = observability.draw_observability((1, 2, 3, 4, 5), self.SPREAD)
         said = words(html)
-        assert "Joints 4 and 5 are weakly observable:" in said
-        assert "1 px costs ∞ and 9.0° there, 4.0° at most at the others." in said
+        assert "Joint 4 is not observable" in said
+        assert "1 px costs 9.0° at most at the others." in said
         root = parsed(html)
         assert len(only(root, "path", WEAK_JOINT)) == 2
         one = observability.sentences((2, 4), np.radians([1, 3]))

@@ -17,6 +17,7 @@ from ..views import FourViews
 STEP = 1e-3  # rad, of the differences
 SINGULAR = 1e-9  # of the largest singular value
 WEAK = 2.0  # times what the other joints cost
+UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
 
 
 def residual_jacobian(residual_at: Callable[[NDArray], NDArray], theta: ArrayLike, step: float = STEP) -> NDArray:
@@ -39,6 +40,12 @@ def uncertainty(J: ArrayLike) -> NDArray:
         return np.full(len(Vt), np.inf)
     spread = np.sqrt(((Vt[told] / s[told, None]) ** 2).sum(0))
     return np.where((np.abs(Vt[~told]) > np.sqrt(SINGULAR)).any(0), np.inf, spread)
+
+
+def untold_joints(spread: ArrayLike) -> list[int]:
+    """Indices, the worst first, of the joints that cannot be observed: they cost UNTOLD or more."""
+    spread = np.asarray(spread, float)
+    return [int(j) for j in np.argsort(-spread, kind="stable") if spread[j] >= UNTOLD]
 
 
 def weak_joints(spread: ArrayLike) -> list[int]:

@@ -14,6 +14,7 @@ from ..servo.minimise import minimise
 from ..servo.surrogate import LEAST_NOISE, learn
 from ..session import Session
 from ..snapshot import Snapshot
+from .observability import untold_joints
 
 VISITS = 60  # evenly from all motions
 REACH = np.radians(8.0)  # about the posture, within which a lower E is looked for
@@ -21,7 +22,6 @@ NEAR = np.radians(1.5)  # a posture nearer than that to where E should be least 
 CERTAIN = np.radians(0.5)  # rather more than servos ask for
 NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 NO_CONFLICT = 0.01  # px², which nobody could see
-UNTOLD = np.radians(20.0)  # a pixel
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Assessment:
     @property
     def untold(self) -> list[int]:
         """Indices of the joints that nothing tells, the worst first."""
-        return [int(k) for k in np.argsort(-self.spread, kind="stable") if self.spread[k] > UNTOLD]
+        return untold_joints(self.spread)
 
     @property
     def certain(self) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.observability import weak_joints
+from ..analysis.observability import UNTOLD, untold_joints, weak_joints
 from . import svg
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing where a landscape has no place
@@ -26,45 +26,63 @@ def draw_observability(joints: Sequence[int], spread: NDArray) -> str:
 
 
 def draw_bars(joints: Sequence[int], spread: NDArray, width: float, row: float) -> str:
-    """A row a joint: its name, a bar from 0, the degrees; weakly observable ones amber and with a diamond."""
-    degrees = np.degrees(spread)
-    largest = np.max(degrees[np.isfinite(degrees)], initial=1e-9)
-    weak, parts, thick = weak_joints(spread), [], min(BAR, row - 3)
+    """A row a joint: its name, a bar from 0, the degrees; weakly observable ones amber and with a diamond, those that
+    are not observable as long as there is room."""
+    degrees, untold, weak = np.degrees(spread), untold_joints(spread), weak_joints(spread)
+    largest, longest = np.max(np.delete(degrees, untold), initial=1e-9), width - LEFT - RIGHT
+    parts, thick = [], min(BAR, row - 3)
     for k, (joint, value) in enumerate(zip(joints, degrees)):
-        y = row * (k + 0.5)
-        length = (width - LEFT - RIGHT) * min(value / largest, 1.0)
-        kind = "vi-amber" if k in weak else "vi-bar-cost"
+        y, amber = row * (k + 0.5), k in weak or k in untold
+        length = longest if k in untold else longest * value / largest
+        words, x = _cost(value), LEFT + 6 if k in untold else LEFT + length + 6
+        kind = "vi-amber" if amber else "vi-bar-cost"
         parts.append(
             svg.text(LEFT - 8, y + 4, svg.joint_symbol(joint), "vi-end")
             + f'<rect class="{kind}" x="{LEFT}" y="{y - thick / 2:.1f}" width="{length:.1f}" height="{thick:.1f}"/>'
-            + svg.text(LEFT + length + 6, y + 4, _degrees(value), "vi-b" if k in weak else "")
+            + svg.text(x, y + 4, words, f"vi-b{' vi-halo' if k in untold else ''}" if amber else "")
         )
-        if k in weak:
-            mark = np.array([[LEFT + length + 12 + 6.4 * len(_degrees(value)), y]])
+        if amber:
+            mark = np.array([[max(LEFT + length + 8, x + 6 + 6.4 * len(words)), y]])
             parts.append(f'<path class="vi-amber" d="{svg.diamonds(mark, 4.5)}"/>')
     return "".join(parts)
 
 
 def sentences(joints: Sequence[int], spread: NDArray) -> list[str]:
-    """Which joints are weakly observable, in short lines."""
-    degrees, weak = np.degrees(spread), weak_joints(spread)
+    """Which joints are not observable, or weakly, in short lines."""
+    degrees, untold = np.degrees(spread), untold_joints(spread)
+    weak = [k for k in weak_joints(spread) if k not in untold]
+    rest = np.delete(degrees, [*untold, *weak])
+    most = f"{_cost(rest.max())} at most" if len(rest) else ""
+    if untold:
+        others = np.delete(degrees, untold)
+        ending = (
+            f"1 px costs {_cost(others.max())} at most at the others."
+            if len(others)
+            else "Its posture is anyone's guess."
+        )
+        return [f"{_named(joints, untold)} not observable: hardly anything in the images tells.", ending]
     if not weak:
-        return [f"No joint is much weaker than the others: 1 px costs {_degrees(degrees.max())} at most."]
-    named = [str(joints[k]) for k in weak]
-    costs = _listed([_degrees(degrees[k]) for k in weak])
-    rest = np.delete(degrees, weak)
-    first = f"Joint {named[0]} is" if len(weak) == 1 else f"Joints {_listed(named)} are"
-    return [f"{first} weakly observable:", f"1 px costs {costs} there, {_degrees(rest.max())} at most at the others."]
+        return [f"No joint is much weaker than the others: 1 px costs {most}."]
+    costs = _listed([_cost(degrees[k]) for k in weak])
+    return [f"{_named(joints, weak)} weakly observable:", f"1 px costs {costs} there, {most} at the others."]
 
 
 def described(joints: Sequence[int], spread: NDArray) -> str:
     """All joints in a few words, for a caption."""
-    costs = (f"{svg.joint_symbol(joint)} {_degrees(value)}" for joint, value in zip(joints, np.degrees(spread)))
-    return f"1 px costs {', '.join(costs)}"
+    untold, degrees = untold_joints(spread), np.degrees(spread)
+    told = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in untold]
+    costs = f"1 px costs {', '.join(told)}" if told else ""
+    blind = f"{', '.join(svg.joint_symbol(joints[k]) for k in sorted(untold))} not observable" if untold else ""
+    return "; ".join(filter(None, (costs, blind)))
 
 
-def _degrees(value: float) -> str:
-    return svg.number(value) + ("°" if np.isfinite(value) else "")
+def _named(joints: Sequence[int], indices: Sequence[int]) -> str:
+    numbers = [str(joints[k]) for k in indices]
+    return f"Joint {numbers[0]} is" if len(numbers) == 1 else f"Joints {_listed(numbers)} are"
+
+
+def _cost(degrees: float) -> str:
+    return "not observable" if degrees >= np.degrees(UNTOLD) else svg.number(degrees) + "°"
 
 
 def _listed(words: Sequence[str]) -> str:

@@ -37,6 +37,11 @@ class Layout:
         self._upper.dock_right()
         self._upper.set_width(WIDTHS[self.wide])
         self._lower.dock_below(self._upper)
+        for panel in (
+            self._upper,
+            self._lower,
+        ):  # on a phone, where panels are sections of one sheet, that begin closed
+            panel.expand()
 
     def _tab(self, panel, name: str) -> AbstractContextManager:
         if name not in self._tabs:

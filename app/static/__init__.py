@@ -4,7 +4,7 @@ from pathlib import Path
 
 from viewimit.drawing.theme import DRAWING_CSS, font_face, variables
 
-PAGE_CSS = Path(__file__).with_name("page.css").read_text("utf-8")
+PAGE_CSS = "\n".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("page.css", "layout.css"))
 
 
 def stylesheet() -> str:

@@ -227,7 +227,7 @@ class TestImages:
             method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
             monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
             snapshot = replace(session.snapshot)
-            row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot), 0)
+            row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot))
             assert shape is None or shape in row
             assert word in row and (word or "high" not in row)
 

@@ -19,6 +19,7 @@ from .method import MethodPanel
 from .panel import Panel
 from .playback import PlaybackPanel
 from .status import StatusPanel
+from .views import ViewsPanel
 
 PANELS: list[type[Panel]] = [
     PlaybackPanel,
@@ -30,6 +31,7 @@ PANELS: list[type[Panel]] = [
     DisplayPanel,
     KeysPanel,
     StatusPanel,
+    ViewsPanel,
     ImagesPanel,
     ConflictPanel,
     LandscapePanel,

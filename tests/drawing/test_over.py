@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from drawn import marked, parsed
 
-from viewimit.drawing.image_planes import BOXES, image_windows
+from viewimit.drawing.image_planes import SIZES, image_windows
 from viewimit.drawing.over.links import SINK
 from viewimit.drawing.over.points import HIT, LEAST, point_links, point_places
 
@@ -55,4 +55,4 @@ class TestPoints:
             for k, (one, r) in enumerate(there):
                 for other, other_r in there[:k]:
                     assert np.hypot(*(one - other)) >= r + other_r - 0.2 or r == other_r == LEAST
-                assert (0 <= one).all() and (one <= BOXES[False][view][2:]).all()
+                assert (0 <= one).all() and (one <= SIZES[False][view]).all()

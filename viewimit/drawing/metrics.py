@@ -13,6 +13,7 @@ from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
 COLUMNS = (0, 80, 154, 276, 364)  # px
+LEGEND_SIZES, METRICS_SIZE = {False: (126, 112), True: (424, 36)}, (424, 36)  # px; a legend's by whole frames
 
 
 @lru_cache(256)
@@ -31,14 +32,12 @@ def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
         entries.append(('<path class="vi-line" d="M0 0H20"/>', "line from left"))
         entries.append(('<path class="vi-line vi-from-right" d="M0 0H20"/>', "line from right"))
         entries.append(('<path class="vi-line vi-partner" d="M0 0H20"/>', "line from partner"))
-    size, places = (126, 112), [(2, 11 + 14 * i) for i in range(8)]
-    if whole:
-        size, places = (424, 36), [(104 * (i % 4), 10 + 18 * (i // 4)) for i in range(8)]
-    parts = []
+    places = [(104 * (i % 4), 10 + 18 * (i // 4)) if whole else (2, 11 + 14 * i) for i in range(8)]
+    (width, height), parts = LEGEND_SIZES[whole], []
     for (x, y), (mark, words) in zip(places, entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
         parts.append(f'<g transform="translate({x} {y})">{mark}{label}</g>')
-    return f'<svg class="vi vi-legend" viewBox="0 0 {size[0]} {size[1]}">{"".join(parts)}</svg>'
+    return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 
 def residual_lengths(snapshot: Snapshot) -> NDArray:
@@ -71,7 +70,7 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
         ("red" if few else "", "points seen", f"{used}", f" of {count}"),
     )
     drawn = "".join(_metric(x, *column) for x, column in zip(COLUMNS, columns))
-    return f'<svg class="vi vi-metrics" viewBox="0 0 424 36">{drawn}</svg>'
+    return f'<svg class="vi vi-metrics" viewBox="0 0 {METRICS_SIZE[0]} {METRICS_SIZE[1]}">{drawn}</svg>'
 
 
 def gauge(condition: float) -> tuple[str, str]:

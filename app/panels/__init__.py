@@ -10,6 +10,7 @@ from .disturbances import DisturbancesPanel
 from .duel import DuelPanel
 from .equations import ConflictPanel, EquationsPanel, LawPanel
 from .experiments import ExperimentsPanel
+from .glossary import GlossaryPanel
 from .history import HistoryPanel
 from .images import ImagesPanel
 from .keys import KeysPanel
@@ -30,6 +31,7 @@ PANELS: list[type[Panel]] = [
     DisturbancesPanel,
     DisplayPanel,
     KeysPanel,
+    GlossaryPanel,
     StatusPanel,
     ViewsPanel,
     ImagesPanel,

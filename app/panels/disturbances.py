@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from viewimit.drawing.glossary import beside, key_of
 from viewimit.settings import MOST_SEED, Settings
 
 from ..control.commands.method import change_disturbance, change_seed
@@ -36,6 +37,8 @@ class DisturbancesPanel(Panel):
         """It reaches farther if the page is asked to begin there."""
         begun = amount.shown(settings)
         low, high = min(amount.low, begun), max(amount.high, begun)
+        if (key := key_of(amount.label)) is not None:
+            layout.gui.add_html(beside(key))
         slider = layout.gui.add_slider(amount.label, low, high, amount.step, amount.low, hint=amount.hint)
         layout.queue.on_value(slider, partial(change_disturbance, amount))
         self._sliders.append((slider, amount))

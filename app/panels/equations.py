@@ -1,6 +1,7 @@
 """The paper's equations with their present numbers; in a wide window some stand under what they belong to."""
 
 from viewimit.drawing.equations import draw_conflict, draw_equations, draw_law
+from viewimit.drawing.glossary import asks
 
 from ..control.state import PageState
 from .panel import SLOWEST, Layout, Panel
@@ -11,6 +12,7 @@ class EquationsPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         with layout.tab("Equations"):
             self._equations = layout.gui.add_html("")
+            layout.gui.add_html(asks(("lambda", "rho", "D")))
 
     def period(self, state: PageState) -> float:
         return SLOWEST

@@ -4,6 +4,7 @@ from html import escape
 
 from viser import Icon
 
+from viewimit.drawing.glossary import asks
 from viewimit.experiments import EXPERIMENTS
 
 from ..control.commands.experiments import (
@@ -45,6 +46,7 @@ class ExperimentsPanel(Panel):
             with gui.add_folder("Demonstrator's motion", expand_by_default=False):
                 self._build_motion(layout)
             self._verdict = gui.add_html("")
+            gui.add_html(asks(("Q", "bias", "basin")))
         queue.on_value(self._experiment, ChooseExperiment.parse)
         queue.on_value(self._trajectory, ChooseMotion.parse)
         queue.on_click(self._run, RunOrCancel())

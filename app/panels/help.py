@@ -1,5 +1,6 @@
 """The help panel: what the page shows, in reading order, and its keys."""
 
+from viewimit.drawing.glossary import listed
 from viewimit.servo import SERVOS
 from viewimit.transfer import TRANSFERS
 
@@ -40,4 +41,5 @@ def help_html(keys: str) -> str:
         + "</dl>"
         for title, methods in METHODS
     )
-    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{note}</div>'
+    words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
+    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{words}{note}</div>'

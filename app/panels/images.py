@@ -10,7 +10,7 @@ from .widgets import put_html
 
 class ImagesPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._wide, self._address = layout.wide, layout.address
+        self._address = layout.address
         with layout.upper_tab("Images"):
             self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
 
@@ -31,7 +31,6 @@ class ImagesPanel(Panel):
             windows,
             view.chosen,
             view.whole_frames,
-            wide=self._wide,
             pictures=state.pictures,
         )
         if self._address is not None:

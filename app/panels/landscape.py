@@ -2,6 +2,8 @@
 
 from viser import Icon
 
+from viewimit.drawing.glossary import ask, asks
+
 from ..control.commands.display import ToggleComparison
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
@@ -11,6 +13,7 @@ COMPARE, ALONE = (
     ("Compare all transfers", Icon.LAYOUT_GRID),
     ("This transfer alone", Icon.SQUARE),
 )  # what the button does
+WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
 
 
 class LandscapePanel(Panel):
@@ -18,7 +21,8 @@ class LandscapePanel(Panel):
         gui = layout.gui
         with layout.tab("Landscape"):
             self._landscape, self._path = gui.add_html(""), gui.add_html("")
-            self._transfers = gui.add_html("", visible=False)
+            self._cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')
+            self._transfers, self._words = gui.add_html("", visible=False), gui.add_html(WORDS, visible=False)
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row vi-quiet"></span>')
                 self._compare = gui.add_button(COMPARE[0], icon=COMPARE[1])
@@ -45,5 +49,7 @@ class LandscapePanel(Panel):
         put_html(self._transfers, state.transfers or "")
         put_visible(self._landscape, alone)
         put_visible(self._path, alone)
+        put_visible(self._cost, alone)
         put_visible(self._transfers, not alone)
+        put_visible(self._words, not alone)
         put_label(self._compare, *(COMPARE if alone else ALONE))

@@ -1,5 +1,7 @@
 """Transfer, servo, and the joints that imitate."""
 
+from viewimit.drawing.glossary import beside
+
 from ..control.commands.method import FreeJoints, change_servo, change_transfer
 from ..control.joints import chosen_joints, joint_choices
 from ..control.names import servo_names, transfer_names
@@ -13,9 +15,11 @@ class MethodPanel(Panel):
         gui, queue, settings = layout.gui, layout.queue, state.settings
         transfers, servos = transfer_names(), servo_names()
         with gui.add_folder("Method"):
+            gui.add_html(beside("transfer"))
             self._transfer = gui.add_dropdown(
                 "Transfer", list(transfers.values()), initial_value=transfers[settings.transfer]
             )
+            gui.add_html(beside("servo"))
             self._servo = gui.add_dropdown("Servo", list(servos.values()), initial_value=servos[settings.servo])
             self._joints = gui.add_dropdown("Joints", ["–"], initial_value="–")
         queue.on_value(self._transfer, change_transfer)

@@ -469,7 +469,7 @@ def drawings(session, silhouettes, picture):
     few = stepped(0, missing=0.5)
     return [
         drawn(session, 4, silhouettes),
-        drawn(session, None, silhouettes, whole_frames=True, wide=True),
+        drawn(session, None, silhouettes, whole_frames=True),
         drawn(few, 1),
         picture.html,
         picture.draw_path(session.history, session.cursor),
@@ -516,7 +516,7 @@ class TestEverything:
         session = stepped(3, scene=scene)
         shapes = Silhouettes(meshes(session.scene.robot), session.world)
         made = landscape_drawing.LandscapePicture(surface(session), session.scene, session.snapshot)
-        assert len(drawn(session, 3, shapes).encode()) < 12_000
+        assert len(drawn(session, 3, shapes).encode()) < 13_000
         assert len(made.html.encode()) < 24_000
         assert len(made.draw_path(session.history, session.cursor).encode()) < 4_000
         assert len(equations.draw_equations(session.snapshot).encode()) < 8_000

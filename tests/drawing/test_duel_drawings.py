@@ -208,7 +208,7 @@ class TestObservability:
         assert observability.described((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ not observable"
         said = observability.sentences((2, 4), spread)
         assert said[0].startswith("Joint 4 is not observable") and said[1] == "1 px costs 2.0° at most at the others."
-        assert words(observability.draw_bars((2, 4), spread, 200, 20)) == "θ₂2.0°θ₄not observable"
+        assert words(observability.draw_bars((2, 4), spread, 200, 20)) == "θ₂ 2.0° θ₄ not observable"
 
     def test_weak_joints_are_named_marked_and_beside_the_rest(self):
         html = observability.draw_observability((1, 2, 3, 4, 5), self.SPREAD)

@@ -99,6 +99,11 @@ def _card(equation: Equation) -> str:
     return f'<div class="vi-eq">{head}{_filled(equation)}{tail}</div>'
 
 
+def mathml(latex: str) -> str:
+    """Of LaTeX without holes."""
+    return _mathml(latex)[0]
+
+
 def _filled(equation: Equation) -> str:
     pieces = _mathml(equation.latex)
     filled = "".join(piece + value for piece, value in zip(pieces, [*equation.numbers, ""], strict=True))

@@ -119,14 +119,14 @@ def photograph(jpeg: bytes, window: Window, frame: tuple[int, int]) -> str:
     )
 
 
-def plane(view: str, window: Window, whole: bool, frame: tuple[int, int], caption: str, content: str) -> str:
+def plane(view: str, window: Window, whole: bool, frame: tuple[int, int], content: str) -> str:
     """A drawing of one image: background, the frame's border, content that is clipped, name, locator."""
-    below, above = _plane(view, window, whole, frame, caption)
+    below, above = _plane(view, window, whole, frame)
     return f"{below}{content}{above}</svg>"
 
 
 @lru_cache(256)
-def _plane(view: str, window: Window, whole: bool, frame: tuple[int, int], caption: str) -> tuple[str, str]:
+def _plane(view: str, window: Window, whole: bool, frame: tuple[int, int]) -> tuple[str, str]:
     """What lies under the content, and over it."""
     w, h = SIZES[whole][view]
     k = window.scale
@@ -137,8 +137,6 @@ def _plane(view: str, window: Window, whole: bool, frame: tuple[int, int], capti
     )
     name_x, end = (w - 5, " vi-end") if window.locator_left else (5, "")
     above = f'<text class="vi-name vi-halo{end}" x="{name_x}" y="15">{view}</text>'
-    if caption and not window.locator_left:
-        above += f'<text class="vi-2nd vi-halo" x="17" y="15">{caption}</text>'
     if not whole and view in "LR":
         above += _locator(window, w, frame)
     return below, above

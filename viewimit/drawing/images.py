@@ -10,6 +10,7 @@ from ..geometry.pairs import PAIRS
 from ..simulation.appearance import Bodies
 from ..snapshot import Snapshot
 from . import image_planes, svg
+from .glossary import ask
 from .image_planes import SIZES, Window, Windows
 from .metrics import draw_legend, draw_metrics, residual_lengths
 from .theme import HEAD, OBSERVED, RECOVERED, RING
@@ -18,7 +19,7 @@ GAINS = (10, 5, 2)
 SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
 INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T  # views that a line is drawn in, and whose points it is of
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
-CAPTIONS = {"L": "own left", "R": "own right", "l": "", "r": ""}
+CAPTIONS = {"own": "the learner sees itself", "demo": "sees the demonstrator"}  # over L and R, over l and r
 
 
 def draw_images(
@@ -28,7 +29,6 @@ def draw_images(
     chosen: int | None = None,
     whole_frames: bool = False,
     gain: float | None = None,
-    wide: bool = False,
     pictures: Mapping[str, bytes] = NO_PICTURES,
 ) -> str:
     """HTML of the panel: a drawing of each image, the legend and the figures, which the page places.
@@ -51,8 +51,11 @@ def draw_images(
         inside = behind + content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
         if view in "LR" and chosen is not None:
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
-        caption = CAPTIONS[view] if wide else ""
-        parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, caption, inside))
+        parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
+    parts += [
+        f'<div class="vi-caption vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
+        for pair, words in CAPTIONS.items()
+    ]
     parts.append(draw_legend(whole_frames, gain, chosen))
     parts.append(draw_metrics(snapshot, lengths))
     kind = f"vi-images{' vi-whole' if whole_frames else ''}{' vi-pictured' if pictures else ''}"

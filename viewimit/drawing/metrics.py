@@ -9,10 +9,11 @@ from ..geometry.affine import MIN_POINTS
 from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
 from . import svg
+from .glossary import ask, key_of
 from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
-COLUMNS = (0, 80, 154, 276, 364)  # px
+COLUMNS, LETTER = (0, 74, 144, 254, 350), 5.4  # px, LETTER of a label
 LEGEND_SIZES, METRICS_SIZE = {False: (126, 112), True: (424, 36)}, (424, 36)  # px; a legend's by whole frames
 
 
@@ -50,7 +51,7 @@ def residual_lengths(snapshot: Snapshot) -> NDArray:
 
 
 def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
-    """A drawing of E, mean and largest |e|, the transfer's condition, points seen. lengths: (k, 2) px."""
+    """E, mean and largest |e|, the transfer's condition, points seen, each with its "?". lengths: (k, 2) px."""
     known = lengths.size > 0
     mean, largest, where = np.nan, np.nan, ""
     if known:
@@ -70,7 +71,17 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
         ("red" if few else "", "points seen", f"{used}", f" of {count}"),
     )
     drawn = "".join(_metric(x, *column) for x, column in zip(COLUMNS, columns))
-    return f'<svg class="vi vi-metrics" viewBox="0 0 {METRICS_SIZE[0]} {METRICS_SIZE[1]}">{drawn}</svg>'
+    asked = _asks(tuple((label.split(":")[0], len(label)) for _, label, _, _ in columns))
+    box = f"0 0 {METRICS_SIZE[0]} {METRICS_SIZE[1]}"
+    return f'<div class="vi-metrics"><svg class="vi" viewBox="{box}">{drawn}</svg>{asked}</div>'
+
+
+@lru_cache(32)
+def _asks(labels: tuple[tuple[str, int], ...]) -> str:
+    """A "?" behind each label. labels: what is asked about, and how many letters the label has."""
+    keys = [key_of(symbol) for symbol, _ in labels]
+    places = [100 * (x + LETTER * letters + 3) / METRICS_SIZE[0] for x, (_, letters) in zip(COLUMNS, labels)]
+    return "".join(ask(key, f"left:{place:.1f}%") for key, place in zip(keys, places) if key is not None)
 
 
 def gauge(condition: float) -> tuple[str, str]:

@@ -13,6 +13,7 @@ from .labels import Labels
 WIDTH = 424
 LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot
 MOST_HIGH = 212  # px of the plot
+ASKED = 14  # px behind the note, for a "?"
 PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene without two moving joints
 
 
@@ -98,7 +99,7 @@ class PosturePlane:
             self.frame("vi-axis"),
             svg.text(left, bottom + 29, f"contours: {contours}", "vi-2nd"),
             svg.text(left + w / 2, bottom + 29, self._joints[1], "vi-mid"),
-            svg.text(left + w, bottom + 29, note, "vi-2nd vi-end") if note else "",
+            svg.text(left + w - ASKED, bottom + 29, note, "vi-2nd vi-end") if note else "",
             svg.text(left - 8, top + h / 4 + 4, self._joints[0], "vi-end"),
         ]
         ticks = []

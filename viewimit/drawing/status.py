@@ -17,6 +17,7 @@ from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
 from ..transfer.transfer import FLAT, FLATNESS
 from . import svg
+from .glossary import ask, glossary
 from .metrics import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
@@ -73,12 +74,19 @@ BETWEEN = (
 
 @dataclass(frozen=True)
 class Said:
-    """What the learner says: state, of TITLES; of what: what its title is about; doubt: what makes it unsure."""
+    """What the learner says: state, of TITLES; of: what the title is about; doubt: what makes it unsure; probe: whether
+    it moves to learn."""
 
     state: str
     sentence: str
     of: str = ""
     doubt: str = ""
+    probe: bool = False
+
+    @property
+    def word(self) -> str:
+        """Of the glossary, "" if it needs none."""
+        return "probe" if self.probe else self.state if self.state in glossary() else ""
 
     @property
     def title(self) -> str:
@@ -106,7 +114,7 @@ def describe(
         return Said("ready", f"{E}; press space, or drag the demonstrator.", doubt=doubt)
     state, doing = "moving" if playing else "paused", _says(snapshot)
     trend = "" if snapshot.probe else _trend(snapshot, previous)
-    return Said(state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt)
+    return Said(state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt, probe=snapshot.probe)
 
 
 def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int]) -> Said:
@@ -171,10 +179,11 @@ def draw_status(said: Said, truth: str) -> str:
     words = f"<b>{svg.escape(said.title)}</b> · {svg.escape(said.sentence)}"
     if said.doubt:
         words += f" <i>{svg.escape(said.doubt)}</i>"
+    known, true = ask(said.word) if said.word else "", svg.escape(truth)
     return (
         f'<div class="vi-strip"><div class="vi-status"><div>{_icon(SHAPES.get(said.state, IDLE))}'
-        f'<em>Learner says</em><p role="status">{words}</p></div>'
-        f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{svg.escape(truth)}</p></div></div></div>'
+        f'<em>Learner says</em><p role="status">{words}</p>{known}</div>'
+        f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{true}</p>{ask("truth")}</div></div></div>'
     )
 
 

@@ -1,0 +1,79 @@
+"""The glossary: each entry is complete, shown in the help and behind a "?", and what is wrong with one is said."""
+
+import re
+
+import pytest
+from drawn import parsed
+from viewimit.app.panels.help import help_html
+
+from viewimit.drawing import glossary
+from viewimit.drawing.theme import ROLES
+from viewimit.session import Session
+from viewimit.transfer import TRANSFERS
+
+ENTRIES = glossary.glossary()
+
+
+@pytest.mark.parametrize("key", ENTRIES)
+def test_an_entry_has_a_card_and_stands_in_the_help(key):
+    card = next(box for box in parsed(glossary.cards()).iter("div") if box.get("id") == f"vi-word-{key}")
+    said, helped = "".join(card.itertext()), "".join(parsed(glossary.listed()).itertext())
+    for words in (ENTRIES[key].name, ENTRIES[key].symbol, ENTRIES[key].sentence, ENTRIES[key].good, ENTRIES[key].bad):
+        assert words in said and words in helped
+    assert (ENTRIES[key].formula == "") == (card.find(".//{http://www.w3.org/1998/Math/MathML}math") is None)
+    assert glossary.listed() in help_html("")
+
+
+@pytest.mark.parametrize("key", [key for key, entry in ENTRIES.items() if entry.show is not None])
+def test_what_an_entry_shows_can_be_shown(key):
+    session = Session(ENTRIES[key].show)
+    assert session.step() or session.snapshot.transfer is None
+
+
+def test_every_question_has_its_card():
+    for ask in (glossary.ask, glossary.beside):
+        button = parsed(ask("basin")).find(".//button")
+        assert f'id="{button.get("popovertarget")}"' in glossary.cards()
+        assert f"#{button.get('popovertarget')}{{position-anchor:" in glossary.cards()
+        assert button.get("aria-label") == "What is basin?"
+    assert [span.text.strip() for span in parsed(glossary.asks(("bias", "rho"))).iter("span")] == ["bias", "ρ"]
+
+
+def test_the_condition_of_every_transfer_is_explained():
+    assert all(glossary.key_of(transfer.condition_name) for transfer in TRANSFERS.values())
+    assert glossary.key_of("cond ridge") is None
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ('[E]\nname = "a"\nsymbol = "b"\n', "entry 'E': Object missing required field `sentence`"),
+        ('[E]\nname = "a"\nsymbol = "b"\nsentence = 3\n', r"entry 'E': .*\$\.sentence"),
+        ('[E]\nname = "a"\nsymbol = "b"\nsentence = "c"\nmood = "d"\n', "entry 'E': .*`mood`"),
+        (
+            '[E]\nname = "a"\nsymbol = "b"\nsentence = "c"\nshow = { noise_px = -1 }\n',
+            r"entry 'E': noise_px .*\$\.show",
+        ),
+        ("[E\n", "glossary.toml: "),
+        ("E = 1\n", "glossary.toml: "),
+    ],
+)
+def test_errors_name_entry_and_field(tmp_path, text, said):
+    path = tmp_path / "glossary.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=said) as error:
+        glossary.load(path)
+    assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize("ground", ["paper", "card"])
+@pytest.mark.parametrize("role", ["ink", "secondary", "recovered", "demonstrator-edge"])
+def test_its_type_has_contrast_in_both_schemes(role, ground):
+    def luminance(colour):
+        channels = [int(pair, 16) / 255 for pair in re.findall("..", colour[1:])]
+        r, g, b = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+    for colour, behind in zip(ROLES[role], ROLES[ground]):
+        low, high = sorted((luminance(colour), luminance(behind)))
+        assert (high + 0.05) / (low + 0.05) >= 4.5

@@ -1,0 +1,82 @@
+"""In a browser: the strip that says apart claim and truth, and the glossary's cards. One page for all."""
+
+import re
+
+import pytest
+from browsing import (
+    FOUR_IMAGES,
+    choose,
+    open_page,
+    pause,
+    press,
+    wait,
+    wait_for_count,
+    wait_for_status,
+)
+
+pytestmark = pytest.mark.browser
+STRIP, TRUTH, CARD = ".vi-strip", ".vi-truth p", ".vi-word:popover-open"
+
+
+@pytest.fixture(scope="module")
+def page(browser, server):
+    page = open_page(browser, server, "small")
+    choose(page, "Speed", "all it can")
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+def test_a_learner_that_cannot_tell_a_joint_does_not_say_that_it_arrived(page):
+    choose(page, "Preset", "Few points")
+    choose(page, "Speed", "all it can")
+    press(page, "Space")
+    said = wait_for_status(page, "Cannot tell θ₂")
+    assert "Arrived" not in said and "px of noise would turn" in said
+    wait(page, lambda: re.match(r"19\.\d° off, at θ₂: 25\.\d° instead of 45\.0°", page.text_content(TRUTH)))
+    strip, canvas = page.locator(STRIP).bounding_box(), page.locator("canvas").first.bounding_box()
+    assert strip["height"] <= 84 and strip["y"] + strip["height"] <= 720
+    assert canvas["x"] <= strip["x"] and strip["x"] + strip["width"] <= canvas["x"] + canvas["width"]
+    press(page, "Space")
+
+
+def opened(page, key):
+    """The card, above its "?", of which it leaves the number free."""
+    page.locator(f".vi-ask[popovertarget=vi-word-{key}]").click()
+    wait_for_count(page, CARD, 1, exactly=True)
+    card = page.locator(CARD)
+    ask, box = page.locator(f".vi-ask[popovertarget=vi-word-{key}]").bounding_box(), card.bounding_box()
+    assert box["y"] >= 0 and box["y"] + box["height"] <= ask["y"]
+    assert box["x"] >= 0 and box["x"] + box["width"] <= 1280
+    return card
+
+
+@pytest.mark.parametrize("key", ["E", "largest_e", "points_seen", "own_views", "demo_views", "cost", "servo", "truth"])
+def test_every_number_explains_itself(page, key):
+    card = opened(page, key)
+    assert len(card.text_content()) > 60
+    page.keyboard.press("Escape")
+    wait_for_count(page, CARD, 0, exactly=True)
+
+
+def test_a_card_stays_open_while_the_numbers_change(page):
+    choose(page, "Preset", "Paper, Section 5.3")
+    card = opened(page, "condition")
+    before, place = page.locator(FOUR_IMAGES).text_content(), card.bounding_box()
+    page.evaluate("document.activeElement.blur()")
+    press(page, "ArrowRight")
+    wait(page, lambda: page.locator(FOUR_IMAGES).text_content() != before)
+    pause(page)
+    assert page.locator(CARD).bounding_box() == place
+    page.locator(f"{CARD} .vi-close").click()
+    wait_for_count(page, CARD, 0, exactly=True)
+
+
+def test_a_question_is_reached_and_asked_by_keys(page):
+    page.locator(".vi-ask[popovertarget=vi-word-E]").focus()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.getAttribute('popovertarget')") == "vi-word-mean_e"
+    page.keyboard.press("Enter")
+    wait_for_count(page, CARD, 1, exactly=True)
+    page.keyboard.press("Escape")
+    wait_for_count(page, CARD, 0, exactly=True)

@@ -1,7 +1,7 @@
 """The landscape of E over two joints, and the path of the learner on it.
 
-The picture with shading and contours is made once a landscape; the path is an element of its own that lies
-over it, so that a motion resends only that.
+The picture with shading and contours is made once a landscape; the path and all labels, which keep off it, are an
+element of its own that lies over it, so that a motion resends only that.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from ..settings import Settings
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from . import relief, svg
+from .labels import Labels
 from .observability import described, draw_observability
 from .plots import figure
 from .posture_plane import PosturePlane
@@ -25,6 +26,7 @@ INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
 NOW = 5.8  # px, radius of the big dot
+CLEAR = 3.0  # px on both sides of the path that labels leave free
 
 
 class LandscapePicture:
@@ -44,7 +46,12 @@ class LandscapePicture:
         contours: str | None = None,
     ):
         self._plane = plane = PosturePlane(scene)
-        self._above = ""  # marks and their labels, over the path
+        self._above = ""  # marks, over the path
+        self._named: list[tuple[NDArray, str, str, bool]] = []  # marks to be led to: px, words, class, from the left
+        self._levels: list[relief.Level] = []
+        self._placed: tuple[tuple[int, int], Snapshot, Labels, str, str] | None = (
+            None  # of which moment, and its labels
+        )
         self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
         if not plane.has_plane and spread is not None:
@@ -64,7 +71,8 @@ class LandscapePicture:
 
     def draw_alone(self, settings: Settings) -> str:
         """The picture without a path, with the words of what it was made."""
-        inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._above}</g>'
+        labels = self._labels(self._plane.labels.copy())
+        inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._above}{labels}</g>'
         return figure(settings, inside, height=self._plane.height + CAPTION)
 
     def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None = None) -> str:
@@ -86,19 +94,35 @@ class LandscapePicture:
             parts.append(f'<path class="vi-dot-own" d="{svg.dots(points[: done - 1][~probe])}"/>')
             if probe.any():
                 parts.append(f'<path class="vi-probe-own" d="{svg.circles(points[: done - 1][probe], 2.6)}"/>')
-        parts += [_dot(now), self._in_inset(line), self._above, self._now_labels(points[0], now, shown, cursor)]
+        words = self._words(history, cursor, theta, points)
+        parts += [_dot(now), self._in_inset(line), self._above, words]
         return self._plane.wrap("".join(parts), "vi-over")
 
-    def _now_labels(self, start: NDArray, now: NDArray, theta: NDArray, cursor: int) -> str:
-        labels = self._plane.labels.copy()
-        (x, y), (start_x, start_y) = now.tolist(), start.tolist()
-        labels.take_point(now, 7)
-        name = "now" if cursor else "start"
-        words = f"{name} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
-        label = labels.beside(x, y, words, "vi-of-own vi-halo", 11)
-        if cursor and max(abs(x - start_x), abs(y - start_y)) > 20:
-            label += labels.beside(start_x, start_y, "start", "vi-2nd vi-halo", 8)
-        return label
+    def _words(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None, points: NDArray) -> str:
+        """All labels; those but the learner's own stay while the arm is on its way. points: (k, 2) px of the path."""
+        about, present = (len(history), cursor), history[cursor]
+        if self._placed is None or self._placed[:2] != (about, present):
+            labels = self._plane.labels.copy()
+            labels.take_line(points, CLEAR)
+            now, start = self._plane.place(np.degrees(present.theta)), points[0]
+            labels.take_points(now, NOW)
+            own, others = self._now(labels, present.theta, cursor), ""
+            if cursor and np.abs(now - start).max() > 20:
+                others = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
+            self._placed = about, present, labels, own, others + self._labels(labels)
+        *_, labels, own, others = self._placed
+        return others + (own if theta is None else self._now(labels.copy(), theta, cursor))
+
+    def _now(self, labels: Labels, theta: NDArray, cursor: int) -> str:
+        """The learner's own label at theta, (m,) rad."""
+        x, y = self._plane.place(np.degrees(theta)).tolist()
+        words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
+        return labels.beside(x, y, words, "vi-of-own vi-halo", 11)
+
+    def _labels(self, labels: Labels) -> str:
+        """Of the marks and of the contours, where there is room."""
+        led = "".join(labels.led(x, y, words, kind, to_left) for (x, y), words, kind, to_left in self._named)
+        return led + relief.draw_levels(self._levels, labels)
 
     def _draw(self, landscape: Landscape, snapshot: Snapshot) -> str:
         plane, labels = self._plane, self._plane.labels
@@ -106,29 +130,20 @@ class LandscapePicture:
         demo, lowest = np.degrees(snapshot.theta_demo), np.degrees(landscape.minimum)
         marks = plane.place(np.stack([demo, lowest]))
         start = plane.place(np.array(snapshot.settings.start_deg))
-        for mark in marks:
-            labels.take_point(mark, 8)
-        # where the path will probably run
-        way = [labels.take_point(start + share * (marks[1] - start), 7) for share in np.linspace(0, 0.9, 12)]
+        labels.take_points(marks, 8)
         inset = ""
         fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
-        if fine and np.max(np.abs(demo - lowest)) < CLOSE_DEG:
+        room = min(plane.box[2:]) > 2 * INSET
+        if fine and room and np.max(np.abs(demo - lowest)) < CLOSE_DEG:
             inset = self._inset(landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start])
-        self._above = _marks(marks) + self._leaders(marks, demo, lowest) + self._above
-        contours = relief.contours(grid, landscape.E, labels, marks[1])
-        labels.release(way)
-        return relief.shading(grid, landscape.E, plane.box) + contours + inset
-
-    def _leaders(self, marks: NDArray, demo: NDArray, lowest: NDArray) -> str:
-        """Labels of the two marks, led to from where there is room."""
-        left_first = marks[0, 0] <= marks[1, 0] + 1
+        self._above = _marks(marks) + self._above
+        left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
         named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))
-        parts = []
         for k, (name, posture, kind) in enumerate(named):
             words = f"{name} ({svg.number(posture[0], 0)}°, {svg.number(posture[1], 0)}°)"
-            x, y = marks[k].tolist()
-            parts.append(self._plane.labels.led(x, y, words, kind, to_left=(k == 0) == left_first))
-        return "".join(parts)
+            self._named.append((marks[k], words, kind, (k == 0) == left_first))
+        self._levels = relief.level_places(grid, landscape.E, labels.bounds, marks[1])
+        return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E) + inset
 
     def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:
         """What lies around both marks, enlarged, in the corner of the plot farthest from busy px."""
@@ -137,7 +152,7 @@ class LandscapePicture:
         middle = max(corners, key=lambda corner: min(np.hypot(*(corner - point)) for point in busy))
         centre = (demo + lowest) / 2
         self._zoom = middle, centre
-        self._plane.labels.take_point(middle, side + 3)
+        self._plane.labels.take_points(middle, side + 3)
         near = [
             np.flatnonzero(np.abs(np.degrees(axis) - c) < CLOSE_DEG + 1.5) for axis, c in zip(landscape.axes, centre)
         ]

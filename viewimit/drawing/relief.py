@@ -7,6 +7,7 @@ import base64
 import io
 import itertools
 import secrets
+from collections.abc import Iterable, Sequence
 from typing import cast
 
 import numpy as np
@@ -28,6 +29,7 @@ AWAY = np.radians(40)  # a label may stand off its ray by that
 _OWN, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes meet in one page
 
 Grid = tuple[NDArray, NDArray]
+Level = tuple[str, NDArray]  # words, and places (k, 4) px for them
 
 
 def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
@@ -69,25 +71,34 @@ def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, flo
     )
 
 
-def plain_contours(grid: Grid, E: NDArray) -> str:
-    """Contours at levels 1, 2, 5 …, without labels."""
+def contours(grid: Grid, E: NDArray) -> str:
+    """Contours at levels 1, 2, 5 …"""
     generator = _generator(grid, E)
     lines = [_thin(line) for level in _levels(E) for line in _lines(generator, level)]
     return f'<path class="vi-contour" d="{"".join(map(svg.path, lines))}"/>'
 
 
-def contours(grid: Grid, E: NDArray, labels: Labels, lowest: NDArray) -> str:
-    """Contours at levels 1, 2, 5 …, each labelled on two rays from `lowest` (2,) px to the plot's far corners."""
-    generator = _generator(grid, E)
-    paths: list[str] = []
-    texts: list[str] = []
-    rays = _rays(labels, lowest)
+def level_places(grid: Grid, E: NDArray, bounds: Sequence[float], lowest: NDArray) -> list[Level]:
+    """Where the contours' levels may stand, the better places first: each on two rays from `lowest`, (2,) px, to the
+    plot's far corners. bounds: left, top, right, bottom px."""
+    generator, found = _generator(grid, E), []
+    rays = _rays(bounds, lowest)
     for level in _levels(E):
         lines = [_thin(line) for line in _lines(generator, level)]
-        paths.extend(svg.path(line) for line in lines)
-        for ray in rays:
-            texts.append(_label(lines, f"{level:g}", labels, lowest, ray))
-    return f'<path class="vi-contour" d="{"".join(paths)}"/>{"".join(texts)}'
+        if lines:
+            found += [(f"{level:g}", _places(np.concatenate(lines), f"{level:g}", lowest, ray)) for ray in rays]
+    return found
+
+
+def draw_levels(levels: Iterable[Level], labels: Labels) -> str:
+    """Those for which there is room."""
+    drawn = []
+    for words, places in levels:
+        place = labels.take_first_free(places) if len(places) else None
+        if place is not None:
+            left, top, right, bottom = place.tolist()
+            drawn.append(svg.text((left + right) / 2, (top + bottom) / 2 + 4, words, "vi-2nd vi-halo vi-mid"))
+    return "".join(drawn)
 
 
 def fine_contours(grid: Grid, E: NDArray) -> str:
@@ -127,29 +138,20 @@ def _thin(line: NDArray) -> NDArray:
     return line[svg.thinned(len(line), max(int(length / SPACING) + 1, 8))]
 
 
-def _rays(labels: Labels, lowest: NDArray) -> list[float]:
+def _rays(bounds: Sequence[float], lowest: NDArray) -> list[float]:
     """Directions towards the corner farthest from `lowest`, and away from it."""
-    left, top, right, bottom = labels.bounds
+    left, top, right, bottom = bounds
     corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)]) - lowest
     farthest = corners[np.argmax((corners * corners).sum(1))]
     angle = float(np.arctan2(farthest[1], farthest[0]))
     return [angle, angle + np.pi]
 
 
-def _label(lines: list[NDArray], words: str, labels: Labels, lowest: NDArray, ray: float) -> str:
-    """On the contour where it crosses the ray, or beside that where something is in the way."""
-    if not lines:
-        return ""
-    points = np.concatenate(lines)
+def _places(points: NDArray, words: str, lowest: NDArray, ray: float) -> NDArray:
+    """(k, 4) px: on a contour through (n, 2) px, where it crosses the ray, then beside that."""
     x, y = (points - lowest).T
     off = np.abs((np.arctan2(y, x) - ray + np.pi) % (2 * np.pi) - np.pi)
-    w, h = CHARACTER * len(words) + 8, LINE + 2
-    for k in np.argsort(off)[:120:3]:
-        if off[k] > AWAY:
-            break
-        cx, cy = points[k]
-        place = cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2
-        if labels.overlap(*place) == 0:
-            labels.take(*place)
-            return svg.text(cx, cy + 4, words, "vi-2nd vi-halo vi-mid")
-    return ""
+    nearest = np.argsort(off)[:120:3]
+    middle = points[nearest[off[nearest] <= AWAY]]
+    half = np.array([CHARACTER * len(words) + 8, LINE + 2]) / 2
+    return np.concatenate([middle - half, middle + half], 1)

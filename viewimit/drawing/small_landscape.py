@@ -29,7 +29,7 @@ def draw_small(plane: PosturePlane, found: Landscape, minima: NDArray, theta_dem
         parts.append(plane.message("nowhere are five points seen"))
     else:
         grid = plane.grid(found.axes)
-        parts += [relief.shading(grid, E, plane.box), relief.plain_contours(grid, E)]
+        parts += [relief.shading(grid, E, plane.box), relief.contours(grid, E)]
     demo = plane.place(np.degrees(theta_demo))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
     for k, place in enumerate(plane.place(np.degrees(minima[np.isfinite(minima).all(1)]))):

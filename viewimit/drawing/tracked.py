@@ -63,10 +63,8 @@ def _view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[s
         parts.append(f'<path class="vi-found" d="{svg.diamonds(found, RECOVERED)}"/>')
         parts.append(f'<path class="vi-e" d="{svg.segments(found, places)}"/>')
         parts.append(f'<path class="vi-tip" d="{svg.arrow_tips(found[None], places[None], HEAD)[0]}"/>')
-        for place in found:
-            labels.take_point(place, RECOVERED)
-    for place in places:
-        labels.take_point(place, DOT)
+        labels.take_points(found, RECOVERED)
+    labels.take_points(places, DOT)
     for (u, v), name in zip(places.tolist(), names):
         parts.append(_dot("vi-seen" if view in "lr" else "vi-point", u, v))
         parts.append(labels.beside(u, v, name, "vi-halo", DOT + 2))

@@ -45,10 +45,9 @@ def _panel(plane: PosturePlane, found: Fig8, name: str) -> tuple[str, str, str]:
         return name, "", background + plane.message("nowhere are five points seen")
     grid, lowest = plane.grid(surface.landscape.axes), plane.place(np.degrees(surface.landscape.minimum))
     labels = plane.labels.copy()
-    for place in (lowest, plane.place(found.demonstrator_deg)):
-        labels.take_point(place, 9)
-    contours = relief.contours(grid, E, labels, lowest)
-    drawn = relief.shading(grid, E, plane.box) + contours + _marks(plane, found, surface)
+    labels.take_points(np.stack([lowest, plane.place(found.demonstrator_deg)]), 9)
+    levels = relief.draw_levels(relief.level_places(grid, E, labels.bounds, lowest), labels)
+    drawn = relief.shading(grid, E, plane.box) + relief.contours(grid, E) + levels + _marks(plane, found, surface)
     return name, f"E {svg.short(np.nanmin(E), 10)} … {svg.short(np.nanmax(E), 10)} px²", background + drawn
 
 

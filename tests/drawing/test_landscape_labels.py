@@ -1,0 +1,105 @@
+"""No label of a landscape covers another, the path, a mark or the inset, whatever robot, range and start."""
+
+import re
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+from drawn import LABELS, LEARNERS_PATH, LEVEL_NUMBERS, marked, only, parsed, path
+
+from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.drawing.labels import CHARACTER, LINE, Labels
+from viewimit.drawing.landscape import LandscapePicture
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.session import Session
+from viewimit.settings import Settings
+from viewimit.transfer import TRANSFERS
+
+SITUATIONS = {
+    "default": Settings(),
+    "paper": Settings(servo="gradient-retuned", start_deg=(25, -45)),
+    "corner": Settings(demonstrator_deg=(85, -5), start_deg=(5, -175)),
+    "beside": Settings(demonstrator_deg=(30, -140), start_deg=(32, -138), transfer="linear"),
+    "low": Settings(demonstrator_deg=(70, -60), start_deg=(90, 0), transfer="projective", servo="trust-region"),
+    "searching": Settings(servo="trust-region", start_deg=(25, -25)),
+    "few": Settings(points=5, start_deg=(25, -45)),
+    "facing": Settings(scene="panda-facing", start_deg=(25, -45)),
+    "iiwa": Settings(scene="iiwa", start_deg=(25, -25)),
+    "other joints": Settings(joints=(1, 2)),
+    "narrow": Settings(joints=(4, 6)),
+}
+
+
+def drawn(settings):
+    """The session after its motions, and all that its landscape shows."""
+    session = Session(settings)
+    session.run(120)
+    views, fit = session.snapshot.views, TRANSFERS[settings.transfer]
+    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    picture = LandscapePicture(made, session.scene, session.snapshot)
+    return session, parsed(picture.html + picture.draw_path(session.history, session.cursor))
+
+
+def boxes(root):
+    """(k, 4) px of all labels, as wide as they are at most drawn."""
+    found = []
+    for text in marked(root, "text", LABELS):
+        if text.text.startswith("±"):
+            continue  # inside the inset
+        x, y, half = float(text.get("x")), float(text.get("y")) - 10, 0.45 * CHARACTER * len(text.text)
+        found.append((x - half, y, x + half, y + LINE - 3))
+    return np.array(found)
+
+
+def inside(points, box):
+    left, top, right, bottom = box
+    x, y = points.T
+    return (x > left) & (x < right) & (y > top) & (y < bottom)
+
+
+@pytest.mark.parametrize("name", SITUATIONS)
+def test_labels_keep_off_each_other_the_path_the_marks_and_the_inset(name):
+    session, root = drawn(SITUATIONS[name])
+    labels = boxes(root)
+    assert len(labels) >= 3
+    for k, (left, top, right, bottom) in enumerate(labels):
+        others = np.delete(labels, k, 0)
+        assert ((others[:, 2] < left) | (right < others[:, 0]) | (others[:, 3] < top) | (bottom < others[:, 1])).all()
+    corners = np.array(re.findall(r"-?[\d.]+", path(root, LEARNERS_PATH)), float).reshape(-1, 2)
+    steps = np.linspace(0, 1, 50)[:, None, None]
+    line = (corners[:-1] + steps * np.diff(corners, axis=0)).reshape(-1, 2)
+    plane = PosturePlane(session.scene)
+    marks = plane.place(np.degrees([session.snapshot.theta_demo, session.snapshot.theta]))
+    assert not any(inside(np.concatenate([line, marks]), box).any() for box in labels)
+    for frame in marked(root, "rect", "vi-inset"):
+        x, y, w, h = (float(frame.get(side)) for side in ("x", "y", "width", "height"))
+        apart = (labels[:, 2] < x) | (x + w < labels[:, 0]) | (labels[:, 3] < y) | (y + h < labels[:, 1])
+        assert apart.all()
+
+
+def test_a_label_without_room_is_left_out():
+    labels = Labels(0, 0, 100, 20)
+    assert "E" in labels.beside(50, 10, "E", "", 4)
+    labels.take((0, 0, 100, 20))
+    assert labels.beside(50, 10, "E", "", 4) == "" == labels.led(50, 10, "E", "vi-lead", True)
+
+
+def test_a_line_is_kept_free_between_its_corners():
+    labels = Labels(0, 0, 200, 200)
+    labels.take_line(np.array([[0.0, 100.0], [200.0, 100.0]]), 2)
+    assert labels.take_first_free(np.array([[90.0, 95, 110, 105]])) is None
+    assert labels.take_first_free(np.array([[90.0, 103, 110, 115]])) is not None
+
+
+def test_a_plot_without_room_for_the_inset_has_none():
+    settings = Settings(transfer="projective")
+    session = Session(settings)
+    views = session.snapshot.views
+    made = landscape(session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world))
+    assert "vi-inset" in LandscapePicture(made, session.scene, session.snapshot).html
+    narrow = msgspec.structs.replace(session.scene, range_deg=((30.0, 60.0), (-180.0, 0.0)))
+    rows = slice(30, 61)
+    cut = replace(made, axes=(made.axes[0][rows], made.axes[1]), E=made.E[rows])
+    picture = LandscapePicture(cut, narrow, session.snapshot)
+    assert "vi-inset" not in picture.html and only(parsed(picture.draw_path(session.history, 0)), "text", LEVEL_NUMBERS)

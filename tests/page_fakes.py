@@ -16,7 +16,7 @@ from viewimit.app.control.commands.experiments import (
     Replay,
     RunOrCancel,
     SaveMotion,
-    ShowFrame,
+    ShowMoment,
 )
 from viewimit.app.control.commands.method import (
     FreeJoints,
@@ -76,7 +76,7 @@ CONTROLS = {  # what a browser's values become
     "opponent's servo": ChooseOpponent.servo,
     "experiment": ChooseExperiment.parse,
     "motion": ChooseMotion.parse,
-    "moment": ShowFrame.parse,
+    "moment": ShowMoment.parse,
     "motion file": LoadMotion.parse,
 }
 BUTTONS = {

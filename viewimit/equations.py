@@ -3,6 +3,7 @@
 No drawing and no simulation in here: each transfer and servo says its own equations, `drawing.equations` renders them.
 """
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,11 @@ def number(value: float, digits: int = 1) -> str:
     if text[0] == "-":
         text = text[1:] if float(text) == 0 else MINUS + text[1:]
     return text
+
+
+def with_minus(words: str) -> str:
+    """A sentence from elsewhere with a real minus before its negative numbers."""
+    return re.sub(r"(?<![\w)\]])-(?=[\d.])", MINUS, words)
 
 
 def short(value: float) -> str:

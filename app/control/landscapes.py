@@ -4,6 +4,7 @@ from functools import partial
 
 from viewimit.drawing import duel as drawing
 from viewimit.drawing.landscape import LandscapePicture
+from viewimit.equations import with_minus
 from viewimit.session import Session
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
@@ -42,7 +43,7 @@ class OwnLandscape:
             return
         if isinstance(made, Exception):
             world = self.made.world
-            why = f"no landscape: {made}"[:60]
+            why = with_minus(f"no landscape: {made}")[:60]
             made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
         if made.world is self.made.world:
             self.made = made

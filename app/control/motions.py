@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.motion import FRAMES, MOTIONS, TITLES, Motion, decode, encode, require_motion
+from viewimit.analysis.motion import FRAMES, MOTIONS, STEP_S, TITLES, Motion, decode, encode, require_motion
 from viewimit.session import Session
 
 from .recorder import NAME as RECORDED
@@ -55,13 +55,20 @@ class Motions:
         return self._shown if self._shown is not None and self._shown.playing else None
 
     @property
-    def moment(self) -> tuple[int, int]:
-        """The frame that is shown, and the last one."""
+    def moment(self) -> tuple[float, float]:
+        """The time that is shown, and when the motion ends, s; the time is one of a frame."""
         if self._shown is not None:
-            return round(self._shown.frame), self._shown.last
+            return _seconds(round(self._shown.frame), self.step_s), _seconds(self._shown.last, self.step_s)
         if self.name == RECORDED and self.recorded is not None:
-            return 0, len(self.recorded.theta_deg) - 1
-        return 0, FRAMES - 1
+            return 0.0, _seconds(len(self.recorded.theta_deg) - 1, self.step_s)
+        return 0.0, _seconds(FRAMES - 1, self.step_s)
+
+    @property
+    def step_s(self) -> float:
+        """Between two frames of the chosen motion."""
+        if self._shown is not None:
+            return self._shown.motion.step_s
+        return self.recorded.step_s if self.name == RECORDED and self.recorded is not None else STEP_S
 
     def describe(self) -> tuple[str, str]:
         """State and sentence, as the line under the scene has them."""
@@ -70,10 +77,11 @@ class Motions:
                 return "recording", "move the demonstrator by its sliders or its hand."
             return "recording", f"{self._recorder.seconds:.1f} s of the demonstrator's motion."
         if (played := self._played) is not None:
-            step, (frame, last) = played.motion.step_s, self.moment
-            return "replaying", f"{played.motion.name[:40]}, {frame * step:.1f} of {last * step:.1f} s."
+            now, last = self.moment
+            return "replaying", f"{played.motion.name[:40]}, {now:.1f} of {last:.1f} s."
         if self.name == RECORDED and self.recorded is not None:
-            return "ready", f"{self.recorded.name[:40]}: {self.recorded.seconds:.1f} s, {self.moment[1] + 1} frames"
+            frames = len(self.recorded.theta_deg)
+            return "ready", f"{self.recorded.name[:40]}: {self.recorded.seconds:.1f} s, {frames} frames"
         return "ready", "about the present posture"
 
     def tick(self) -> None:
@@ -125,17 +133,17 @@ class Motions:
 
         self._with_motion(go)
 
-    def scrub(self, frame: float) -> None:
-        """Show that frame."""
+    def scrub(self, seconds: float) -> None:
+        """Show the frame at that time."""
         self._require_no_recording()
         last = self.moment[1]
-        if not 0 <= frame <= last:
-            raise ValueError(f"no frame {frame:g}; there are 0 to {last}")
+        if not 0 <= seconds <= last:
+            raise ValueError(f"the motion has no moment at {seconds:g} s; it lasts {last:g} s")
         if self._shown is not None:
             self._shown.pause()
 
         def go(shown: Playback) -> None:
-            shown.frame = min(frame, shown.last)
+            shown.frame = min(round(seconds / shown.motion.step_s), shown.last)
             self._show(shown)
 
         self._with_motion(go)
@@ -203,3 +211,8 @@ class Motions:
     def _require_no_recording(self) -> None:
         if self._recorder is not None:
             raise ValueError("a motion is being recorded: stop that first")
+
+
+def _seconds(frame: int, step_s: float) -> float:
+    """Without what multiplication adds."""
+    return round(frame * step_s, 6)

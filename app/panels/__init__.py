@@ -17,6 +17,7 @@ from .keys import KeysPanel
 from .landscape import LandscapePanel
 from .learner import LearnerPanel
 from .method import MethodPanel
+from .motions import MotionsPanel
 from .panel import Panel
 from .playback import PlaybackPanel
 from .status import StatusPanel
@@ -42,4 +43,5 @@ PANELS: list[type[Panel]] = [
     EquationsPanel,
     DuelPanel,
     ExperimentsPanel,
+    MotionsPanel,
 ]

@@ -21,7 +21,7 @@ PARAGRAPHS = (
      " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
      " picture is taken on the way. Landscapes and experiments remain those of projected points."),
     ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
-     "paper and hands you figure and data. Fig. 10 also follows a motion that you record there or load."),
+     "paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab Motions."),
 )  # fmt: skip
 
 

@@ -4,12 +4,13 @@ from ..control.commands.session import ChooseSpeed, Scrub
 from ..control.names import SPEEDS
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
-from .widgets import put
+from .widgets import put, put_html
 
 
 class HistoryPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         gui = layout.gui
+        self._count = gui.add_html("")
         self._history = gui.add_slider("History", 0, 1, 1, 0)
         self._speed = gui.add_dropdown("Speed", list(SPEEDS), initial_value=speed_name(state.speed))
         layout.queue.on_value(self._history, Scrub.parse)
@@ -26,6 +27,7 @@ class HistoryPanel(Panel):
         if self._history.max != last:
             self._history.max = last
         put(self._history, state.cursor)
+        put_html(self._count, f'<div class="vi-count"><span>{state.cursor} of {state.last}</span></div>')
         put(self._speed, speed_name(state.speed))
 
 

@@ -1,6 +1,7 @@
 """How far an experiment is, in a bar and a few words; and when it is done, what the paper says beside what is found."""
 
 from viewimit.drawing import svg
+from viewimit.equations import with_minus
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.claims import Claim, verdict
 
@@ -46,14 +47,14 @@ def _words(run: Run) -> str:
         return f"done: {said}" if said else f"done in {run.seconds:.0f} s"
     if run.state == "cancelled":
         return f"cancelled at {round(100 * run.share)} %"
-    return f"failed: {run.problem}"
+    return f"failed: {with_minus(run.problem)}"
 
 
 def draw_verdict(run: Run | None) -> str:
     """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
     if run is not None and run.problem:
         title = EXPERIMENTS[run.name].short_title
-        return f'<div class="vi-verdict"><p>{title} failed: {svg.escape(run.problem)}</p></div>'
+        return f'<div class="vi-verdict"><p>{title} failed: {svg.escape(with_minus(run.problem))}</p></div>'
     if run is None or not run.claims:
         return ""
     head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))

@@ -326,7 +326,7 @@ def experimenting():
         ("motion", "sinusoid "),
         ("motion", "recorded"),
         ("moment", -1),
-        ("moment", 120),
+        ("moment", 6),
         ("moment", 1e300),
         ("motion file", b"[]"),
         ("motion file", b"\x00" * 1000),

@@ -8,7 +8,7 @@ import pytest
 from viewimit.app.control.motions import FILE, MOST_BYTES, Motions
 from viewimit.app.control.recorder import Playback, Recorder
 
-from viewimit.analysis.motion import FRAMES, MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
+from viewimit.analysis.motion import MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -148,7 +148,7 @@ class TestMotions:
         desk.motions.replay()
         assert desk.demonstrator == pytest.approx((45, -90))
         desk.tick(5)
-        assert desk.demonstrator == pytest.approx(WAVE[4], abs=1e-4) and desk.motions.moment == (5, 20)
+        assert desk.demonstrator == pytest.approx(WAVE[4], abs=1e-4) and desk.motions.moment == (0.25, 1.0)
         desk.session.step()
         desk.tick(20)
         assert desk.demonstrator == pytest.approx(WAVE[-1], abs=1e-4)
@@ -168,7 +168,7 @@ class TestMotions:
     def test_scrubbing_shows_a_moment_and_ends_the_replay(self, desk):
         desk.record(WAVE)
         desk.motions.replay()
-        desk.motions.scrub(7)
+        desk.motions.scrub(0.35)
         assert desk.demonstrator == pytest.approx(WAVE[6], abs=1e-4) and not desk.motions.replaying
         desk.motions.replay()  # from there
         desk.tick(2)
@@ -181,11 +181,11 @@ class TestMotions:
         desk.motions.replay()
         assert desk.demonstrator == (60, -60) and len(desk.aside) == 1
         desk.make()
-        assert desk.motions.replaying and desk.motions.moment == (0, FRAMES - 1)
+        assert desk.motions.replaying and desk.motions.moment == (0, 5.95)
         expected = np.array(MOTIONS[name](desk.session.world, np.radians([60.0, -60.0])).theta_deg)
         desk.tick(30)
         assert desk.demonstrator == pytest.approx(expected[30], abs=1e-3)
-        desk.motions.scrub(90)  # of the same motion, not of one about this posture
+        desk.motions.scrub(4.5)  # of the same motion, not of one about this posture
         assert desk.demonstrator == pytest.approx(expected[90], abs=1e-4) and not desk.aside
         assert desk.motions.asked_for() == name
 
@@ -230,7 +230,7 @@ class TestMotions:
         desk.session.change(scene="iiwa", demonstrator_deg=None)
         desk.tick()
         before = desk.demonstrator
-        for wish in (desk.motions.replay, desk.motions.asked_for, lambda: desk.motions.scrub(3), desk.motions.save):
+        for wish in (desk.motions.replay, desk.motions.asked_for, lambda: desk.motions.scrub(0.15), desk.motions.save):
             with pytest.raises(ValueError, match="joint 4 at -150° is outside its limits -120°"):
                 wish()
         assert desk.demonstrator == before

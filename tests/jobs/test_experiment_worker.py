@@ -96,6 +96,8 @@ def test_a_run_tells_its_share_its_figure_its_verdict_and_its_files(worker):
     with zipfile.ZipFile(io.BytesIO(last.archive)) as archive:
         assert {"fig9.npz", "fig9.json", "fig9-motions.csv", "fig9-arrivals.csv"} <= set(archive.namelist())
         assert json.loads(archive.read("fig9.json"))["settings"]["demonstrator_deg"] == [45, -90]
+        drawn = [re.findall(r' d="([^"]+)"', figure) for figure in (archive.read("fig9.svg").decode(), last.figure)]
+        assert drawn[0] == drawn[1] != []  # the figure that is shown
         arrays = np.load(io.BytesIO(archive.read("fig9.npz")))
         np.testing.assert_array_equal(arrays["motions.E_px2"], np.concatenate([run.E for run in again.runs]))
     assert 0 < last.seconds < PATIENCE

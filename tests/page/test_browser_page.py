@@ -68,7 +68,7 @@ def test_a_new_visitor_sees_everything(page):
     names = page.locator(VIEW_NAME).all_text_contents()
     assert sorted(names) == sorted(["l", "r", "L", "R"])
     assert posture(page) == [25, -25]
-    tabs = ["Images", "Landscape", "Curves", "Equations", "Duel", "Experiments"]
+    tabs = ["Images", "Landscape", "Curves", "Equations", "Duel", "Experiments", "Motions"]
     assert page.get_by_role("tab").all_inner_texts() == tabs
 
 
@@ -323,9 +323,7 @@ def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(page):
 
 
 def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_path):
-    page.get_by_role("tab", name="Experiments").click()
-    choose(page, "Experiment", "Fig. 10: trajectory imitation")
-    click(page, "Demonstrator's motion")
+    page.get_by_role("tab", name="Motions").click()
     choose(page, "Chosen motion", "recorded")
     wait_for_status(page, "nothing is recorded yet")
     click(page, "Record")
@@ -338,7 +336,7 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_pat
     wait(page, lambda: demonstrator(page) in (50, 55, 60))
     wait_for_status(page, "Replaying · recorded")
     wait(page, lambda: demonstrator(page) == 65 and "Replaying" not in status(page))
-    set_number(page, "Moment", 0)
+    set_number(page, "Time s", 0)
     wait(page, lambda: demonstrator(page) == 45)
     name, data = downloaded(page, "Save")
     saved = json.loads(data)
@@ -350,6 +348,8 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_pat
     (tmp_path / "wave.json").write_text(json.dumps({**saved, "name": "<b>wave</b>"}))
     upload.set_input_files(tmp_path / "wave.json")
     wait(page, lambda: "<b>wave</b>: " in page.text_content(MOTION))
+    page.get_by_role("tab", name="Experiments").click()
+    choose(page, "Experiment", "Fig. 10: trajectory imitation")
     click(page, "Run")
     wait_for_progress(page, "done")
     assert "<b>wave</b>" in page.text_content(EXPERIMENT)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
+from ..equations import with_minus
 from ..geometry.affine import MIN_POINTS
 from ..history import MAX_HISTORY
 from ..servo import SERVOS
@@ -176,7 +177,7 @@ def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -
 
 def draw_status(said: Said, truth: str) -> str:
     """The strip. truth: for the viewer."""
-    words = f"<b>{svg.escape(said.title)}</b> · {svg.escape(said.sentence)}"
+    words = f"<b>{svg.escape(said.title)}</b> · {svg.escape(with_minus(said.sentence))}"
     if said.doubt:
         words += f" <i>{svg.escape(said.doubt)}</i>"
     known, true = ask(said.word) if said.word else "", svg.escape(truth)

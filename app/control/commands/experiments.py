@@ -67,18 +67,18 @@ class Replay(Command):
 
 
 @dataclass(frozen=True)
-class ShowFrame(Value):
-    """A frame of the chosen motion, from 0."""
+class ShowMoment(Value):
+    """A moment of the chosen motion."""
 
-    frame: float
+    seconds: float
     moves: ClassVar[bool] = True
 
     @classmethod
-    def parse(cls, value: object) -> ShowFrame:
+    def parse(cls, value: object) -> ShowMoment:
         return cls(number(value))
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.motions.scrub(self.frame)
+        model.motions.scrub(self.seconds)
 
 
 class SaveMotion(Command):

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...disturbances import ImageDisturbance
+from ...equations import with_minus
 from ...settings import Settings, disturbances
 
 PAPER = Settings()  # the scene and transfer that the paper's own figures stand beside
@@ -84,7 +85,9 @@ class Claims(list[Claim]):
         if condition is not None and self._unjudged:
             tolerance, condition = f"not judged: {self._unjudged}", None
         holds = None if condition is None else bool(condition)
-        self.append(Claim(name, paper, here, tolerance, holds, subject or name.split(": ", 1)[-1]))
+        self.append(
+            Claim(name, with_minus(paper), with_minus(here), tolerance, holds, subject or name.split(": ", 1)[-1])
+        )
 
     def judge(
         self, name: str, paper: str, here: str, what: str, found: float, form: str = "≤ {:g}", subject: str = ""

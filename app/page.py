@@ -26,9 +26,8 @@ from .panels.status import StatusPanel
 from .scene.scene3d import Scene3D
 from .sessions.autosave import SavedSession
 
-WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY = 0.1  # s
-COVERED = {False: 60, True: 250}  # px at the bottom of the scene that overlays cover
+COVERED = 96  # px at the bottom of the scene that overlays cover
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
@@ -54,14 +53,13 @@ class Page:
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures)
         if resumed is not None:
             self._resume(resumed)
-        wide = client.camera.image_width >= WIDE
         with client.atomic():
-            layout, state = Layout(client, self.queue, wide, address), self.model.state(0.0)
+            layout, state = Layout(client, self.queue, address), self.model.state(0.0)
             self._panels = [panel() for panel in PANELS]
             for panel in self._panels:
                 panel.build(layout, state)
             layout.dock()
-            self._scene = Scene3D(client, self.queue, COVERED[wide], services.share_opponent)
+            self._scene = Scene3D(client, self.queue, COVERED, services.share_opponent)
 
     def put(self, command: Command) -> None:
         """As if the visitor had done it; from any thread."""

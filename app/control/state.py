@@ -27,7 +27,8 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by th
 @dataclass(frozen=True)
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display; help: whether it is open; fits: how
-    often the visitor has asked for the default camera."""
+    often the visitor has asked for the default camera; wide: whether the window has room for more, as it says itself.
+    """
 
     chosen: int | None = None
     rays: bool = False
@@ -37,6 +38,7 @@ class View:
     dark: bool = False
     help: bool = False
     fits: int = 0
+    wide: bool = False
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,5 @@
-"""The tabs of a window that is too small for all at once; layout.css shows the one that is chosen, without a server."""
+"""How much there is room for, which the browser says by CSS pixels: widths of the panels, and the tabs of a window that
+is too small for all at once. layout.css shows the one that is chosen, without the server."""
 
 from ..control.state import PageState
 from .panel import Layout, Panel
@@ -12,16 +13,29 @@ ICONS = {  # 24 x 24, strokes
 VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "scene": "3-D"}
 
 
+WIDE = "(min-width:1600px) and (min-height:900px)"  # of the window, for which the page has more
+
+
 class ViewsPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
+        self._layout, self._wide = layout, False
         tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
         layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
+        if layout.address is not None:
+            layout.gui.add_html(_told(f"{layout.address}/layout"))
 
     def depends_on(self, state: PageState) -> tuple:
-        return ()
+        return (state.view.wide,)
 
     def show(self, state: PageState) -> None:
-        """Which one is shown is the browser's own matter."""
+        if state.view.wide != self._wide:
+            self._wide = state.view.wide
+            self._layout.widen(self._wide)
+
+
+def _told(address: str) -> str:
+    """A picture of nothing: the browser asks for the one that its window is for, and again whenever that changes."""
+    return f'<picture hidden=""><source media="{WIDE}" srcset="{address}/1"/><img src="{address}/0" alt=""/></picture>'
 
 
 def _tab(name: str, label: str, checked: bool) -> str:

@@ -10,23 +10,19 @@ import numpy as np
 import pytest
 from browsing import (
     ALL_TRANSFERS,
-    CARD,
     CHOSEN_POINT,
     DUEL,
     EPIPOLAR_LINE,
     EXPERIMENT,
     FOUR_IMAGES,
     HELP,
-    KEYS,
     LARGE_FIGURE,
     LESSON,
     LEVELS,
     MOTION,
-    PANEL,
     PATIENCE_MS,
     PROGRESS,
     SIZES,
-    STATUS,
     VERDICT_ROW,
     VIEW_NAME,
     canvas_colours,
@@ -353,33 +349,3 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_pat
     click(page, "Run")
     wait_for_progress(page, "done")
     assert "<b>wave</b>" in page.text_content(EXPERIMENT)
-
-
-@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-@pytest.mark.parametrize("size", ["small", "large"])
-def test_layout_has_no_overlap(browser, server, size, dark, tmp_path):
-    page = open_page(browser, server, size)
-    if dark:
-        page.get_by_text("Display", exact=True).click()
-        switch(page, "Dark")
-        page.get_by_text("Display", exact=True).click()
-    press(page, "n")
-    press(page, "Space")
-    wait_for_status(page, "Arrived")
-    page.wait_for_timeout(800)
-    page.screenshot(path=tmp_path / f"{size}_{'dark' if dark else 'light'}.png")
-    width, height = SIZES[size]
-    pill = page.locator(STATUS).bounding_box()
-    canvas = page.locator("canvas").first.bounding_box()
-    assert canvas["x"] <= pill["x"] and pill["x"] + pill["width"] <= canvas["x"] + canvas["width"]
-    assert pill["y"] + pill["height"] <= height
-    if size == "large":
-        card = page.locator(CARD).bounding_box()
-        assert card["y"] + card["height"] <= pill["y"]
-    for selector in (KEYS, PANEL):
-        box = page.locator(selector).first.bounding_box()
-        assert box["y"] + box["height"] <= height + 1, selector
-    texts = page.locator(FOUR_IMAGES).first.locator("text")
-    assert texts.count() > 8
-    assert page.problems == []
-    page.close()

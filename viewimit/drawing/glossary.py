@@ -72,7 +72,7 @@ def asks(keys: Iterable[str]) -> str:
 
 def beside(key: str) -> str:
     """A "?" at the label of the control that follows, where it takes no room."""
-    return f'<div class="vi-beside">{ask(key)}</div>'
+    return f'<div class="vi-at-label">{ask(key)}</div>'
 
 
 def cards() -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..checks import number
 from ..page_model import PageModel
 from .command import Command
-from .display import ChoosePoint
+from .display import ChoosePoint, LayOut
 
 
 @dataclass(frozen=True)
@@ -30,4 +30,5 @@ class TogglePoint(Command):
 
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "point": TogglePoint.parse,
+    "layout": LayOut.parse,
 }

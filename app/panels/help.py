@@ -14,7 +14,7 @@ PARAGRAPHS = (
     ("The conflict drives the arm.", "Play. The learner moves, learns what that changes in its images, and goes where "
      "E is smaller. The landscape shows E for all postures; the learner knows only its own path."),
     ("Disturb it.", "Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take a"
-     " preset that breaks the method. The sentence under the scene says what the learner itself can tell."),
+     " preset that breaks the method. The strip under the scene says what the learner itself can tell, and beneath it what is true. A ? says what a number means."),
     ("Race two methods.", "The tab Duel sends a second, see-through learner from your learner's start, with another "
      "transfer and servo. Compare all transfers under the landscape; free all seven joints under Method."),
     ("Look with cameras.", "Camera images, under Display, shows both arms with weight and coloured balls in rendered"

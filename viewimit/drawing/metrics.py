@@ -80,7 +80,7 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
 def _asks(labels: tuple[tuple[str, int], ...]) -> str:
     """A "?" behind each label. labels: what is asked about, and how many letters the label has."""
     keys = [key_of(symbol) for symbol, _ in labels]
-    places = [100 * (x + LETTER * letters + 3) / METRICS_SIZE[0] for x, (_, letters) in zip(COLUMNS, labels)]
+    places = [100 * (x + LETTER * letters + 4) / METRICS_SIZE[0] for x, (_, letters) in zip(COLUMNS, labels)]
     return "".join(ask(key, f"left:{place:.1f}%") for key, place in zip(keys, places) if key is not None)
 
 

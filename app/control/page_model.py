@@ -27,6 +27,7 @@ from .duel import Duel
 from .experiments import Experiments
 from .joints import Freedom
 from .landscapes import DuelLandscapes, OwnLandscape
+from .moments.see_through import SeeThrough
 from .motions import Motions
 from .on_the_way import OnTheWay
 from .player import DENSE, Player
@@ -58,6 +59,7 @@ class PageModel:
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
         self.view, self.freedom, self.on_the_way = View(), Freedom(), OnTheWay()
+        self.see_through = SeeThrough(self.session)
         self.presets = presets_from(settings)
         self.preset = next(iter(self.presets.values()))
         self.motions = Motions(self.session, self.pose, self._make_motion, send)
@@ -91,6 +93,12 @@ class PageModel:
         else:
             self.duel.follow()
 
+    def start_at(self, angles_deg: tuple[float, ...]) -> None:
+        """The learner begins anew at a posture, (m,)."""
+        self.player.pause()
+        self.change(start_deg=angles_deg)
+        self.player.settle()
+
     def begin_preset(self, preset: Preset) -> None:
         self.player.pause()
         self.session.begin(preset.settings)
@@ -111,6 +119,7 @@ class PageModel:
         if chosen is not None and chosen >= len(self.session.world.body):
             self.view = replace(self.view, chosen=None)
         self.on_the_way, self._appearance = OnTheWay(), None
+        self.see_through.let_go()
         self.generation += 1
 
     def go_on(self, memory: SavedSession) -> None:
@@ -159,8 +168,11 @@ class PageModel:
         self.duel_landscapes.ask(world, present, self.duel.opponent)
 
     def poses(self, now: float) -> tuple[NDArray, ...]:
-        """(m,) rad each: where the learner is seen, the demonstrator, and the opponent if there is one."""
+        """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
+        is one."""
         learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
+        if not others and (moment := self.see_through.moment) is not None:
+            others = [moment.theta]
         return learner, self.session.snapshot.theta_demo, *others
 
     def state(self, now: float, shortest_motion: float = 0.0) -> PageState:
@@ -170,6 +182,7 @@ class PageModel:
         if player.runners[0].duration < shortest_motion:
             theta, moving = present.theta, False
         looked, shown = self.on_the_way.of(session, theta, moving)
+        see_through = self.see_through.moment
         if self.message is not None and now > self.message.until:
             self.message = None
         return PageState(
@@ -178,11 +191,12 @@ class PageModel:
             session=session,
             settings=session.settings,
             present=present,
-            looked=looked,
+            looked=see_through or looked,
             look_at=self._look_at,
             pictures=session.eyes.pictures(looked) if isinstance(session.eyes, RemoteEyes) else {},
-            shown=shown,
+            shown=see_through or shown,
             on_its_way=theta if moving else None,
+            see_through=see_through,
             playing=player.playing,
             speed=player.speed,
             cursor=player.cursor,

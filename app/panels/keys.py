@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ..control.commands.command import Command
-from ..control.commands.display import FitView, NextPoint, ToggleHelp
+from ..control.commands.display import FitView, LetGo, NextPoint, ToggleHelp
 from ..control.commands.session import Play, Reset, Step, Undo
 from ..control.state import PageState
 from .help import help_html
@@ -18,7 +18,7 @@ class Key:
     named in the left panel, too."""
 
     cap: str
-    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H"]
+    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H", "escape"]
     word: str
     sentence: str
     command: Command
@@ -33,6 +33,7 @@ KEYS = (
     Key("N", "N", "next point", "Choose the next point", NextPoint()),
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),
+    Key("Esc", "escape", "let go", "Let the see-through arm go", LetGo()),
 )
 
 

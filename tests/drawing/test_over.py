@@ -1,14 +1,21 @@
 """What lies over the drawings of the page: links, and where they are."""
 
 import re
+import zlib
 
 import numpy as np
 import pytest
 from drawn import marked, parsed
 
+from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.image_planes import BOXES, image_windows
 from viewimit.drawing.over.links import SINK
 from viewimit.drawing.over.points import HIT, LEAST, point_links, point_places
+from viewimit.drawing.over.postures import posture_links
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.session import Session
+from viewimit.settings import Settings
+from viewimit.simulation.scene import load_scene
 
 ADDRESS = "/touch/0.abc"
 
@@ -56,3 +63,37 @@ class TestPoints:
                 for other, other_r in there[:k]:
                     assert np.hypot(*(one - other)) >= r + other_r - 0.2 or r == other_r == LEAST
                 assert (0 <= one).all() and (one <= BOXES[False][view][2:]).all()
+
+
+class TestPostures:
+    @pytest.mark.parametrize("name", ["panda", "iiwa"])
+    def test_cells_tile_the_landscape_and_each_is_around_its_posture(self, name):
+        scene = load_scene(name)
+        plane = PosturePlane(scene)
+        x, y, w, h = plane.box
+        area = 0.0
+        for link in parsed(posture_links(ADDRESS, scene)).iter("a"):
+            up, across = map(float, link.get("href").rsplit("/", 1)[1].split(","))
+            left, top, right, bottom = map(float, re.findall(r"[\d.]+", link[0].get("d"))[:4])
+            top, bottom = sorted((top, bottom))
+            px = plane.place(np.array([up, across]))
+            assert left - 0.1 <= px[0] <= right + 0.1 and top - 0.1 <= px[1] <= bottom + 0.1
+            area += (right - left) * (bottom - top)
+        assert area == pytest.approx(w * h, rel=0.01)
+
+    def test_tab_stops_at_some_which_have_names_and_the_picture_is_small(self):
+        html = posture_links(ADDRESS, load_scene("panda"))
+        stops = [link for link in parsed(html).iter("a") if link.get("tabindex") is None]
+        assert len(stops) == 15 and "θ₂ 45°, θ₄ −90°" in [link.get("aria-label") for link in stops]
+        assert len(zlib.compress(html.encode())) < 12_000
+
+    def test_without_two_joints_there_is_nothing_to_touch(self):
+        assert posture_links(ADDRESS, load_scene("panda", joints=(1, 2, 3))) == ""
+
+
+def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_in_a_file():
+    session = Session(Settings(start_deg=(25, -45)))
+    session.run(6)
+    html = draw_curves(session.history, 2, None, (2, 4), address=ADDRESS)
+    assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(len(session.history))]
+    assert hrefs(draw_curves(session.history, 2, None, (2, 4))) == []

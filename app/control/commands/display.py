@@ -57,6 +57,15 @@ class Switch(Value):
         model.view = replace(model.view, **{self.name: self.on})
 
 
+class LetGo(Command):
+    """Of the see-through arm."""
+
+    commutes: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.see_through.let_go()
+
+
 class FitView(Command):
     commutes: ClassVar[bool] = True
 

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.settings import given
 from viewimit.simulation.kinematics import pose_for_hand
 
 from ...sessions.autosave import SavedSession
@@ -133,6 +134,40 @@ class PoseJoint(Value):
         if self.k < len(theta):  # a slider of the scene before may still have sent
             theta[self.k] = self.angle
             model.pose(theta)
+
+
+@dataclass(frozen=True)
+class StartAt(Command):
+    """The learner begins anew there. angles_deg: (m,)"""
+
+    angles_deg: tuple[float, ...]
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.start_at(self.angles_deg)
+
+
+@dataclass(frozen=True)
+class StartJoint(Value):
+    """One joint of the learner's start, counted among those that move; degrees."""
+
+    k: int
+    angle_deg: float
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, k: int, value: object) -> StartJoint:
+        return cls(k, number(value))
+
+    @property
+    def control(self) -> Hashable:
+        return StartJoint, self.k
+
+    def apply(self, model: PageModel, now: float) -> None:
+        start = list(given(model.session.settings.start_deg))
+        if self.k < len(start):  # a slider of the scene before may still have sent
+            start[self.k] = self.angle_deg
+            model.start_at(tuple(start))
 
 
 @dataclass(frozen=True, eq=False)

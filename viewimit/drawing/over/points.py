@@ -26,7 +26,7 @@ def point_links(address: str, count: int, whole: bool) -> str:
         planes.append(f'<g transform="translate({x} {y})">{around}{nearest}</g>')
     return (
         f'<div class="vi-over vi-links"><div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}"'
-        f' role="group" aria-label="Points to choose">{"".join(planes)}</svg></div>{sink()}</div>'
+        f' role="group" aria-label="Points to choose">{"".join(planes)}</svg></div></div>{sink()}'
     )
 
 

@@ -56,9 +56,10 @@ class PageState:
     present: the session's moment; looked: what the images show, which `look_at` computes the arms' look of; pictures:
     JPEGs by view, of those that were taken; shown: what all else does; on_its_way: (m,) rad, where the arm is seen
     while it moves; see_through: what would be seen elsewhere, which then is looked and shown, too. speed: motions a
-    second; cursor, last: motions that are shown and kept. transfers: all transfers' landscapes, None while one is
-    shown; ground: the duel's. message: for the visitor; unsaved: why the session is not kept, None as far as is known.
-    Session, duel, experiments and motions are those of the page: to be read only.
+    second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
+    transfers: all transfers' landscapes, None while one is shown; ground: the duel's. message: for the visitor;
+    unsaved: why the session is not kept, None as far as is known. Session, duel, experiments and motions are those of
+    the page: to be read only.
     """
 
     generation: int
@@ -77,6 +78,7 @@ class PageState:
     cursor: int
     last: int
     preset: Preset
+    modified: bool
     presets: Mapping[str, Preset]
     view: View
     landscape: MadeLandscape | None

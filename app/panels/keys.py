@@ -28,7 +28,7 @@ class Key:
 KEYS = (
     Key("space", "space", "play", "Play or pause", Play(), True),
     Key("→", "arrowright", "step", "Step: one motion", Step(), True),
-    Key("←", "arrowleft", "undo", "Undo: one motion back", Undo()),
+    Key("←", "arrowleft", "undo", "Undo: one motion back; at a start, what was before it", Undo()),
     Key("R", "R", "reset", "Reset to the start", Reset()),
     Key("N", "N", "next point", "Choose the next point", NextPoint()),
     Key("V", "V", "view", "Fit the view", FitView()),

@@ -1,7 +1,19 @@
 """What is drawn is touched in a real browser, with mouse and keys, at several sizes and pixel ratios."""
 
 import pytest
-from browsing import CHOSEN_POINT, FOUR_IMAGES, open_page, posture, press, status, switch, wait, wait_for_status
+from browsing import (
+    CHOSEN_POINT,
+    FOUR_IMAGES,
+    choose,
+    open_page,
+    posture,
+    press,
+    set_number,
+    status,
+    switch,
+    wait,
+    wait_for_status,
+)
 
 pytestmark = pytest.mark.browser
 SIZES = (1024, 720), (1280, 720), (1500, 900)
@@ -86,3 +98,16 @@ def test_a_click_on_a_moment_of_the_curves_goes_there_also_while_the_arm_moves(p
     wait(page, lambda: posture(page) != start)
     touch(page, ".vi-at-L7 .vi-nearest")  # which is redrawn all the time
     wait_for_chosen(page, 7)
+
+
+def test_a_changed_preset_says_so_is_restored_by_choosing_it_and_brought_back_by_undo(page):
+    shown = lambda: page.get_by_label("Preset", exact=True).first.input_value()
+    preset = shown().removesuffix(" (modified)")
+    set_number(page, "θ₂", 60)
+    wait(page, lambda: shown() == f"{preset} (modified)")
+    choose(page, "Preset", preset)
+    wait(page, lambda: shown() == preset)
+    wait_for_status(page, "Ready")
+    press(page, "ArrowLeft")
+    wait_for_status(page, "Back is what was here before")
+    wait(page, lambda: shown() == f"{preset} (modified)")

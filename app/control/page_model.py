@@ -27,7 +27,7 @@ from .comparison import Comparison
 from .duel import Duel
 from .experiments import Experiments
 from .joints import Freedom
-from .landscapes import DuelLandscapes, OwnLandscape
+from .landscapes import Basins, DuelLandscapes, OwnLandscape
 from .moments.past import Left, Past
 from .moments.see_through import SeeThrough
 from .motions import Motions
@@ -73,6 +73,7 @@ class PageModel:
         self.landscape = OwnLandscape(page_id, services.landscapes, queue)
         self.duel_landscapes = DuelLandscapes(page_id, services.landscapes, queue)
         self.comparison = Comparison(page_id, services.landscapes, queue)
+        self.basins = Basins(page_id, services.basins, queue)
         self._appearance: Appearance | None = None  # made when it is first shown
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
@@ -219,6 +220,7 @@ class PageModel:
         world, present = self.session.world, self.session.snapshot
         self.landscape.ask(world, present)
         self.comparison.ask(world, present)
+        self.basins.follow(self.session)
         self.duel_landscapes.ask(world, present, self.duel.opponent)
 
     def poses(self, now: float) -> tuple[NDArray, ...]:
@@ -261,6 +263,7 @@ class PageModel:
             view=self.view,
             landscape=self.landscape.made,
             transfers=self.comparison.html,
+            basin=self.basins.run,
             duel=self.duel,
             ground=self.duel_landscapes.html,
             experiments=self.experiments,

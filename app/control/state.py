@@ -14,6 +14,7 @@ from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
 from viewimit.snapshot import Snapshot
 
+from ..jobs.experiments import Run
 from ..jobs.landscapes import MadeLandscape
 from .duel import Duel
 from .experiments import Experiments
@@ -57,9 +58,9 @@ class PageState:
     JPEGs by view, of those that were taken; shown: what all else does; on_its_way: (m,) rad, where the arm is seen
     while it moves; see_through: what would be seen elsewhere, which then is looked and shown, too. speed: motions a
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
-    transfers: all transfers' landscapes, None while one is shown; ground: the duel's. message: for the visitor;
-    unsaved: why the session is not kept, None as far as is known. Session, duel, experiments and motions are those of
-    the page: to be read only.
+    transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
+    message: for the visitor; unsaved: why the session is not kept, None as far as is known. Session, duel, experiments
+    and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -83,6 +84,7 @@ class PageState:
     view: View
     landscape: MadeLandscape | None
     transfers: str | None
+    basin: Run | None
     duel: Duel
     ground: str
     experiments: Experiments

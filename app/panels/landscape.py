@@ -7,7 +7,7 @@ from viser import Icon
 from viewimit.drawing.over.postures import draw_see_through, posture_links
 from viewimit.simulation.scene import Scene
 
-from ..control.commands.display import Switch, ToggleComparison
+from ..control.commands.display import FromStarts, Switch, ToggleComparison
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
 from .widgets import put, put_html, put_label, put_visible
@@ -16,6 +16,13 @@ COMPARE, ALONE = (
     ("Compare all transfers", Icon.LAYOUT_GRID),
     ("This transfer alone", Icon.SQUARE),
 )  # what the button does
+FROM_STARTS, CANCEL, HIDE = (
+    ("From these starts", Icon.CHART_DOTS),
+    ("Cancel", Icon.PLAYER_STOP),
+    ("Hide the starts", Icon.EYE_OFF),
+)
+STARTS = "twenty learners, at most 300 motions each: where they end, within 2°, and whether they claim to have arrived"
+WAITING = '<div class="vi-basin">twenty learners set out …</div>'
 LOOK_ONLY = "a posture that is clicked is shown by a see-through arm, and nothing moves; else the learner starts there"
 
 
@@ -25,12 +32,14 @@ class LandscapePanel(Panel):
         with layout.tab("Landscape"):
             self._landscape, self._path = gui.add_html(""), gui.add_html("")
             self._see_through, self._links = gui.add_html(""), gui.add_html("")
-            self._transfers = gui.add_html("", visible=False)
+            self._basin, self._transfers = gui.add_html(""), gui.add_html("", visible=False)
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row vi-quiet"></span>')
                 self._compare = gui.add_button(COMPARE[0], icon=COMPARE[1])
+                self._starts = gui.add_button(FROM_STARTS[0], icon=FROM_STARTS[1], hint=STARTS)
                 self._look_only = gui.add_checkbox("Look only", False, hint=LOOK_ONLY)
         layout.queue.on_click(self._compare, ToggleComparison())
+        layout.queue.on_click(self._starts, FromStarts())
         layout.queue.on_value(self._look_only, partial(Switch.parse, "look_only"))
         self._here: tuple = ()  # what lies under the path
         self._linked: Scene | None = None  # whose postures are links
@@ -43,7 +52,7 @@ class LandscapePanel(Panel):
 
     def depends_on(self, state: PageState) -> tuple:
         seen = state.present.theta if state.on_its_way is None else state.on_its_way
-        looks = state.see_through, state.view.look_only, state.refusals
+        looks = state.see_through, state.view.look_only, state.basin, state.refusals
         return state.present, seen.tobytes(), state.last, state.landscape, state.transfers, *looks
 
     def show(self, state: PageState) -> None:
@@ -61,7 +70,10 @@ class LandscapePanel(Panel):
         alone = state.transfers is None
         put_html(self._transfers, state.transfers or "")
         put_visible(self._landscape, alone)
-        for over in (self._path, self._see_through, self._links):
+        run = state.basin
+        put_html(self._basin, "" if run is None else run.figure or WAITING)
+        put_label(self._starts, *(FROM_STARTS if run is None else CANCEL if run.goes_on else HIDE))
+        for over in (self._path, self._see_through, self._links, self._basin):
             put_visible(over, alone)
         put_visible(self._transfers, not alone)
         put_label(self._compare, *(COMPARE if alone else ALONE))

@@ -5,10 +5,12 @@ import zlib
 
 import numpy as np
 import pytest
-from drawn import marked, parsed
+from drawn import classes, marked, parsed, paths
 
+from viewimit.analysis.basin import Basin, Ending
 from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.image_planes import BOXES, image_windows
+from viewimit.drawing.over.basin import describe_basin, draw_basin
 from viewimit.drawing.over.links import SINK
 from viewimit.drawing.over.points import HIT, LEAST, point_links, point_places
 from viewimit.drawing.over.postures import posture_links
@@ -97,3 +99,38 @@ def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_in_a_file(
     html = draw_curves(session.history, 2, None, (2, 4), address=ADDRESS)
     assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(len(session.history))]
     assert hrefs(draw_curves(session.history, 2, None, (2, 4))) == []
+
+
+class TestBasin:
+    STARTS = np.radians([[10, -170], [20, -100], [30, -50], [40, -10], [50, -10]])
+    ENDINGS = tuple(
+        Ending(start, np.radians([70.0, -20.0]), place, claimed)
+        for start, place, claimed in zip(
+            STARTS, ("demonstrator", "demonstrator", "smallest E", "elsewhere"), (True, False, True, True)
+        )
+    )
+
+    def test_each_start_has_a_mark_that_says_where_its_run_ends_and_what_it_claims(self):
+        html = draw_basin(load_scene("panda"), Basin(self.STARTS, self.ENDINGS))
+        plane, root = PosturePlane(load_scene("panda")), parsed(html)
+        kinds = "there", "lowest", "astray", "hollow"
+        marks = {kind: [one for one in root.iter() if f"vi-basin-{kind}" in classes(one)] for kind in kinds}
+        assert [len(marks[kind]) for kind in kinds] == [2, 1, 1, 1]
+        places = plane.place(np.degrees(self.STARTS))
+        centres = [(float(mark.get("cx")), float(mark.get("cy"))) for mark in marks["there"]]
+        assert np.allclose(centres, places[:2], atol=0.06)
+        assert {mark.tag for mark in marks["there"]} == {"circle"} and marks["hollow"] == marks["there"][1:]
+        (way,) = paths(html, "vi-basin-way")
+        end = [float(n) for n in re.findall(r"[\d.]+", way)][2:]
+        assert np.allclose(end, plane.place(np.array([70, -20])), atol=0.06)
+        assert "4 of 5 learners" in html
+
+    def test_the_sentence_counts_them(self):
+        text = "".join(parsed(describe_basin(Basin(self.STARTS[:4], self.ENDINGS))).itertext())
+        assert (
+            text.split()
+            == (
+                "2 of 4 end at the demonstrator, 1 at the smallest E, 1 elsewhere. "
+                "3 claim to have arrived (filled), 1 of them falsely."
+            ).split()
+        )

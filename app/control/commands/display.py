@@ -80,6 +80,13 @@ class ToggleHelp(Command):
         model.view = replace(model.view, help=not model.view.help)
 
 
+class FromStarts(Command):
+    """Find from where the learner arrives, or hide it."""
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.basins.toggle(model.session)
+
+
 class ToggleComparison(Command):
     """The landscapes of all transfers, or of the one that is used."""
 

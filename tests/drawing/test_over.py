@@ -12,7 +12,7 @@ from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.image_planes import BOXES, image_windows
 from viewimit.drawing.over.basin import describe_basin, draw_basin
 from viewimit.drawing.over.links import SINK
-from viewimit.drawing.over.points import HIT, LEAST, point_links, point_places
+from viewimit.drawing.over.points import LEAST, point_links, point_places
 from viewimit.drawing.over.postures import posture_links
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.session import Session
@@ -36,11 +36,12 @@ def places():
     visible[3] = False, True, False, True
     reach = {view: np.array([[195.0, 95.0], [285.0, 175.0]]) for view in "lrLR"}
     style = point_places(demo, own, visible, image_windows(reach, (640, 240)), False)
+    hidden = set(re.findall(r"\.vi-at-(\w\d+)\{display:none\}", style))
     found = {}
     for view, i, x, y in re.findall(r"\.vi-at-(\w)(\d+)\{transform:translate\(([\d.]+)px,([\d.]+)px\)\}", style):
         radius = re.search(rf"\.vi-at-{view}{i} \.vi-nearest\{{r:([\d.]+)px", style)
-        found[view, int(i)] = np.array([float(x), float(y)]), float(radius[1]) if radius else HIT
-    hidden = set(re.findall(r"\.vi-at-(\w\d+)\{display:none\}", style))
+        if view + i not in hidden:
+            found[view, int(i)] = np.array([float(x), float(y)]), float(radius[1])
     return found, hidden
 
 

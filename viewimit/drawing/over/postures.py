@@ -50,7 +50,7 @@ def _cells(low: float, high: float) -> tuple[NDArray, NDArray]:
 
 
 def draw_see_through(scene: Scene, moment: Snapshot) -> str:
-    """A cross hair over the landscape, with the posture and E."""
+    """A cross hair over the landscape."""
     plane = PosturePlane(scene)
     if not plane.has_plane:
         return ""
@@ -59,10 +59,7 @@ def draw_see_through(scene: Scene, moment: Snapshot) -> str:
         f"M{x - ARM:.1f} {y:.1f}h{ARM - 3}m6 0h{ARM - 3}M{x:.1f} {y - ARM:.1f}v{ARM - 3}m0 6v{ARM - 3}"
         + svg.circles(np.array([[x, y]]), AIM)
     )
-    posture = ", ".join(svg.degrees(angle, 0) for angle in moment.theta)
-    plane.labels.take_point(np.array([x, y]), ARM)
-    label = plane.labels.beside(x, y, f"see-through ({posture}), E {svg.short_E(moment.E)}", "vi-b vi-halo", ARM)
-    return plane.wrap(f'<path class="vi-aim-case" d="{hair}"/><path class="vi-aim" d="{hair}"/>{label}', "vi-over")
+    return plane.wrap(f'<path class="vi-aim-case" d="{hair}"/><path class="vi-aim" d="{hair}"/>', "vi-over")
 
 
 def describe_see_through(scene: Scene, moment: Snapshot) -> str:

@@ -20,6 +20,7 @@ class TogglePoint(Command):
     """Choose a point; the chosen one again: none."""
 
     point: int
+    commutes: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> TogglePoint:

@@ -18,6 +18,7 @@ from .learner import LearnerPanel
 from .method import MethodPanel
 from .panel import Panel
 from .playback import PlaybackPanel
+from .start import StartPanel
 from .status import StatusPanel
 from .views import ViewsPanel
 
@@ -36,6 +37,7 @@ PANELS: list[type[Panel]] = [
     ConflictPanel,
     LandscapePanel,
     LawPanel,
+    StartPanel,
     CurvesPanel,
     EquationsPanel,
     DuelPanel,

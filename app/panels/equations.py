@@ -44,18 +44,25 @@ class BesidePanel(Panel):
         return SLOWEST
 
     def depends_on(self, state: PageState) -> tuple:
-        return (state.present if state.view.wide else None,)
+        return (self._moment(state) if state.view.wide else None,)
 
     def show(self, state: PageState) -> None:
         if state.view.wide:
-            put_html(self._equation, f'<div class="vi-beside">{type(self).draw(state.present)}</div>')
+            put_html(self._equation, f'<div class="vi-beside">{type(self).draw(self._moment(state))}</div>')
         put_visible(self._equation, state.view.wide)
+
+    def _moment(self, state: PageState) -> Snapshot:
+        """Of which its numbers are."""
+        return state.present
 
 
 class ConflictPanel(BesidePanel):
     """Eq. (6), under the images."""
 
     tab, draw = partial(Layout.upper_tab, name="Images"), draw_conflict
+
+    def _moment(self, state: PageState) -> Snapshot:
+        return state.see_through or state.present
 
 
 class LawPanel(BesidePanel):

@@ -32,6 +32,7 @@ class ImagesPanel(Panel):
             view.chosen,
             view.whole_frames,
             pictures=state.pictures,
+            standing=None if state.see_through is None else state.look_at(state.present)[0],
         )
         if self._address is not None:
             views = state.looked.views

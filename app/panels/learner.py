@@ -1,5 +1,7 @@
 """The learner's joints beside the demonstrator's, as bars."""
 
+from numpy.typing import NDArray
+
 from viewimit.drawing.learner_bars import draw_learner
 
 from ..control.state import PageState
@@ -13,8 +15,13 @@ class LearnerPanel(Panel):
             self._bars = layout.gui.add_html("")
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.generation, state.shown.theta.tobytes(), state.present.theta_demo.tobytes(), state.present.status
+        return state.generation, _stands(state).tobytes(), state.present.theta_demo.tobytes(), state.present.status
 
     def show(self, state: PageState) -> None:
-        arms = state.shown.theta, state.present.theta_demo
+        arms = _stands(state), state.present.theta_demo
         put_html(self._bars, draw_learner(state.session.scene, *arms, state.assessment))
+
+
+def _stands(state: PageState) -> NDArray:
+    """(m,) rad, where the arm is seen; a see-through one is another."""
+    return state.present.theta if state.on_its_way is None else state.on_its_way

@@ -1,9 +1,12 @@
 """The strip over the scene: what the learner says, and beneath it what is true.
 
-What it says gives way to a message while that stays, to what is recorded or replayed, and to that nothing is saved.
+What it says gives way to a message while that stays, to what is recorded or replayed, to a posture that is only looked
+at, and to that nothing is saved.
 """
 
 from viewimit.drawing.curves import following
+from viewimit.drawing.over.links import link, sink
+from viewimit.drawing.over.postures import describe_see_through
 from viewimit.drawing.status import Said, describe, describe_truth, draw_status
 
 from ..control.state import PageState
@@ -15,7 +18,9 @@ LOOKS_BACK = 5  # motions
 
 class StatusPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._status = layout.gui.add_html("")
+        self._status, self._address = layout.gui.add_html(""), layout.address
+        if self._address is not None:
+            layout.gui.add_html(sink())
         self._truth = ""
 
     @property
@@ -24,11 +29,19 @@ class StatusPanel(Panel):
         return self._status.content
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.message, state.unsaved, state.present, state.playing, _busy(state)
+        return state.message, state.unsaved, state.present, state.playing, state.see_through, _busy(state)
 
     def show(self, state: PageState) -> None:
-        self._truth = _truth(state)
-        put_html(self._status, draw_status(_said(state), self._truth))
+        said, self._truth = _said(state), _truth(state)
+        choices = self._choices() if said.state == "see-through" else ""
+        put_html(self._status, draw_status(said, self._truth, choices))
+
+    def _choices(self) -> str:
+        """What may be done about a see-through arm."""
+        if self._address is None:
+            return ""
+        choices = ("start/0", "Start here"), ("dismiss/0", "Let go")
+        return "".join(link(self._address, what, words, words) for what, words in choices) + "<kbd>Esc</kbd>"
 
     def show_message(self, text: str) -> None:
         """Whatever the state."""
@@ -41,6 +54,8 @@ def _said(state: PageState) -> Said:
         return Said("message", state.message)
     if busy is not None:
         return Said(*busy)
+    if state.see_through is not None:
+        return Said("see-through", describe_see_through(session.scene, state.see_through))
     if state.unsaved is not None:
         return Said("message", f"not saved: {state.unsaved}; a reload would lose this session.")
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]

@@ -30,11 +30,13 @@ def draw_images(
     whole_frames: bool = False,
     gain: float | None = None,
     pictures: Mapping[str, bytes] = NO_PICTURES,
+    standing: Bodies | None = None,
 ) -> str:
     """HTML of the panel: a drawing of each image, the legend and the figures, which the page places.
 
     chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic;
-    pictures: JPEGs of the whole frames by view, which stand behind the drawing.
+    pictures: JPEGs of the whole frames by view, which stand behind the drawing; standing: where the learner is, if what
+    is drawn is a see-through arm elsewhere.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
@@ -45,6 +47,11 @@ def draw_images(
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     lines = _epipolar_lines(snapshot, images, shown, chosen)
     content = _arms(bodies, windows, whole_frames)
+    if standing is not None:
+        for view, (hulls, _) in image_planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
+            content[view] = f'<path class="vi-standing" d="{hulls}"/>{content[view]}'
+    kind = "vi-images vi-whole" if whole_frames else "vi-images"
+    kind += " vi-pictured" if pictures else "" if standing is None else " vi-see-through"
     parts = []
     for k, view in enumerate("lrLR"):
         behind = image_planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
@@ -58,7 +65,6 @@ def draw_images(
     ]
     parts.append(draw_legend(whole_frames, gain, chosen))
     parts.append(draw_metrics(snapshot, lengths))
-    kind = f"vi-images{' vi-whole' if whole_frames else ''}{' vi-pictured' if pictures else ''}"
     inside = "".join(parts)
     return f'<div class="vi-panel"><div class="{kind}" role="group" aria-label="The four images">{inside}</div></div>'
 

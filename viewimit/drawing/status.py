@@ -37,7 +37,9 @@ TITLES = {
     "message": "Note",
     "recording": "Recording",
     "replaying": "Replaying",
+    "see-through": "See-through arm",
 }
+BY_PAGE = {"message", "recording", "replaying", "see-through"}  # which the learner knows nothing of
 DOT = (
     '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/>'
     '<circle cx="11" cy="11" r="6" fill="var(--{0})"/>'
@@ -55,6 +57,10 @@ PLAY = (
     '<circle cx="11" cy="11" r="10" fill="var(--demonstrator)" fill-opacity=".28"/>'
     '<path d="M8 5.5v11l9-5.5z" class="vi-amber"/>'
 )
+AIM = (
+    '<circle cx="11" cy="11" r="6" fill="none" stroke="var(--ink)" stroke-width="2"/>'
+    '<path d="M0 11h8m6 0h8M11 0v8m0 6v8" fill="none" stroke="var(--ink)" stroke-width="2"/>'
+)
 IDLE = RING.format("secondary")
 SHAPES = {
     "moving": DOT.format("learner"),
@@ -66,6 +72,7 @@ SHAPES = {
     "stopped": SQUARE,
     "recording": DOT.format("stopped"),
     "replaying": PLAY,
+    "see-through": AIM,
 }
 BETWEEN = (
     '<path d="M6 11h10" stroke="var(--residual)" stroke-width="2.4"/>'
@@ -175,15 +182,15 @@ def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -
     return f"{svg.degrees(off[k])} off, at {svg.joint_symbol(joints[k])}: {instead}."
 
 
-def draw_status(said: Said, truth: str) -> str:
-    """The strip. truth: for the viewer."""
+def draw_status(said: Said, truth: str, choices: str = "") -> str:
+    """The strip. truth: for the viewer; choices: links, in HTML."""
     words = f"<b>{svg.escape(said.title)}</b> · {svg.escape(with_minus(said.sentence))}"
     if said.doubt:
         words += f" <i>{svg.escape(said.doubt)}</i>"
     known, true = ask(said.word) if said.word else "", svg.escape(truth)
     return (
         f'<div class="vi-strip"><div class="vi-status"><div>{_icon(SHAPES.get(said.state, IDLE))}'
-        f'<em>Learner says</em><p role="status">{words}</p>{known}</div>'
+        f'<em>{"Page" if said.state in BY_PAGE else "Learner"} says</em><p role="status">{words}{choices}</p>{known}</div>'
         f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{true}</p>{ask("truth")}</div></div></div>'
     )
 

@@ -188,9 +188,10 @@ def draw_status(said: Said, truth: str, choices: str = "") -> str:
     if said.doubt:
         words += f" <i>{svg.escape(said.doubt)}</i>"
     known, true = ask(said.word) if said.word else "", svg.escape(truth)
+    who = "Page" if said.state in BY_PAGE else "Learner"
     return (
         f'<div class="vi-strip"><div class="vi-status"><div>{_icon(SHAPES.get(said.state, IDLE))}'
-        f'<em>{"Page" if said.state in BY_PAGE else "Learner"} says</em><p role="status">{words}{choices}</p>{known}</div>'
+        f'<em>{who} says</em><p role="status">{words}{choices}</p>{known}</div>'
         f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{true}</p>{ask("truth")}</div></div></div>'
     )
 

@@ -15,6 +15,7 @@ from viewimit.views import VIEWS
 
 from .. import viser_private
 from . import meshes
+from .nodes import Nodes
 from .rotations import quaternion
 
 PLATE = 0.17  # m from the camera to its image plate
@@ -67,13 +68,12 @@ def add_light_and_floor(scene: SceneApi, look: Look) -> None:
 class Fixtures:
     """What stands still in one page. Labels stay white in dark: viser gives them no colour."""
 
-    def __init__(self, client: ClientHandle, world: World, dark: bool):
-        self._client, self._world = client, world
+    def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
+        self._client, self._nodes, self._world = client, nodes, world
         self._look = LOOKS[dark]
-        self._nodes: list = []
         self._plates: dict[str, MeshHandle] = {}
-        self._pictures: dict[str, ImageHandle] = {}  # nodes on the plates
-        self._shown: dict[str, bytes] = {}  # what they show
+        self._pictures: dict[str, ImageHandle] = {}  # on the plates
+        self._shown: dict[str, bytes | None] = {}  # what they show
         self._tinted: list[tuple[MeshHandle, str]] = []  # nodes whose colour is one of the look's
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._add_pedestal("learner", world.T_world_own)
@@ -81,6 +81,7 @@ class Fixtures:
         self._add_head()
         for name, camera, role in zip(VIEWS, self._cameras, VIEW_ROLES):
             self._add_frustum(name, camera, role)
+            self._add_picture(name, camera)
 
     def set_dark(self, dark: bool) -> None:
         """Light, floor and furniture for a colour scheme; the robots keep their colours."""
@@ -91,25 +92,14 @@ class Fixtures:
 
     def show_pictures(self, pictures: Mapping[str, bytes]) -> None:
         """JPEGs by view on the image plates; only those that are new are sent."""
-        for view, camera in zip(VIEWS, self._cameras):
-            picture, node = pictures.get(view), self._pictures.get(view)
-            if picture is None:
-                if node is not None:
-                    node.remove()
-                    del self._pictures[view], self._shown[view]
-                    self._plates[view].visible = True
-            elif picture is not self._shown.get(view):
-                if node is None:
-                    self._pictures[view] = node = self._add_picture(view, camera)
-                    self._plates[view].visible = False
-                viser_private.push_jpeg(node, picture)
+        for view in VIEWS:
+            picture = pictures.get(view)
+            if picture is not self._shown.get(view):
                 self._shown[view] = picture
-
-    def remove(self) -> None:
-        for node in self._pictures.values():
-            node.remove()
-        for node in self._nodes:
-            node.remove()
+                self._plates[view].visible = picture is None
+                self._pictures[view].visible = picture is not None
+                if picture is not None:
+                    viser_private.push_jpeg(self._pictures[view], picture)
 
     def landmarks(self) -> NDArray:
         """(k, 3) m: what the default view must hold of it."""
@@ -119,7 +109,7 @@ class Fixtures:
         return np.concatenate([*plates, [head], feet, [foot + LABEL_OFFSET for foot in feet]])
 
     def _keep(self, node, part: str | None = None) -> None:
-        self._nodes.append(node)
+        self._nodes.keep(node)
         if part:
             self._tinted.append((node, part))
 
@@ -207,10 +197,10 @@ class Fixtures:
             )
         )
 
-    def _add_picture(self, view: str, camera: Camera):
-        """As large as the plate and just behind it, so that what is drawn on the plate stays in sight."""
+    def _add_picture(self, view: str, camera: Camera) -> None:
+        """As large as the plate and just behind it, so that what is drawn on the plate stays in sight; hidden."""
         T, scale = camera.T_world_camera, PLATE / camera.focal
-        return self._client.scene.add_image(
+        self._pictures[view] = self._client.scene.add_image(
             f"/stage/picture_{view}",
             np.zeros((1, 1, 3), np.uint8),
             camera.width * scale,
@@ -220,7 +210,9 @@ class Fixtures:
             receive_shadow=False,
             wxyz=quaternion(T[:3, :3]),
             position=on_plate(camera, corners(camera)).mean(0) + BEHIND * T[:3, 2],
+            visible=False,
         )
+        self._keep(self._pictures[view])
 
 
 def plate_map(camera: Camera) -> tuple[NDArray, NDArray]:

@@ -1,10 +1,11 @@
 """The arrows at the demonstrator's hand, by which it is dragged."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle
+
+from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.world import World
 
 from ..control.commands.session import PoseHand
 from ..control.queue import CommandQueue
@@ -17,7 +18,7 @@ class HandGizmo:
     def __init__(self, client: ClientHandle, queue: CommandQueue):
         self.drops = 0
         self._dragging = False
-        self._shown: NDArray | None = None  # posture at whose hand it is
+        self._shown: tuple[World, NDArray] | None = None  # where, and the posture at whose hand it is
         self._gizmo = client.scene.add_transform_controls(
             "/demonstrator_hand", scale=0.22, disable_rotations=True, disable_sliders=True, opacity=0.7
         )
@@ -30,8 +31,12 @@ class HandGizmo:
                 self._shown = None
                 self.drops += 1
 
-    def show(self, visible: bool, theta_demo: NDArray, hand_position: Callable[[NDArray], NDArray]) -> None:
-        """At the hand in this posture, hand_position(theta_demo), unless the visitor holds it somewhere else."""
+    def show(self, visible: bool, world: World, theta_demo: NDArray) -> None:
+        """At the hand in this posture, unless the visitor holds it somewhere else."""
         self._gizmo.visible = visible
-        if not self._dragging and (self._shown is None or not np.array_equal(self._shown, theta_demo)):
-            self._gizmo.position, self._shown = hand_position(theta_demo), theta_demo
+        if not self._dragging and not self._is_at(world, theta_demo):
+            self._gizmo.position = hand_position(world, theta_demo, world.T_world_demo)
+            self._shown = world, theta_demo
+
+    def _is_at(self, world: World, theta_demo: NDArray) -> bool:
+        return self._shown is not None and self._shown[0] is world and np.array_equal(self._shown[1], theta_demo)

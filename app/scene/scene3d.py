@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from viser import ClientHandle, IcosphereHandle, MeshHandle, ViserServer
 
 from viewimit.drawing.theme import rgb
-from viewimit.simulation.kinematics import hand_position
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
@@ -19,8 +18,11 @@ from . import meshes
 from .arms import Arms, link_name, share_meshes
 from .fixtures import LOOKS, VIEW_ROLES, Fixtures, add_light_and_floor, plate_map
 from .hand_gizmo import HandGizmo
+from .nodes import Nodes
 from .view import FOV, fitted_view
 
+BELOW = 0.1  # of the canvas's height, from the bottom: what the status covers
+SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 UNTOUCHED = 0.01  # m that a camera may be off the fitted view and still count as there
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 
@@ -36,33 +38,28 @@ def share_scene(server: ViserServer) -> None:
 class Scene3D:
     """`build` for a world, then `arms.draw` and `show` as often as wanted; `build` again for another world.
 
-    below: px at the bottom that overlays cover; share_opponent(): puts its meshes on the server's scene, before they
-    are first shown.
+    share_opponent(): puts its meshes on the server's scene, before they are first shown.
     """
 
-    def __init__(self, client: ClientHandle, queue: CommandQueue, below: float, share_opponent: Callable[[], None]):
-        self._client, self._queue, self._below = client, queue, below
+    def __init__(self, client: ClientHandle, queue: CommandQueue, share_opponent: Callable[[], None]):
+        self._client, self._queue = client, queue
         self._share_opponent = share_opponent
         self._arms: Arms | None = None  # before the first world
-        self._nodes: list = []
+        self._nodes = Nodes()
         self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
-        self._dark, self._fits, self._canvas = False, 0, (0, 0)
+        self._dark, self._fits = False, 0
+        self._aspect: float | None = None  # of the canvas that was fitted last
         self._found = self._fitted = np.array(client.camera.position)
 
     def build(self, world: World) -> None:
         """Set up the scene of a world, in place of the one before."""
-        for node in self._nodes:  # before the arms, whose removal takes along what hangs on them
-            node.remove()
-        if self._arms is not None:
-            self._arms.remove()
-        if self._fixtures is not None:
-            self._fixtures.remove()
-        self._world, self._nodes = world, []
+        self._nodes.begin()
+        self._world = world
         self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
         self._shown: dict[str, bool] = {}
-        self._fixtures = Fixtures(self._client, world, self._dark)
-        self._arms = Arms(self._client, world, self._share_opponent)
+        self._fixtures = Fixtures(self._client, self._nodes, world, self._dark)
+        self._arms = Arms(self._client, self._nodes, world, self._share_opponent)
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
@@ -70,27 +67,28 @@ class Scene3D:
             for i in range(len(world.body)):
                 self._add_point(name, i)
         self._add_moving_parts()
+        self._nodes.end()
 
     def depends_on(self, state: PageState) -> tuple:
         """What `show` shows; of snapshots their identity counts."""
-        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._canvas_now()
+        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._canvas_aspect()
         return state.generation, state.shown, state.view, *posed, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
-        """All but the poses of the arms. A canvas that has changed, as when panels dock, is fitted anew."""
-        view, canvas = state.view, self._canvas_now()
+        """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted anew."""
+        view, aspect = state.view, self._canvas_aspect()
         if view.dark != self._dark:
             self._dark = view.dark
             self._standing.set_dark(view.dark)
-        if canvas != self._canvas and min(canvas) > 0:
-            self._canvas = canvas
+        if aspect is not None and (self._aspect is None or abs(np.log(aspect / self._aspect)) > SAME_SHAPE):
+            self._aspect = aspect
             self._fit_untouched_view()
         if view.fits != self._fits:
             self._fits = view.fits
             self._fit_view()
         self._draw(state)
         self._standing.show_pictures(state.pictures)
-        self._gizmo.show(view.gizmo, state.present.theta_demo, self.hand_position)
+        self._gizmo.show(view.gizmo, self._world, state.present.theta_demo)
 
     def _draw(self, state: PageState) -> None:
         """Points on the plates, rays and residuals."""
@@ -105,15 +103,10 @@ class Scene3D:
         self._draw_residuals(state, own)
         self._draw_chosen(own, demo, view.chosen)
 
-    def hand_position(self, theta_demo: NDArray) -> NDArray:
-        """(3,) m, the origin of the demonstrator's last link."""
-        return hand_position(self._world, theta_demo, self._bases["demonstrator"])
-
     def _fit_view(self) -> None:
-        """The default camera, as near as the canvas allows; `below` px of it are covered by overlays."""
+        """The default camera, as near as the canvas allows."""
         camera = self._client.camera
-        width, height = camera.image_width, max(camera.image_height, 1)
-        position, target = fitted_view(self._landmarks(), width / height, self._below / height)
+        position, target = fitted_view(self._landmarks(), self._canvas_aspect() or 1.0, BELOW)
         camera.fov = float(FOV)
         camera.position, camera.look_at = position, target
         self._fitted = position
@@ -136,8 +129,10 @@ class Scene3D:
         assert self._fixtures is not None
         return self._fixtures
 
-    def _canvas_now(self) -> tuple[int, int]:
-        return self._client.camera.image_width, self._client.camera.image_height
+    def _canvas_aspect(self) -> float | None:
+        """Width by height; None while the canvas has no size."""
+        camera = self._client.camera
+        return camera.image_width / camera.image_height if min(camera.image_width, camera.image_height) > 0 else None
 
     def _landmarks(self) -> NDArray:
         """(k, 3) m: what the default view must hold."""
@@ -152,10 +147,6 @@ class Scene3D:
         """Or hide it. viser's setter looks up types, which takes longer than most drawings."""
         if self._shown.get(node.name) != visible:
             self._shown[node.name] = node.visible = visible
-
-    def _keep(self, node):
-        self._nodes.append(node)
-        return node
 
     def _add_point(self, arm: str, i: int) -> None:
         body = self._world.body
@@ -175,21 +166,21 @@ class Scene3D:
         async def _(_event, i=i) -> None:
             self._queue.put(ChoosePoint(i))
 
-        self._keep(handle)
+        self._nodes.keep(handle)
 
     def _add_moving_parts(self) -> None:
         scene, nothing = self._client.scene, np.zeros((1, 2, 3), np.float32)
         count = len(self._world.body)
-        self._rays = self._keep(
+        self._rays = self._nodes.keep(
             scene.add_line_segments("/now/rays", nothing, rgb("secondary"), thickness=1, thickness_units="screen")
         )
-        self._chosen_rays = self._keep(
+        self._chosen_rays = self._nodes.keep(
             scene.add_line_segments("/now/chosen_rays", nothing, rgb("chosen"), thickness=2.4, thickness_units="screen")
         )
-        self._residuals = self._keep(
+        self._residuals = self._nodes.keep(
             scene.add_line_segments("/now/residuals", nothing, rgb("residual"), thickness=3, thickness_units="screen")
         )
-        self._dots = self._keep(
+        self._dots = self._nodes.keep(
             scene.add_point_cloud(
                 "/now/dots",
                 np.zeros((4 * count, 3)),
@@ -201,7 +192,7 @@ class Scene3D:
             )
         )
         vertices, faces = meshes.octahedron(0.02)
-        self._recovered = self._keep(
+        self._recovered = self._nodes.keep(
             scene.add_batched_meshes_simple(
                 "/now/recovered",
                 vertices,
@@ -214,7 +205,7 @@ class Scene3D:
             )
         )
         self._rings = [
-            self._keep(
+            self._nodes.keep(
                 scene.add_icosphere(f"/now/chosen_{arm}", 0.017, color=rgb("chosen"), visible=False, cast_shadow=False)
             )
             for arm in ("learner", "demonstrator")

@@ -1,12 +1,13 @@
 """The 3-D scene of one page: arms, head, frusta, body points, residuals, rays. Truth, for the viewer only."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import ClientHandle, IcosphereHandle, MeshHandle, ViserServer
+from viser import ClientHandle, SceneClickEvent, ViserServer
 
-from viewimit.drawing.theme import rgb
+from viewimit.drawing.theme import faint, rgb
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
@@ -19,11 +20,13 @@ from .arms import Arms, link_name, share_meshes
 from .fixtures import LOOKS, VIEW_ROLES, Fixtures, add_light_and_floor, plate_map
 from .hand_gizmo import HandGizmo
 from .nodes import Nodes
+from .picking import picked
 from .view import FOV, fitted_view
 
-BELOW = 0.1  # of the canvas's height, from the bottom: what the status covers
+BELOW = 0.22  # of the canvas's height, from the bottom: what status and curves cover
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 UNTOUCHED = 0.01  # m that a camera may be off the fitted view and still count as there
+FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 
 
@@ -51,23 +54,32 @@ class Scene3D:
         self._dark, self._fits = False, 0
         self._aspect: float | None = None  # of the canvas that was fitted last
         self._found = self._fitted = np.array(client.camera.position)
+        self._points = np.zeros((0, 3))  # m, the learner's and the demonstrator's as they are drawn
+
+        @client.scene.on_click()  # type: ignore[arg-type]  # which takes coroutines too
+        async def _(event: SceneClickEvent) -> None:
+            self._choose_at(np.array(event.ray_origin), np.array(event.ray_direction))
 
     def build(self, world: World) -> None:
         """Set up the scene of a world, in place of the one before."""
         self._nodes.begin()
         self._world = world
-        self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
-        self._shown: dict[str, bool] = {}
-        self._fixtures = Fixtures(self._client, self._nodes, world, self._dark)
         self._arms = Arms(self._client, self._nodes, world, self._share_opponent)
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
+        self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
+        self._furnish()
+        self._nodes.end()
+
+    def _furnish(self) -> None:
+        """All but the arms, in the colours of the scheme, in place of what there is."""
+        self._shown: dict[str, bool] = {}
+        self._fixtures = Fixtures(self._client, self._nodes, self._world, self._dark)
         for name in self._bases:
-            for i in range(len(world.body)):
+            for i in range(len(self._world.body)):
                 self._add_point(name, i)
         self._add_moving_parts()
-        self._nodes.end()
 
     def depends_on(self, state: PageState) -> tuple:
         """What `show` shows; of snapshots their identity counts."""
@@ -79,7 +91,8 @@ class Scene3D:
         view, aspect = state.view, self._canvas_aspect()
         if view.dark != self._dark:
             self._dark = view.dark
-            self._standing.set_dark(view.dark)
+            add_light_and_floor(self._client.scene, LOOKS[view.dark])
+            self._furnish()
         if aspect is not None and (self._aspect is None or abs(np.log(aspect / self._aspect)) > SAME_SHAPE):
             self._aspect = aspect
             self._fit_untouched_view()
@@ -98,6 +111,7 @@ class Scene3D:
             points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
             self._demo_points = snapshot.theta_demo, points
         demo = self._demo_points[1]
+        self._points = np.concatenate([own, demo])
         on_plates, seen = self._on_plates(snapshot)
         self._draw_rays(on_plates, seen, demo, own, view)
         self._draw_residuals(state, own)
@@ -151,40 +165,43 @@ class Scene3D:
     def _add_point(self, arm: str, i: int) -> None:
         body = self._world.body
         name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
-        handle: IcosphereHandle | MeshHandle
+        scene, colour, position = self._client.scene, rgb(arm, self._dark), body.local[i]
+        add = self._nodes.keep
         if arm == "learner":
-            handle = self._client.scene.add_icosphere(
-                name, POINT_SIZE[arm] / 2, color=rgb(arm), subdivisions=2, position=body.local[i], cast_shadow=False
-            )
+            size = POINT_SIZE[arm] / 2
+            add(scene.add_icosphere(name, size, color=colour, subdivisions=2, position=position, cast_shadow=False))
         else:
-            vertices, faces = meshes.octahedron(POINT_SIZE[arm])
-            handle = self._client.scene.add_mesh_simple(
-                name, vertices, faces, color=rgb(arm), position=body.local[i], cast_shadow=False
-            )
-
-        @handle.on_click
-        async def _(_event, i=i) -> None:
-            self._queue.put(ChoosePoint(i))
-
-        self._nodes.keep(handle)
+            shape = meshes.octahedron(POINT_SIZE[arm])
+            add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
 
     def _add_moving_parts(self) -> None:
-        scene, nothing = self._client.scene, np.zeros((1, 2, 3), np.float32)
         count = len(self._world.body)
+        scene, colour = self._client.scene, partial(rgb, dark=self._dark)
+        nothing = np.zeros((4 * count, 2, 3), np.float32)
         self._rays = self._nodes.keep(
-            scene.add_line_segments("/now/rays", nothing, rgb("secondary"), thickness=1, thickness_units="screen")
+            scene.add_line_segments(
+                "/now/rays",
+                nothing,
+                self._of_views(partial(faint, dark=self._dark), count),
+                thickness=1,
+                thickness_units="screen",
+            )
         )
         self._chosen_rays = self._nodes.keep(
-            scene.add_line_segments("/now/chosen_rays", nothing, rgb("chosen"), thickness=2.4, thickness_units="screen")
+            scene.add_line_segments(
+                "/now/chosen_rays", nothing[:4], self._of_views(colour, 1), thickness=1.6, thickness_units="screen"
+            )
         )
         self._residuals = self._nodes.keep(
-            scene.add_line_segments("/now/residuals", nothing, rgb("residual"), thickness=3, thickness_units="screen")
+            scene.add_line_segments(
+                "/now/residuals", nothing[:1], colour("residual"), thickness=3, thickness_units="screen"
+            )
         )
         self._dots = self._nodes.keep(
             scene.add_point_cloud(
                 "/now/dots",
                 np.zeros((4 * count, 3)),
-                np.repeat([rgb(role) for role in VIEW_ROLES], count, axis=0),
+                np.repeat([colour(role) for role in VIEW_ROLES], count, axis=0),
                 point_size=0.009,
                 point_shape="circle",
                 point_shading="flat",
@@ -199,17 +216,23 @@ class Scene3D:
                 faces,
                 batched_wxyzs=np.tile([1.0, 0, 0, 0], (count, 1)),
                 batched_positions=np.zeros((count, 3)),
-                batched_colors=linear(rgb("recovered")),
+                batched_colors=linear(colour("recovered")),
                 cast_shadow=False,
                 lod="off",
             )
         )
         self._rings = [
             self._nodes.keep(
-                scene.add_icosphere(f"/now/chosen_{arm}", 0.017, color=rgb("chosen"), visible=False, cast_shadow=False)
+                scene.add_icosphere(
+                    f"/now/chosen_{arm}", 0.017, color=colour("chosen"), visible=False, cast_shadow=False
+                )
             )
             for arm in ("learner", "demonstrator")
         ]
+
+    def _of_views(self, shade: Callable[[str], tuple[int, int, int]], count: int) -> NDArray:
+        """(4 count, 2, 3): colours of so many segments from each view."""
+        return np.repeat([linear(shade(role)) for role in VIEW_ROLES], 2 * count, axis=0).reshape(-1, 2, 3)
 
     def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
         """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
@@ -218,20 +241,16 @@ class Scene3D:
         return plates, snapshot.views.visible.T
 
     def _draw_rays(self, plates: NDArray, seen: NDArray, demo: NDArray, own: NDArray, view: View) -> None:
-        chosen = view.chosen
-        far_away = np.array([0, 0, -50.0])
-        push_array(self._dots, "points", np.where(seen[..., None], plates, far_away).reshape(-1, 3))
-        targets = np.stack([demo, demo, own, own])
+        chosen, targets = view.chosen, np.stack([demo, demo, own, own])
+        push_array(self._dots, "points", np.where(seen[..., None], plates, FAR_AWAY).reshape(-1, 3))
         self._show(self._rays, view.rays)
         if view.rays:
-            rays = np.stack([plates, targets], axis=-2)  # (4, N, 2, 3)
-            push_array(self._rays, "points", rays[seen])
-        picked = chosen is not None and bool(seen[:, chosen].any())
-        self._show(self._chosen_rays, picked)
-        if picked:
+            push_array(self._rays, "points", segments(plates, targets, seen))
+        in_sight = chosen is not None and bool(seen[:, chosen].any())
+        self._show(self._chosen_rays, in_sight)
+        if in_sight:
             eyes = np.array([camera.T_world_camera[:3, 3] for camera in self._cameras])
-            lines = np.stack([eyes, targets[:, chosen]], axis=-2)
-            push_array(self._chosen_rays, "points", lines[seen[:, chosen]])
+            push_array(self._chosen_rays, "points", segments(eyes, targets[:, chosen], seen[:, chosen]))
 
     def _draw_residuals(self, state: PageState, own: NDArray) -> None:
         usable = state.shown.usable & (state.view.residuals and state.shown.transfer is not None)
@@ -243,6 +262,15 @@ class Scene3D:
             push_array(self._recovered, "batched_positions", positions)
             push_array(self._residuals, "points", np.stack([positions[usable], own[usable]], axis=-2))
 
+    def _choose_at(self, origin: NDArray, direction: NDArray) -> None:
+        """The point at this ray, on whichever arm."""
+        points = self._points
+        if len(points):
+            radius = np.repeat([POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2], len(points) // 2)
+            i = picked(points, radius, origin, direction, self._client.camera.fov)
+            if i is not None:
+                self._queue.put(ChoosePoint(i % (len(points) // 2)))
+
     def _draw_chosen(self, own: NDArray, demo: NDArray, chosen: int | None) -> None:
         for ring, points in zip(self._rings, (own, demo)):
             self._show(ring, chosen is not None)
@@ -250,6 +278,11 @@ class Scene3D:
                 ring.position = points[chosen]
 
 
+def segments(starts: NDArray, ends: NDArray, seen: NDArray) -> NDArray:
+    """(…, 3) m twice → (n, 2, 3), those that are not seen out of sight."""
+    return np.where(seen[..., None, None], np.stack([starts, ends], axis=-2), FAR_AWAY).reshape(-1, 2, 3)
+
+
 def linear(color: tuple[int, int, int]) -> tuple[int, int, int]:
-    """Batched meshes read colours as linear light."""
+    """Batched meshes, and segments of several colours, read them as linear light."""
     return tuple(round(255 * (c / 255) ** 2.2) for c in color)

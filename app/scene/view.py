@@ -8,16 +8,22 @@ MARGIN = 0.93  # of the half angle that the default view fills
 AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
 
 
+def looking() -> NDArray:
+    """R_world_camera (3, 3) of the default view: right, down, forward."""
+    forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+    right = np.cross(forward, [0, 0, 1.0])
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(forward, right), forward], axis=-1)
+
+
 def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
     """Position and target of a camera from AZIMUTH, ELEVATION and FOV that just holds (k, 3) points.
 
     below: share of the height, from the bottom, that stays free. Each side of the frame is a plane through the
     eye, with a slope per depth; along its normal the points give one bound, and opposite bounds meet at the eye.
     """
-    backward = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
-    right = np.cross([0, 0, 1.0], backward)
-    right /= np.linalg.norm(right)
-    up = np.cross(backward, right)
+    right, down, forward = looking().T
+    up, backward = -down, -forward
     tan = np.tan(FOV / 2)
     x, y, z = points @ right, points @ up, points @ backward
     eye = []

@@ -14,6 +14,7 @@ from .control.command_loop import CommandLoop
 from .control.commands.command import Command
 from .control.commands.experiments import LoadMotion
 from .control.commands.session import Resume
+from .control.commands.touch import TOUCHES
 from .control.page_model import PageModel
 from .control.queue import CommandQueue
 from .control.redraw import Redraw
@@ -34,7 +35,7 @@ SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does n
 
 class Page:
     """tick(now) takes what the visitor did, moves the loop on, and shows what changed. keep(memory): at
-    times → why it is not kept, None if it is."""
+    times → why it is not kept, None if it is. address: that its drawings' links begin with, None for no links."""
 
     def __init__(
         self,
@@ -43,8 +44,9 @@ class Page:
         settings: Settings,
         keep: Callable[[SavedSession], str | None],
         resumed: SavedSession | None = None,
+        address: str | None = None,
     ):
-        self._client, self._shedding, self._keep = client, services.shedding, keep
+        self._client, self._shedding, self._keep, self.address = client, services.shedding, keep, address
         self.queue, self._redraw = CommandQueue(), Redraw()
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
@@ -53,7 +55,7 @@ class Page:
             self._resume(resumed)
         wide = client.camera.image_width >= WIDE
         with client.atomic():
-            layout, state = Layout(client, self.queue, wide), self.model.state(0.0)
+            layout, state = Layout(client, self.queue, wide, address), self.model.state(0.0)
             self._panels = [panel() for panel in PANELS]
             for panel in self._panels:
                 panel.build(layout, state)
@@ -63,6 +65,13 @@ class Page:
     def put(self, command: Command) -> None:
         """As if the visitor had done it; from any thread."""
         self.queue.put(command)
+
+    def touch(self, control: str, value: str) -> bool:
+        """A link of its drawings was followed; from any thread. Whether there is that control."""
+        if control not in TOUCHES:
+            return False
+        self.queue.put_value(TOUCHES[control], value, ("touch", control))
+        return True
 
     def panel(self, kind: type):
         """The page's panel of this class."""

@@ -133,10 +133,10 @@ class Here:
     def __init__(self, folder: Path):
         counts = SeatCounts()
         self._scheduler = Attended(counts.rows[0])
-        self.access = AccessControl(40, (), counts, counts.rows[0])
+        self.access = AccessControl(40, (), counts)
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        self.app = App(self.viser, Settings(), self._scheduler, Autosave(SqliteStore(folder)))
+        self.app = App(self.viser, Settings(), self._scheduler, Autosave(SqliteStore(folder)), self.access.touches)
         self.access.guard(self.viser)
         self.url = f"http://127.0.0.1:{self.viser.get_port()}"
 

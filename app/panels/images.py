@@ -1,6 +1,7 @@
 """The four images."""
 
 from viewimit.drawing.images import draw_images
+from viewimit.drawing.over.points import point_links, point_places
 
 from ..control.state import PageState
 from .panel import Layout, Panel
@@ -9,9 +10,9 @@ from .widgets import put_html
 
 class ImagesPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._wide = layout.wide
+        self._wide, self._address = layout.wide, layout.address
         with layout.upper_tab("Images"):
-            self._images = layout.gui.add_html("")
+            self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
 
     @property
     def html(self) -> str:
@@ -33,4 +34,8 @@ class ImagesPanel(Panel):
             wide=self._wide,
             pictures=state.pictures,
         )
+        if self._address is not None:
+            views = state.looked.views
+            put_html(self._links, point_links(self._address, len(views.demo), view.whole_frames))
+            drawn += point_places(views.demo, views.own, views.visible, windows, view.whole_frames)
         put_html(self._images, drawn)

@@ -15,10 +15,11 @@ LEFT_WIDTHS = {False: 280, True: 300}
 
 
 class Layout:
-    """The left panel, which is `gui` itself, and the right ones with their tabs. wide: with room for more."""
+    """The left panel, which is `gui` itself, and the right ones with their tabs. wide: with room for more;
+    address: what links begin with, None for none."""
 
-    def __init__(self, client: ClientHandle, queue: CommandQueue, wide: bool):
-        self.client, self.gui, self.queue, self.wide = client, client.gui, queue, wide
+    def __init__(self, client: ClientHandle, queue: CommandQueue, wide: bool, address: str | None = None):
+        self.client, self.gui, self.queue, self.wide, self.address = client, client.gui, queue, wide, address
         self.gui.main_panel.dock_left()
         self.gui.main_panel.set_width(LEFT_WIDTHS[wide])
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()

@@ -21,7 +21,8 @@ from .content_policy import content_policy
 from .cookie import cookie_for, token_of
 from .origins import is_own_page
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
-from .seat_counts import SeatCounts, WorkerCounts
+from .seat_counts import SeatCounts
+from .touches import ROOT, NotTouched, Touches
 
 PING_EVERY, PONG_WITHIN = 15.0, 15.0  # s: one that does not take what is sent does not answer either
 CLOSED_WITHIN = 2.0  # s that a client is given to say goodbye
@@ -36,7 +37,8 @@ every few seconds; close a tab elsewhere to make room.</p></body></html>"""
 
 class AccessControl:
     """`serve` stands for websockets' own. max_clients: tabs at a time; origins: pages elsewhere that may connect, as
-    scheme://host:port; counts: of all processes; own: this one's; listening: a socket in place of a port of its own.
+    scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
+    its own. touches: where its pages' links lead.
     """
 
     def __init__(
@@ -44,11 +46,12 @@ class AccessControl:
         max_clients: int,
         origins: Iterable[str],
         counts: SeatCounts,
-        own: WorkerCounts,
+        worker: int = 0,
         listening: socket.socket | None = None,
     ):
         self._max_clients, self._origins = max_clients, frozenset(origins)
-        self._counts, self._own, self._listening = counts, own, listening
+        self._counts, self._own, self._listening = counts, counts.rows[worker], listening
+        self.touches = Touches(worker)
         self._server: ViserServer | None = None
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
@@ -107,6 +110,8 @@ class AccessControl:
         path = request.path.partition("?")[0]
         if path == "/health":
             return self._tell_health()
+        if path.startswith(ROOT):
+            return self._touch(connection, request)
         response = viser_answers(connection, request)
         if response is None:
             return self._refuse_seat(connection, request)
@@ -119,6 +124,14 @@ class AccessControl:
             response.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(response.headers, request.headers.get("Host", ""))
         return response
+
+    def _touch(self, connection: GuardedConnection, request: Request) -> Response:
+        try:
+            self.touches.follow(request.path, request.headers)
+        except NotTouched as refusal:
+            self.note(connection, str(refusal))
+            return _response(refusal.status, refusal.status.phrase)
+        return _response(http.HTTPStatus.NO_CONTENT, "")
 
     def _refuse_seat(self, connection: GuardedConnection, request: Request) -> Response | None:
         origin, host = request.headers.get("Origin"), request.headers.get("Host", "")

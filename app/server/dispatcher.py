@@ -15,6 +15,7 @@ from .cookie import token_of
 from .options import ServerOptions
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .seat_counts import SeatCounts
+from .touches import worker_of
 
 MOST_HEAD = 1 << 14  # bytes
 HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
@@ -82,7 +83,12 @@ class Dispatcher:
             except (OSError, asyncio.TimeoutError):
                 return
             if head:
-                self._hand(connection, self._placing.place(_token(head)))
+                self._hand(connection, self._worker(head))
+
+    def _worker(self, head: bytes) -> int:
+        """A touch goes where its page is, be that full or not; all else where its browser goes."""
+        worker = worker_of(head)
+        return self._placing.place(_token(head)) if worker is None or worker >= len(self._to) else worker
 
     def _hand(self, connection: socket.socket, worker: int) -> None:
         try:

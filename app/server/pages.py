@@ -23,12 +23,13 @@ from ..page import Page
 from ..scene.arms import share_meshes
 from ..scene.scene3d import share_scene
 from ..sessions.autosave import Autosave
-from ..sessions.resume import SessionKeys
+from ..sessions.resume import SessionKeys, token_of_client
 from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
 from .options import ServerOptions
 from .seat_counts import SeatCounts
+from .touches import Touches
 
 
 @contextlib.contextmanager
@@ -47,13 +48,13 @@ def serving(
     """
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    access = AccessControl(options.clients_of(worker), options.origins, counts, counts.rows[worker], listening)
+    access = AccessControl(options.clients_of(worker), options.origins, counts, worker, listening)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
-    app = App(server, options.settings, scheduler, autosave, max(MOST_SESSIONS // options.workers, 1))
+    app = App(server, options.settings, scheduler, autosave, access.touches, max(MOST_SESSIONS // options.workers, 1))
     access.guard(server)
     try:
         yield server.get_port()
@@ -66,7 +67,7 @@ def serving(
 class App:
     """Pages by client id. viser's threads connect and disconnect, its event loop draws.
 
-    pictured: how many sessions at a time may look with pictures.
+    touches: where the pages' links lead; pictured: how many sessions at a time may look with pictures.
     """
 
     def __init__(
@@ -75,9 +76,11 @@ class App:
         settings: Settings,
         scheduler: Scheduler,
         autosave: Autosave,
+        touches: Touches,
         pictured: int = MOST_SESSIONS,
     ):
         self._server, self._settings, self._scheduler, self._autosave = server, settings, scheduler, autosave
+        self._touches = touches
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._keys = SessionKeys(server, autosave, settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
@@ -104,9 +107,11 @@ class App:
 
     def _connect(self, client: viser.ClientHandle) -> None:
         key, resumed = self._keys.take(client)
+        token = token_of_client(self._server, client.client_id)
+        address = None if token is None else self._touches.new_address()
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: None)
         try:
-            page = Page(client, self.services, self._settings, keep, resumed)
+            page = Page(client, self.services, self._settings, keep, resumed, address)
         except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
             client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             if key:
@@ -115,6 +120,8 @@ class App:
         with self._lock:
             self._pages[client.client_id] = page, key
             self._scheduler.add(page)
+        if token is not None and address is not None:
+            self._touches.open(address, page.touch, token)
         if client.client_id not in self._server.get_clients():  # it closed before this callback ran
             self._retire(client.client_id)
 
@@ -133,6 +140,7 @@ class App:
                 page, key = self._pages.pop(client_id, (None, None))
             if page is None:
                 return
+            self._touches.close(page.address)
             self._scheduler.remove(page)
             self.services.landscapes.forget(client_id)
             self.services.experiments.forget(client_id)

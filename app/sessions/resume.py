@@ -33,8 +33,7 @@ class SessionKeys:
 
     def take(self, client: ClientHandle) -> tuple[str | None, SavedSession | None]:
         """A key for what this client does, and what its browser left under it; (None, None) without a token."""
-        connection = viser_private.connection_of(self._server, client.client_id)
-        token = connection.token if isinstance(connection, TokenConnection) else None
+        token = token_of_client(self._server, client.client_id)
         if token is None:
             return None, None
         keys = [f"{token}.{tab}" for tab in range(MOST_TABS)]
@@ -62,6 +61,12 @@ class SessionKeys:
             cut_off(self._server, holder)
             self._retire(holder)
             self.leave(key)
+
+
+def token_of_client(server: ViserServer, client_id: int) -> str | None:
+    """Of its browser; None without one."""
+    connection = viser_private.connection_of(server, client_id)
+    return connection.token if isinstance(connection, TokenConnection) else None
 
 
 def answers(server: ViserServer, client_id: int, within: float) -> bool:

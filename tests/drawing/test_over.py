@@ -1,0 +1,58 @@
+"""What lies over the drawings of the page: links, and where they are."""
+
+import re
+
+import numpy as np
+import pytest
+from drawn import marked, parsed
+
+from viewimit.drawing.image_planes import BOXES, image_windows
+from viewimit.drawing.over.links import SINK
+from viewimit.drawing.over.points import HIT, LEAST, point_links, point_places
+
+ADDRESS = "/touch/0.abc"
+
+
+def hrefs(html: str) -> list[str]:
+    return re.findall(r'href="([^"]*)"', html)
+
+
+@pytest.fixture(scope="module")
+def places():
+    """N points, and the places that the style gives them by view: (x, y, radius)."""
+    rng = np.random.default_rng(1)
+    demo, own = rng.uniform((200, 100) * 2, (280, 170) * 2, (2, 12, 4))
+    own[5, :2] = own[4, :2] + 0.1  # nearly the same place in L
+    visible = np.ones((12, 4), bool)
+    visible[3] = False, True, False, True
+    reach = {view: np.array([[195.0, 95.0], [285.0, 175.0]]) for view in "lrLR"}
+    style = point_places(demo, own, visible, image_windows(reach, (640, 240)), False)
+    found = {}
+    for view, i, x, y in re.findall(r"\.vi-at-(\w)(\d+)\{transform:translate\(([\d.]+)px,([\d.]+)px\)\}", style):
+        radius = re.search(rf"\.vi-at-{view}{i} \.vi-nearest\{{r:([\d.]+)px", style)
+        found[view, int(i)] = np.array([float(x), float(y)]), float(radius[1]) if radius else HIT
+    hidden = set(re.findall(r"\.vi-at-(\w\d+)\{display:none\}", style))
+    return found, hidden
+
+
+class TestPoints:
+    def test_every_point_is_a_link_in_every_image_and_has_a_name_where_tab_stops(self):
+        root = parsed(point_links(ADDRESS, 10, False))
+        links = list(root.iter("a"))
+        assert {link.get("href") for link in links} == {f"{ADDRESS}/point/{i}" for i in range(10)}
+        stops = [link for link in links if link.get("tabindex") is None]
+        assert [link.get("aria-label") for link in stops] == [f"point {i}" for i in range(10)]
+        assert all(link.get("target") == SINK for link in links) and len(marked(root, "circle", "vi-nearest")) == 40
+
+    def test_what_is_not_seen_cannot_be_touched(self, places):
+        found, hidden = places
+        assert hidden == {"l3", "L3"} and ("r", 3) in found and len(found) == 46
+
+    def test_of_two_points_the_nearer_is_touched(self, places):
+        found, _ = places
+        for view in "lrLR":
+            there = [place for (other, _), place in found.items() if other == view]
+            for k, (one, r) in enumerate(there):
+                for other, other_r in there[:k]:
+                    assert np.hypot(*(one - other)) >= r + other_r - 0.2 or r == other_r == LEAST
+                assert (0 <= one).all() and (one <= BOXES[False][view][2:]).all()

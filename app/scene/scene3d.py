@@ -89,9 +89,9 @@ class Scene3D:
     def show(self, state: PageState) -> None:
         """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted anew."""
         view, aspect = state.view, self._canvas_aspect()
-        if view.dark != self._dark:
-            self._dark = view.dark
-            add_light_and_floor(self._client.scene, LOOKS[view.dark])
+        if view.on("dark") != self._dark:
+            self._dark = view.on("dark")
+            add_light_and_floor(self._client.scene, LOOKS[self._dark])
             self._furnish()
         if aspect is not None and (self._aspect is None or abs(np.log(aspect / self._aspect)) > SAME_SHAPE):
             self._aspect = aspect

@@ -61,12 +61,28 @@ def test_a_click_beside_a_point_chooses_it(page):
     wait_for_count(page, CHOSEN_POINT, 4)
 
 
-def test_dark_gives_the_scene_the_roles_dark_colours(page):
+def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
     name = a_point(page)
     page.get_by_text("Display", exact=True).click()
-    for dark in (True, False):
-        switch(page, "Dark")
-        wait(page, lambda dark=dark: ROLES["learner"][dark] in page.evaluate(COLOURS, name), 20)
+
+    def prefer(scheme):
+        page.emulate_media(color_scheme=scheme)
+
+    def becomes(dark):
+        page.wait_for_selector(f":root[data-mantine-color-scheme={'dark' if dark else 'light'}]")
+        wait(page, lambda: ROLES["learner"][dark] in page.evaluate(COLOURS, name), 20)
+
+    for scheme in ("dark", "light", "dark"):
+        prefer(scheme)
+        becomes(scheme == "dark")
+    switch(page, "Dark")
+    becomes(False)
+    with page.expect_response("**/dark/0,*"):
+        prefer("light")
+    switch(page, "Dark")
+    becomes(True)
+    switch(page, "Dark")
+    becomes(False)
     page.get_by_text("Display", exact=True).click()
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..checks import number
 from ..page_model import PageModel
 from .command import Command
-from .display import ChoosePoint
+from .display import ChoosePoint, PreferDark
 
 
 @dataclass(frozen=True)
@@ -29,5 +29,6 @@ class TogglePoint(Command):
 
 
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
+    "dark": PreferDark.parse,
     "point": TogglePoint.parse,
 }

@@ -1,6 +1,10 @@
 """How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera."""
 
+import html
 from functools import partial
+
+from viewimit.simulation.eyes import require_eyes
+from viewimit.simulation.scene import Scene
 
 from ..control.commands.display import ChoosePoint, FitView, Switch
 from ..control.commands.method import change_points, switch_camera
@@ -28,6 +32,7 @@ class DisplayPanel(Panel):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
             self._camera = gui.add_checkbox("Camera images", False)
+            self._why_not = gui.add_html("", visible=False)
             self._switches = {name: gui.add_checkbox(label, state.view.on(name)) for label, name in SWITCHES}
             fit = gui.add_button("Fit view")
         queue.on_value(self._chosen, ChoosePoint.parse)
@@ -70,10 +75,23 @@ class DisplayPanel(Panel):
         count = len(state.session.world.body)
         pictured = state.settings.camera == "rendered"  # which show the markers that the robot wears, in one layout
         self._markers = f"{count} markers" if pictured else ""
+        why = why_no_pictures(state.session.scene)
+        self._camera.disabled = why is not None
+        self._why_not.content = "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>'
+        self._why_not.visible = why is not None
         layouts = [f"{layout} points" for layout in state.session.scene.points]
         self._points.options = [self._markers] if pictured else layouts
         self._points.disabled = pictured
         self._chosen.options = [NO_POINT, *(str(i) for i in range(count))]
+
+
+def why_no_pictures(scene: Scene) -> str | None:
+    """Why camera images cannot be had of this scene here, None if they can."""
+    try:
+        require_eyes("rendered", scene)
+    except ValueError as reason:
+        return str(reason)
+    return None
 
 
 def asking_for_scheme(address: str, times: int) -> str:

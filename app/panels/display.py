@@ -26,8 +26,8 @@ class DisplayPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, queue = layout.gui, layout.queue
         gui = self._gui
-        self._address, self._asked = layout.address, 0
-        self._ask = None if layout.address is None else gui.add_html(asking_for_scheme(layout.address, 0))
+        self._address, self._asked = layout.address or "", 0
+        self._ask = gui.add_html(asking_for_scheme(self._address, 0), visible=bool(self._address))
         with gui.add_folder("Display", expand_by_default=False):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
@@ -65,7 +65,7 @@ class DisplayPanel(Panel):
             self._dark = view.on("dark")
             self._gui.configure_theme(dark_mode=self._dark, show_logo=False, show_share_button=False)
 
-        if view.prefers_dark != self._prefers_dark and self._ask is not None:
+        if view.prefers_dark != self._prefers_dark:
             self._prefers_dark = view.prefers_dark
             self._asked += 1
             self._ask.content = asking_for_scheme(self._address, self._asked)

@@ -15,17 +15,15 @@ from viewimit.views import VIEWS
 
 from .. import viser_private
 from . import meshes
-from .lettering import lettering
+from .lettering import add_text
 from .nodes import Nodes
 from .rotations import quaternion
-from .view import looking
 
 PLATE = 0.17  # m from the camera to its image plate
 BEHIND = 0.002  # m, a picture's distance from its plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
 LINE = 0.1  # m, the height of a line of text
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
-TEXT_ROLES = {"demonstrator": "demonstrator-edge", "learner": "learner"}  # that can be read
 
 
 @dataclass(frozen=True)
@@ -172,25 +170,10 @@ class Fixtures:
         )
         self._nodes.keep(self._plates[name])
         corner = plate[0] if name == "l" else plate[1]  # where no other frustum is
-        self._add_text(f"/stage/name_{name}", name, role, corner + 0.12 * (corner - eye))
+        self._add_text(f"/stage/name_{name}", name, role, corner + 0.25 * (corner - eye))
 
     def _add_text(self, node: str, text: str, role: str, position: NDArray) -> None:
-        """Turned to who looks from where the default view does."""
-        picture = lettering(text, rgb(TEXT_ROLES[role], self._dark))
-        height, width, _ = picture.shape
-        self._nodes.keep(
-            self._client.scene.add_image(
-                node,
-                picture,
-                LINE * width / height,
-                LINE,
-                format="png",
-                cast_shadow=False,
-                receive_shadow=False,
-                wxyz=quaternion(looking()),
-                position=position,
-            )
-        )
+        self._nodes.keep(add_text(self._client.scene, node, text, role, self._dark, position, LINE))
 
     def _add_picture(self, view: str, camera: Camera) -> None:
         """As large as the plate and just behind it, so that what is drawn on the plate stays in sight; hidden."""

@@ -4,8 +4,36 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 from viewimit.assets import ROOT
+from viser import ImageHandle, SceneApi
+
+from viewimit.drawing.theme import rgb
+
+from .rotations import quaternion
+from .view import looking
 
 FONT = ImageFont.truetype(str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 48)  # px a line, far more than are seen
+
+TEXT_ROLES = {"demonstrator": "demonstrator-edge", "learner": "learner"}  # that can be read
+
+
+def add_text(
+    scene: SceneApi, node: str, text: str, role: str, dark: bool, position: NDArray, line: float
+) -> ImageHandle:
+    """In the colour of an arm's role, turned to who looks from where the default view does. position: (3,) m, its
+    middle; line: m, the height of a line."""
+    picture = lettering(text, rgb(TEXT_ROLES[role], dark))
+    height, width, _ = picture.shape
+    return scene.add_image(
+        node,
+        picture,
+        line * width / height,
+        line,
+        format="png",
+        cast_shadow=False,
+        receive_shadow=False,
+        wxyz=quaternion(looking()),
+        position=position,
+    )
 
 
 def lettering(text: str, color: tuple[int, int, int]) -> NDArray:

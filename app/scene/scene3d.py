@@ -71,6 +71,7 @@ class Scene3D:
         for name in self._bases:
             for i in range(len(self._world.body)):
                 self._add_point(name, i)
+        self._gizmo.furnish(self._nodes, self._dark)
         self._moment = Moment(self._client, self._nodes, self._world, self._dark)
 
     def depends_on(self, state: PageState) -> tuple:

@@ -8,7 +8,7 @@ from viser import ClientHandle
 
 FOV = np.radians(36.0)
 MARGIN = 0.93  # of the half angle that the default view fills
-BELOW = 0.22  # of the canvas's height, from the bottom: what status and curves cover
+BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
 LATELY = 8  # such places: the browser may tell of an earlier one while the window's edge is dragged

@@ -61,10 +61,11 @@ for (const kind of [WebGLRenderingContext, WebGL2RenderingContext])
 """
 
 
-def open_page(browser, url: str, size: str = "least"):
-    """A tab with the page, complete. `problems`: errors; `requested`: addresses; `frames_received` by its socket."""
+def open_page(browser, url: str, size: str = "least", **options):
+    """A tab with the page, complete. options: of the tab, as its pixel ratio. `problems`: errors; `requested`:
+    addresses; `frames_received` by its socket."""
     width, height = SIZES[size]
-    page = browser.new_page(viewport={"width": width, "height": height})
+    page = browser.new_page(viewport={"width": width, "height": height}, **options)
     page.problems, page.requested, page.frames_received = [], [], []
     page.on("pageerror", lambda error: page.problems.append(str(error)))
     page.on("console", lambda m: page.problems.append(m.text) if m.type == "error" else None)

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from dataclasses import replace
 from functools import partial
 
 from drawn import view_name
@@ -108,6 +109,9 @@ class Hands:
 
     def act(self, name, now=0.0):
         BUTTONS[name].apply(self.model, now)
+
+    def set_view(self, **fields):
+        self.model.view = replace(self.model.view, **fields)
 
     def arrive(self):
         """Carry out what workers have put into the queue."""

@@ -53,6 +53,9 @@ class Gui(QuietHandle):
     def add_button_group(self, label, options, **_):
         return self._add(label, options=tuple(options), value=options[0])
 
+    def add_checkbox(self, label, initial_value, **_):
+        return self._add(label, value=initial_value)
+
     def add_button(self, label, icon=None, disabled=False, **_):
         return self._add(label, icon=icon, disabled=disabled)
 
@@ -60,12 +63,12 @@ class Gui(QuietHandle):
 class QuietPage:
     """Ticked by hand, in a clock of its own."""
 
-    def __init__(self, settings=None, keep=lambda memory: None, resumed=None):
+    def __init__(self, settings=None, keep=lambda memory: None, resumed=None, address=None):
         self.client, self.now = QuietClient(id(self)), 100.0
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         services = Services(LandscapeWorker(), ExperimentWorker(), camera, shedding, lambda: None)
-        self.page = Page(self.client, services, settings or Settings(), keep, resumed)
+        self.page = Page(self.client, services, settings or Settings(), keep, resumed, address)
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if widget.label == label)

@@ -188,12 +188,7 @@ class Session:
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
         scene = load_scene(settings.scene, settings.robot, settings.joints)
-        if settings.points == USUAL_POINTS:
-            settings = msgspec.structs.replace(settings, points=scene.layout_near(USUAL_POINTS))
-        demo = _demonstrator(settings, scene)
-        start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
-        start = scene.require_posture(np.radians(start_deg), "learner's start")
-        settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(demo), start_deg=_degrees(start))
+        settings, demo, start = _complete(settings, scene)
         build = settings.camera, scene, settings.points
         if build != self._built:
             self.eyes, self._built = self._open_eyes(*build), build
@@ -234,6 +229,24 @@ class Session:
             state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)
         self.history.replace(now)
+
+
+def complete(settings: Settings) -> Settings:
+    """As a session has them that begins with these: with what the scene says where they leave it open.
+
+    Raises ValueError as `Session` does.
+    """
+    return _complete(settings, load_scene(settings.scene, settings.robot, settings.joints))[0]
+
+
+def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDArray]:
+    """And the postures of the demonstrator and of the learner's start, (m,) rad."""
+    points = scene.layout_near(USUAL_POINTS) if settings.points == USUAL_POINTS else settings.points
+    start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
+    demo = _demonstrator(settings, scene)
+    start = scene.require_posture(np.radians(start_deg), "learner's start")
+    fields = {"points": points, "demonstrator_deg": _degrees(demo), "start_deg": _degrees(start)}
+    return msgspec.structs.replace(settings, **fields), demo, start
 
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:

@@ -2,12 +2,16 @@
 
 from functools import partial
 
+import msgspec
+
 from viewimit.drawing import duel as drawing
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
+from ..jobs.experiments import ExperimentWorker, Request, Run
 from ..jobs.landscapes import Ground, LandscapeWorker, MadeLandscape, landscape_key, make_ground, make_landscape
 from .commands.command import Arrival
 from .queue import CommandQueue
@@ -82,3 +86,60 @@ class DuelLandscapes:
 
     def _take_later(self, made: Ground | Exception) -> None:
         self._queue.put(Arrival("duel", self.take, made))
+
+
+class Basins:
+    """From where the learner arrives, while it is shown. run: None while it is not."""
+
+    def __init__(self, page_id: int, worker: ExperimentWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._asked: Settings | None = None
+        self._count = 0  # of what was asked
+        self.run: Run | None = None
+
+    @property
+    def html(self) -> str:
+        """As far as it is found."""
+        return "" if self.run is None else self.run.figure
+
+    @property
+    def going_on(self) -> bool:
+        return self.run is not None and self.run.goes_on
+
+    def toggle(self, session: Session) -> None:
+        """Find it, or hide it, which also ends it. Raises ValueError without two moving joints."""
+        if self.run is not None:
+            self._end()
+        elif len(session.scene.moving_joints) != 2:
+            raise ValueError("starts are spread over two moving joints; choose two under Joints")
+        else:
+            self._asked, self._count = _without_start(session.settings), self._count + 1
+            request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, camera="points"))
+            self.run = Run(request.name)
+            self._worker.ask(self._page_id, request, self._take_later)
+
+    def follow(self, session: Session) -> None:
+        """End it if it would differ now."""
+        if self.run is not None and _without_start(session.settings) != self._asked:
+            self._end()
+
+    def take(self, run: Run) -> None:
+        """What the worker tells. Raises ValueError for a run that has failed."""
+        if self.run is None or run.name != self.run.name:  # of what is not shown any more
+            return
+        self.run = run
+        if run.state == "failed":
+            self.run = None
+            raise ValueError(f"the starts could not be tried: {run.problem}")
+
+    def _end(self) -> None:
+        if self.going_on:
+            self._worker.cancel(self._page_id)
+        self.run = None
+
+    def _take_later(self, run: Run) -> None:
+        self._queue.put(Arrival(("basin", run.name), self.take, run))
+
+
+def _without_start(settings: Settings) -> Settings:
+    return msgspec.structs.replace(settings, start_deg=None)

@@ -21,3 +21,12 @@ def transfer_names() -> dict[str, str]:
 
 def servo_names() -> dict[str, str]:
     return {name: servo.title for name, servo in SERVOS.items()}
+
+
+def modified(preset: str) -> str:
+    """A preset whose settings have been changed."""
+    return f"{preset} (modified)"
+
+
+def motions(count: int) -> str:
+    return "1 motion" if count == 1 else f"{count} motions"

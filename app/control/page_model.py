@@ -4,6 +4,7 @@ Commands are carried out on it; `state` tells the panels what to show.
 """
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
 
 import msgspec
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.motion import Motion
 from viewimit.analysis.motion import encode as encode_motion
 from viewimit.drawing.image_planes import Windows
-from viewimit.session import Session
+from viewimit.session import Session, complete
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.snapshot import Snapshot
@@ -26,7 +27,9 @@ from .comparison import Comparison
 from .duel import Duel
 from .experiments import Experiments
 from .joints import Freedom
-from .landscapes import DuelLandscapes, OwnLandscape
+from .landscapes import Basins, DuelLandscapes, OwnLandscape
+from .moments.past import Left, Past
+from .moments.see_through import SeeThrough
 from .motions import Motions
 from .on_the_way import OnTheWay
 from .player import DENSE, Player
@@ -58,8 +61,11 @@ class PageModel:
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
         self.view, self.freedom, self.on_the_way = View(), Freedom(), OnTheWay()
+        self.see_through = SeeThrough(self.session)
         self.presets = presets_from(settings)
         self.preset = next(iter(self.presets.values()))
+        self._of_presets: dict[str, Settings] = {}  # as a session has them
+        self.past = Past()
         self.motions = Motions(self.session, self.pose, self._make_motion, send)
         self.experiments = Experiments(
             services.experiments, page_id, self.session, self.motions, self._take_run_later, send
@@ -67,6 +73,7 @@ class PageModel:
         self.landscape = OwnLandscape(page_id, services.landscapes, queue)
         self.duel_landscapes = DuelLandscapes(page_id, services.landscapes, queue)
         self.comparison = Comparison(page_id, services.landscapes, queue)
+        self.basins = Basins(page_id, services.basins, queue)
         self._appearance: Appearance | None = None  # made when it is first shown
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
@@ -75,14 +82,16 @@ class PageModel:
 
     def pose(self, theta: NDArray) -> None:
         """Move the demonstrator to theta, (m,) rad."""
-        self.session.pose(theta)
+        with self._kept():
+            self.session.pose(theta)
         self.duel.follow()
         self.player.wake()
 
     def change(self, **fields) -> None:
         """Some of the settings."""
         world = self.session.world
-        self.session.change(**fields)
+        with self._kept():
+            self.session.change(**fields)
         self.player.wake()
         if self.session.world is not world:
             self.begin_anew()
@@ -91,12 +100,62 @@ class PageModel:
         else:
             self.duel.follow()
 
+    def start_at(self, angles_deg: tuple[float, ...]) -> None:
+        """The learner begins anew at a posture, (m,)."""
+        self.player.pause()
+        self.change(start_deg=angles_deg)
+        self.player.settle()
+
     def begin_preset(self, preset: Preset) -> None:
         self.player.pause()
-        self.session.begin(preset.settings)
+        with self._kept(whole=True):
+            self.session.begin(preset.settings)
         self.player.speed = preset.motions_per_second
         self.preset = preset
         self.begin_anew()
+
+    def reset(self) -> None:
+        """Back to the start."""
+        self.player.pause()
+        with self._kept():
+            self.session.reset()
+        self.duel.begin()
+
+    def keep_branch(self) -> None:
+        """Motions after the one that is shown are about to be made anew."""
+        self.past.keep_branch(self._sessions, self.preset, self.player.speed)
+
+    @property
+    def left_here(self) -> Left | None:
+        """What was left behind at the moment that is shown, and can be brought back."""
+        return self.past.at(self.player.cursor, len(self._sessions))
+
+    def bring_back(self, left: Left) -> None:
+        """As it was. Raises ValueError, with all as it is, if that cannot be any more."""
+        world = self.session.world
+        for session, (moments, cursor) in zip(self._sessions, left.runs):
+            session.resume(moments, cursor)
+        self.past.forget_newest()
+        self.preset, self.player.speed = left.preset, left.speed
+        self.player.settle()
+        if self.session.world is not world:
+            self._show_anew()
+
+    @property
+    def modified(self) -> bool:
+        """Whether the settings are others than the preset's."""
+        name = self.preset.name
+        if name not in self._of_presets:
+            self._of_presets[name] = complete(self.preset.settings)
+        return self.session.settings != self._of_presets[name]
+
+    @property
+    def _sessions(self) -> list[Session]:
+        """The learner's, and its opponent's in a duel."""
+        return [runner.session for runner in self.player.runners]
+
+    def _kept(self, whole: bool = False) -> AbstractContextManager[None]:
+        return self.past.kept(self._sessions, self.preset, self.player.speed, whole)
 
     def leave_pictures(self) -> None:
         """Begin anew with projected points."""
@@ -107,10 +166,15 @@ class PageModel:
     def begin_anew(self) -> None:
         """The session has begun anew, in a world of its own."""
         self.duel.begin()
+        self._show_anew()
+
+    def _show_anew(self) -> None:
+        """The world is another."""
         chosen = self.view.chosen
         if chosen is not None and chosen >= len(self.session.world.body):
             self.view = replace(self.view, chosen=None)
         self.on_the_way, self._appearance = OnTheWay(), None
+        self.see_through.let_go()
         self.generation += 1
 
     def go_on(self, memory: SavedSession) -> None:
@@ -156,11 +220,15 @@ class PageModel:
         world, present = self.session.world, self.session.snapshot
         self.landscape.ask(world, present)
         self.comparison.ask(world, present)
+        self.basins.follow(self.session)
         self.duel_landscapes.ask(world, present, self.duel.opponent)
 
     def poses(self, now: float) -> tuple[NDArray, ...]:
-        """(m,) rad each: where the learner is seen, the demonstrator, and the opponent if there is one."""
+        """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
+        is one."""
         learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
+        if not others and (moment := self.see_through.moment) is not None:
+            others = [moment.theta]
         return learner, self.session.snapshot.theta_demo, *others
 
     def state(self, now: float, shortest_motion: float = 0.0) -> PageState:
@@ -170,6 +238,7 @@ class PageModel:
         if player.runners[0].duration < shortest_motion:
             theta, moving = present.theta, False
         looked, shown = self.on_the_way.of(session, theta, moving)
+        see_through = self.see_through.moment
         if self.message is not None and now > self.message.until:
             self.message = None
         return PageState(
@@ -178,20 +247,23 @@ class PageModel:
             session=session,
             settings=session.settings,
             present=present,
-            looked=looked,
+            looked=see_through or looked,
             look_at=self._look_at,
             pictures=session.eyes.pictures(looked) if isinstance(session.eyes, RemoteEyes) else {},
-            shown=shown,
+            shown=see_through or shown,
             on_its_way=theta if moving else None,
+            see_through=see_through,
             playing=player.playing,
             speed=player.speed,
             cursor=player.cursor,
             last=player.last,
             preset=self.preset,
+            modified=self.modified,
             presets=self.presets,
             view=self.view,
             landscape=self.landscape.made,
             transfers=self.comparison.html,
+            basin=self.basins.run,
             duel=self.duel,
             ground=self.duel_landscapes.html,
             experiments=self.experiments,

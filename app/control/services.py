@@ -1,8 +1,9 @@
 """What all pages of a process share."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from ..jobs import basin_child
 from ..jobs.camera_images import CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
@@ -18,3 +19,4 @@ class Services:
     camera: CameraProcess
     shedding: LoadShedding
     share_opponent: Callable[[], None]
+    basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(basin_child.work))

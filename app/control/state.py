@@ -14,6 +14,7 @@ from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
 from viewimit.snapshot import Snapshot
 
+from ..jobs.experiments import Run
 from ..jobs.landscapes import MadeLandscape
 from .duel import Duel
 from .experiments import Experiments
@@ -26,7 +27,8 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by th
 @dataclass(frozen=True)
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display, None as the browser prefers; help:
-    whether it is open; fits: how often the visitor has asked for the default camera."""
+    whether it is open; fits: how often the visitor has asked for the default camera; look_only: a posture that is
+    touched is looked at by a see-through arm, and nothing moves."""
 
     chosen: int | None = None
     rays: bool = False
@@ -37,6 +39,7 @@ class View:
     prefers_dark: bool = False
     help: bool = False
     fits: int = 0
+    look_only: bool = False
 
     def on(self, switch: str) -> bool:
         """Whether a switch is, by its name."""
@@ -59,9 +62,11 @@ class PageState:
 
     present: the session's moment; looked: what the images show, which `look_at` computes the arms' look of; pictures:
     JPEGs by view, of those that were taken; shown: what all else does; on_its_way: (m,) rad, where the arm is seen
-    while it moves. speed: motions a second; cursor, last: motions that are shown and kept. transfers: all transfers'
-    landscapes, None while one is shown; ground: the duel's. message: for the visitor; unsaved: why the session is not
-    kept, None as far as is known. Session, duel, experiments and motions are those of the page: to be read only.
+    while it moves; see_through: what would be seen elsewhere, which then is looked and shown, too. speed: motions a
+    second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
+    transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
+    message: for the visitor; unsaved: why the session is not kept, None as far as is known. Session, duel, experiments
+    and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -74,15 +79,18 @@ class PageState:
     pictures: Mapping[str, bytes]
     shown: Snapshot
     on_its_way: NDArray | None
+    see_through: Snapshot | None
     playing: bool
     speed: float
     cursor: int
     last: int
     preset: Preset
+    modified: bool
     presets: Mapping[str, Preset]
     view: View
     landscape: MadeLandscape | None
     transfers: str | None
+    basin: Run | None
     duel: Duel
     ground: str
     experiments: Experiments

@@ -21,10 +21,14 @@ MOST_BYTES = 64 << 20  # of the zip
 
 def work(connection: Connection, folder: str) -> None:
     """Carry out the one request (name, settings, options) that comes through the connection. folder: for the files."""
+    answer(connection, lambda name, settings, options: _carry_out(connection, name, settings, options, Path(folder)))
+
+
+def answer(connection: Connection, carry_out: Callable[[str, Any, dict], None]) -> None:
+    """What a process does: carry_out(name, settings, options), or say why not."""
     stand_back(NICENESS)  # numpy is loaded by what is received
     try:
-        name, settings, options = connection.recv()
-        _carry_out(connection, name, settings, options, Path(folder))
+        carry_out(*connection.recv())
     except (BrokenPipeError, ConnectionError):
         pass  # the server is gone
     except Exception as error:  # whatever it was, the page that asked is told

@@ -65,9 +65,13 @@ class _Job:
 
 
 class ExperimentWorker:
-    """`ask` returns at once; `tell(run)` is called under the worker's lock, from any thread, and must be short."""
+    """`ask` returns at once; `tell(run)` is called under the worker's lock, from any thread, and must be short.
 
-    def __init__(self):
+    work(connection, folder): what each process does.
+    """
+
+    def __init__(self, work: Callable[[Connection, str], None] = experiment_child.work):
+        self._work = work
         self._changed = threading.Condition()
         self._waiting: dict[int, _Job] = {}
         self._job: _Job | None = None  # the one that runs
@@ -146,9 +150,7 @@ class ExperimentWorker:
         """A process of its own, which is gone afterwards."""
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
-        process = context.Process(
-            target=experiment_child.work, args=(theirs, folder), name="viewimit-experiment", daemon=True
-        )
+        process = context.Process(target=self._work, args=(theirs, folder), name="viewimit-experiment", daemon=True)
         with ours:
             with theirs:  # the child's end; while it is open here, its loss would go unnoticed
                 process.start()

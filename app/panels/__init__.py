@@ -18,6 +18,7 @@ from .learner import LearnerPanel
 from .method import MethodPanel
 from .panel import Panel
 from .playback import PlaybackPanel
+from .start import StartPanel
 from .status import StatusPanel
 
 PANELS: list[type[Panel]] = [
@@ -34,6 +35,7 @@ PANELS: list[type[Panel]] = [
     ConflictPanel,
     LandscapePanel,
     LawPanel,
+    StartPanel,
     CurvesPanel,
     EquationsPanel,
     DuelPanel,

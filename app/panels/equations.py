@@ -34,11 +34,11 @@ class ConflictPanel(Panel):
         return SLOWEST
 
     def depends_on(self, state: PageState) -> tuple:
-        return (state.present,) if self._wide else ()
+        return (state.see_through or state.present,) if self._wide else ()
 
     def show(self, state: PageState) -> None:
         if self._wide:
-            put_html(self._conflict, draw_conflict(state.present))
+            put_html(self._conflict, draw_conflict(state.see_through or state.present))
 
 
 class LawPanel(Panel):

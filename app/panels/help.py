@@ -6,12 +6,15 @@ from viewimit.transfer import TRANSFERS
 PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "
      "its own arm (L, R), and knows nothing but points in these four images: no model of an arm, no calibration."),
-    ("Two views give a line.", "Click a marker, or press N: where a point lies in l puts it on a line in L; r gives "
+    ("Two views give a line.", "Click a point, or press N: where it lies in l puts it on a line in L; r gives "
      "a second line. They cross where the demonstrator's point would be in the learner's own view: a hollow diamond."),
     ("A wrong posture makes a conflict.", "The lines were learned from two different postures, so recovered and own "
      "points disagree. The arrows are the residuals e; E is their mean square."),
     ("The conflict drives the arm.", "Play. The learner moves, learns what that changes in its images, and goes where "
      "E is smaller. The landscape shows E for all postures; the learner knows only its own path."),
+    ("Touch it.", "Click the landscape: the learner starts there; with Look only a see-through arm shows the posture,"
+     " and nothing moves. From these starts sends twenty learners. Click a curve: back to that moment. Undo takes back"
+     " resets and presets, too."),
     ("Disturb it.", "Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take a"
      " preset that breaks the method. The sentence under the scene says what the learner itself can tell."),
     ("Race two methods.", "The tab Duel sends a second, see-through learner from your learner's start, with another "

@@ -33,6 +33,7 @@ class ImagesPanel(Panel):
             view.whole_frames,
             wide=self._wide,
             pictures=state.pictures,
+            standing=None if state.see_through is None else state.look_at(state.present)[0],
         )
         if self._address is not None:
             views = state.looked.views

@@ -1,5 +1,7 @@
 """The learner's joints beside the demonstrator's, as bars."""
 
+from numpy.typing import NDArray
+
 from viewimit.drawing.learner_bars import draw_learner
 
 from ..control.state import PageState
@@ -13,7 +15,12 @@ class LearnerPanel(Panel):
             self._bars = layout.gui.add_html("")
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.generation, state.shown.theta.tobytes(), state.present.theta_demo.tobytes()
+        return state.generation, _stands(state).tobytes(), state.present.theta_demo.tobytes()
 
     def show(self, state: PageState) -> None:
-        put_html(self._bars, draw_learner(state.session.scene, state.shown.theta, state.present.theta_demo))
+        put_html(self._bars, draw_learner(state.session.scene, _stands(state), state.present.theta_demo))
+
+
+def _stands(state: PageState) -> NDArray:
+    """(m,) rad, where the arm is seen; a see-through one is another."""
+    return state.present.theta if state.on_its_way is None else state.on_its_way

@@ -4,6 +4,7 @@ from viser import Icon
 
 from ..control.commands.command import Command
 from ..control.commands.session import ChoosePreset, Play, Reset, Step, Undo
+from ..control.names import modified
 from ..control.state import PageState
 from .panel import Layout, Panel
 from .widgets import put, put_html, put_label
@@ -15,6 +16,7 @@ class PlaybackPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         gui, queue = layout.gui, layout.queue
         self._preset = gui.add_dropdown("Preset", list(state.presets), initial_value=state.preset.name)
+        self._more: tuple[str, ...] = ()  # of its options, besides the presets
         queue.on_value(self._preset, ChoosePreset.parse)
         self._lesson = gui.add_html(lesson(state.preset.lesson))
         self._play = gui.add_button("Play", icon=Icon.PLAYER_PLAY)
@@ -27,12 +29,21 @@ class PlaybackPanel(Panel):
                 queue.put(MOTIONS[event.target.value])
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.preset.name, state.playing, state.refusals
+        return state.preset.name, state.modified, state.playing, state.refusals
 
     def show(self, state: PageState) -> None:
-        put(self._preset, state.preset.name)
+        self._show_preset(state)
         put_html(self._lesson, lesson(state.preset.lesson))
         put_label(self._play, *(("Pause", Icon.PLAYER_PAUSE) if state.playing else ("Play", Icon.PLAYER_PLAY)))
+
+    def _show_preset(self, state: PageState) -> None:
+        """One that was changed is an entry of its own, so that the preset itself can be chosen again."""
+        name = modified(state.preset.name) if state.modified else state.preset.name
+        more = (name,) if state.modified else ()
+        if more != self._more:
+            self._more = more
+            self._preset.options = (*state.presets, *more)
+        put(self._preset, name)
 
 
 def lesson(text: str) -> str:

@@ -104,6 +104,7 @@ class App:
                 self._retire(client_id)
             self._autosave.stop()
         self.services.experiments.stop()
+        self.services.basins.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
         key, resumed = self._keys.take(client)
@@ -144,6 +145,7 @@ class App:
             self._scheduler.remove(page)
             self.services.landscapes.forget(client_id)
             self.services.experiments.forget(client_id)
+            self.services.basins.forget(client_id)
             whole = page.close()
             if key is not None:
                 if whole:  # else what was handed over some seconds ago stays

@@ -1,14 +1,23 @@
 """What lies over the drawings of the page: links, and where they are."""
 
 import re
+import zlib
 
 import numpy as np
 import pytest
-from drawn import marked, parsed
+from drawn import classes, marked, parsed, paths
 
+from viewimit.analysis.basin import Basin, Ending
+from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.image_planes import BOXES, image_windows
+from viewimit.drawing.over.basin import describe_basin, draw_basin
 from viewimit.drawing.over.links import SINK
-from viewimit.drawing.over.points import HIT, LEAST, point_links, point_places
+from viewimit.drawing.over.points import LEAST, point_links, point_places
+from viewimit.drawing.over.postures import posture_links
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.session import Session
+from viewimit.settings import Settings
+from viewimit.simulation.scene import load_scene
 
 ADDRESS = "/touch/0.abc"
 
@@ -27,11 +36,12 @@ def places():
     visible[3] = False, True, False, True
     reach = {view: np.array([[195.0, 95.0], [285.0, 175.0]]) for view in "lrLR"}
     style = point_places(demo, own, visible, image_windows(reach, (640, 240)), False)
+    hidden = set(re.findall(r"\.vi-at-(\w\d+)\{display:none\}", style))
     found = {}
     for view, i, x, y in re.findall(r"\.vi-at-(\w)(\d+)\{transform:translate\(([\d.]+)px,([\d.]+)px\)\}", style):
         radius = re.search(rf"\.vi-at-{view}{i} \.vi-nearest\{{r:([\d.]+)px", style)
-        found[view, int(i)] = np.array([float(x), float(y)]), float(radius[1]) if radius else HIT
-    hidden = set(re.findall(r"\.vi-at-(\w\d+)\{display:none\}", style))
+        if view + i not in hidden:
+            found[view, int(i)] = np.array([float(x), float(y)]), float(radius[1])
     return found, hidden
 
 
@@ -56,3 +66,72 @@ class TestPoints:
                 for other, other_r in there[:k]:
                     assert np.hypot(*(one - other)) >= r + other_r - 0.2 or r == other_r == LEAST
                 assert (0 <= one).all() and (one <= BOXES[False][view][2:]).all()
+
+
+class TestPostures:
+    @pytest.mark.parametrize("name", ["panda", "iiwa"])
+    def test_cells_tile_the_landscape_and_each_is_around_its_posture(self, name):
+        scene = load_scene(name)
+        plane = PosturePlane(scene)
+        x, y, w, h = plane.box
+        area = 0.0
+        for link in parsed(posture_links(ADDRESS, scene)).iter("a"):
+            up, across = map(float, link.get("href").rsplit("/", 1)[1].split(","))
+            left, top, right, bottom = map(float, re.findall(r"[\d.]+", link[0].get("d"))[:4])
+            top, bottom = sorted((top, bottom))
+            px = plane.place(np.array([up, across]))
+            assert left - 0.1 <= px[0] <= right + 0.1 and top - 0.1 <= px[1] <= bottom + 0.1
+            area += (right - left) * (bottom - top)
+        assert area == pytest.approx(w * h, rel=0.01)
+
+    def test_tab_stops_at_some_which_have_names_and_the_picture_is_small(self):
+        html = posture_links(ADDRESS, load_scene("panda"))
+        stops = [link for link in parsed(html).iter("a") if link.get("tabindex") is None]
+        assert len(stops) == 15 and "θ₂ 45°, θ₄ −90°" in [link.get("aria-label") for link in stops]
+        assert len(zlib.compress(html.encode())) < 12_000
+
+    def test_without_two_joints_there_is_nothing_to_touch(self):
+        assert posture_links(ADDRESS, load_scene("panda", joints=(1, 2, 3))) == ""
+
+
+def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_in_a_file():
+    session = Session(Settings(start_deg=(25, -45)))
+    session.run(6)
+    html = draw_curves(session.history, 2, None, (2, 4), address=ADDRESS)
+    assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(len(session.history))]
+    assert hrefs(draw_curves(session.history, 2, None, (2, 4))) == []
+
+
+class TestBasin:
+    STARTS = np.radians([[10, -170], [20, -100], [30, -50], [40, -10], [50, -10]])
+    ENDINGS = tuple(
+        Ending(start, np.radians([70.0, -20.0]), place, claimed)
+        for start, place, claimed in zip(
+            STARTS, ("demonstrator", "demonstrator", "smallest E", "elsewhere"), (True, False, True, True)
+        )
+    )
+
+    def test_each_start_has_a_mark_that_says_where_its_run_ends_and_what_it_claims(self):
+        html = draw_basin(load_scene("panda"), Basin(self.STARTS, self.ENDINGS))
+        plane, root = PosturePlane(load_scene("panda")), parsed(html)
+        kinds = "there", "lowest", "astray", "hollow"
+        marks = {kind: [one for one in root.iter() if f"vi-basin-{kind}" in classes(one)] for kind in kinds}
+        assert [len(marks[kind]) for kind in kinds] == [2, 1, 1, 1]
+        places = plane.place(np.degrees(self.STARTS))
+        centres = [(float(mark.get("cx")), float(mark.get("cy"))) for mark in marks["there"]]
+        assert np.allclose(centres, places[:2], atol=0.06)
+        assert {mark.tag for mark in marks["there"]} == {"circle"} and marks["hollow"] == marks["there"][1:]
+        (way,) = paths(html, "vi-basin-way")
+        end = [float(n) for n in re.findall(r"[\d.]+", way)][2:]
+        assert np.allclose(end, plane.place(np.array([70, -20])), atol=0.06)
+        assert "4 of 5 learners" in html
+
+    def test_the_sentence_counts_them(self):
+        text = "".join(parsed(describe_basin(Basin(self.STARTS[:4], self.ENDINGS))).itertext())
+        assert (
+            text.split()
+            == (
+                "2 of 4 end at the demonstrator, 1 at the smallest E, 1 elsewhere. "
+                "3 claim to have arrived (filled), 1 of them falsely."
+            ).split()
+        )

@@ -9,6 +9,7 @@ from ..analysis.joint_errors import RECENT
 from ..snapshot import Snapshot
 from . import svg
 from .axes import Axes, Tick, decade_ticks, decades, log10
+from .over.links import link
 
 SIDE_BY_SIDE = 600  # px of width from which the plots stand beside each other
 CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot
@@ -27,10 +28,11 @@ def draw_curves(
     joints: Sequence[int],
     width: int = 424,
     errors_deg: Sequence[float] = (),
+    address: str | None = None,
 ) -> str:
     """HTML of both plots. E_true: E with the learner in the demonstrator's posture, truth for the viewer;
     joints: numbers of the moving joints, from 1; width: px, of the drawing's units; errors_deg: the largest joint
-    error of each moment up to the cursor."""
+    error of each moment up to the cursor; address: that links to the moments begin with, None for none."""
     beside = width >= SIDE_BY_SIDE
     height = CARD_HEIGHT if beside else TAB_HEIGHT
     w = (width - 28) / 2 if beside else width
@@ -41,6 +43,9 @@ def draw_curves(
     first = _draw_E(box, step, snapshots, motions, cursor, E_true)
     second = _draw_angles(box, step, snapshots, motions, cursor, joints)
     second += svg.text(w, 12, following(errors_deg), "vi-end")
+    if address is not None:
+        links = _moment_links(address, box, step, kept)
+        first, second = first + links, second + links
     shift = f"{w + 28:.1f} 0" if beside else f"0 {height + 6}"
     total = height if beside else 2 * height + 6
     return (
@@ -128,6 +133,26 @@ def _curve(points: NDArray, done: int, probes: NDArray, role: str) -> str:
     if done and seen[-1]:
         parts.append(f'<path class="vi-last vi-dot-{role}" d="{svg.dots(points[-1:])}"/>')
     return "".join(parts)
+
+
+def _moment_links(address: str, box: Box, step: int, kept: Sequence[int]) -> str:
+    """A cell around each moment that is drawn, over a plot. Tab stops at those with a number below, and at the last."""
+    left, top, right, bottom = box
+    axes = Axes(*box, (0.0, 4.0 * step), (0.0, 1.0))
+    motions = np.array(kept, float)
+    edges = axes.x_px(np.concatenate([motions[:1], (motions[1:] + motions[:-1]) / 2, motions[-1:]]))
+    edges[0], edges[-1] = max(edges[0] - 4, left - 4), min(edges[-1] + 4, right + 4)
+    cells = [
+        link(
+            address,
+            f"moment/{motion}",
+            f"after {motion} motions",
+            f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
+            stop=motion % step == 0 or k == len(kept) - 1,
+        )
+        for k, motion in enumerate(kept)
+    ]
+    return f'<g class="vi-links vi-moments">{"".join(cells)}</g>'
 
 
 def _x_step(last: int) -> int:

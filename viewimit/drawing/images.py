@@ -31,11 +31,13 @@ def draw_images(
     gain: float | None = None,
     wide: bool = False,
     pictures: Mapping[str, bytes] = NO_PICTURES,
+    standing: Bodies | None = None,
 ) -> str:
     """HTML of the panel, WIDTH x HEIGHT scaled to its container.
 
     chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic;
-    pictures: JPEGs of the whole frames by view, which stand behind the drawing.
+    pictures: JPEGs of the whole frames by view, which stand behind the drawing; standing: where the learner is, if what
+    is drawn is a see-through arm elsewhere.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
@@ -46,6 +48,10 @@ def draw_images(
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     lines = _epipolar_lines(snapshot, images, shown, chosen)
     content = _arms(bodies, windows, whole_frames)
+    if standing is not None:
+        for view, (hulls, _) in image_planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
+            content[view] = f'<path class="vi-standing" d="{hulls}"/>{content[view]}'
+    kind = "vi vi-pictured" if pictures else "vi" if standing is None else "vi vi-see-through"
     parts = []
     for k, view in enumerate("lrLR"):
         behind = image_planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
@@ -57,7 +63,7 @@ def draw_images(
     parts.append(draw_legend(whole_frames, gain, chosen))
     parts.append(draw_metrics(snapshot, lengths, 253))
     return (
-        f'<div class="vi-panel"><svg class="vi{" vi-pictured" if pictures else ""}" '
+        f'<div class="vi-panel"><svg class="{kind}" '
         f'viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
         f'aria-label="The four images">{"".join(parts)}</svg></div>'
     )

@@ -25,6 +25,7 @@ TITLES = {
     "message": "Note",
     "recording": "Recording",
     "replaying": "Replaying",
+    "see-through": "See-through arm",
 }
 DOT = (
     '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/>'
@@ -43,6 +44,10 @@ PLAY = (
     '<circle cx="11" cy="11" r="10" fill="var(--demonstrator)" fill-opacity=".28"/>'
     '<path d="M8 5.5v11l9-5.5z" class="vi-amber"/>'
 )
+AIM = (
+    '<circle cx="11" cy="11" r="6" fill="none" stroke="var(--ink)" stroke-width="2"/>'
+    '<path d="M0 11h8m6 0h8M11 0v8m0 6v8" fill="none" stroke="var(--ink)" stroke-width="2"/>'
+)
 SHAPES = {
     "moving": DOT.format("learner"),
     "converged": DOT.format("recovered"),
@@ -51,6 +56,7 @@ SHAPES = {
     "stopped": SQUARE,
     "recording": DOT.format("stopped"),
     "replaying": PLAY,
+    "see-through": AIM,
 }
 
 
@@ -88,11 +94,11 @@ def describe(snapshot: Snapshot, previous: Sequence[Snapshot] = (), playing: boo
     return state, f"{E}{trend}; transfer well conditioned."
 
 
-def draw_status(state: str, sentence: str) -> str:
-    """The pill over the scene."""
+def draw_status(state: str, sentence: str, choices: str = "") -> str:
+    """The pill over the scene. choices: links, in HTML."""
     return (
         f'<div class="vi-status" role="status"><svg width="22" height="22" viewBox="0 0 22 22">'
-        f"{SHAPES.get(state, RING)}</svg><span><b>{TITLES[state]}</b> · {svg.escape(sentence)}</span></div>"
+        f"{SHAPES.get(state, RING)}</svg><span><b>{TITLES[state]}</b> · {svg.escape(sentence)}{choices}</span></div>"
     )
 
 

@@ -73,6 +73,15 @@ class PreferDark(Command):
         model.view = replace(model.view, prefers_dark=self.dark)
 
 
+class LetGo(Command):
+    """Of the see-through arm."""
+
+    commutes: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.see_through.let_go()
+
+
 class FitView(Command):
     commutes: ClassVar[bool] = True
 
@@ -85,6 +94,13 @@ class ToggleHelp(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, help=not model.view.help)
+
+
+class FromStarts(Command):
+    """Find from where the learner arrives, or hide it."""
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.basins.toggle(model.session)
 
 
 class ToggleComparison(Command):

@@ -9,13 +9,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.settings import given
 from viewimit.simulation.kinematics import pose_for_hand
 
 from ...sessions.autosave import SavedSession
 from ..checks import choice, number, words
-from ..names import SPEEDS
+from ..names import SPEEDS, modified, motions
 from ..page_model import PageModel
 from .command import Command, Value
+
+BACK_STAYS = 6.0  # s that it is said
 
 
 class Play(Command):
@@ -26,6 +29,7 @@ class Play(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         if not model.player.playing:
+            model.keep_branch()
             model.duel.follow()
         model.player.toggle()
 
@@ -37,18 +41,28 @@ class Step(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.player.pause()
+        model.keep_branch()
         model.duel.follow()
         model.player.step(now)
 
 
 class Undo(Command):
-    """One motion back."""
+    """One motion back; where a reset, a preset, a start or other motions began, to what they took the place of."""
 
     moves: ClassVar[bool] = True
 
+    def opens_pictures(self, model: PageModel) -> bool:
+        left = model.left_here
+        return left is not None and left.camera == "rendered" != model.session.settings.camera
+
     def apply(self, model: PageModel, now: float) -> None:
         model.player.pause()
-        model.player.undo(now)
+        left = model.left_here
+        if left is None:
+            model.player.undo(now)
+        else:
+            model.bring_back(left)
+            model.say(f"Back is what was here before: {left.preset.name}, {motions(left.motions)}.", now + BACK_STAYS)
 
 
 class Reset(Command):
@@ -57,9 +71,7 @@ class Reset(Command):
     moves: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.player.pause()
-        model.session.reset()
-        model.duel.begin()
+        model.reset()
         model.message = None
 
 
@@ -108,7 +120,8 @@ class ChoosePreset(Value):
         return self.name in model.presets and model.presets[self.name].settings.camera == "rendered"
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.begin_preset(choice(self.name, model.presets, "preset"))
+        if self.name != modified(model.preset.name):  # which it is already
+            model.begin_preset(choice(self.name, model.presets, "preset"))
 
 
 @dataclass(frozen=True)
@@ -133,6 +146,40 @@ class PoseJoint(Value):
         if self.k < len(theta):  # a slider of the scene before may still have sent
             theta[self.k] = self.angle
             model.pose(theta)
+
+
+@dataclass(frozen=True)
+class StartAt(Command):
+    """The learner begins anew there. angles_deg: (m,)"""
+
+    angles_deg: tuple[float, ...]
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.start_at(self.angles_deg)
+
+
+@dataclass(frozen=True)
+class StartJoint(Value):
+    """One joint of the learner's start, counted among those that move; degrees."""
+
+    k: int
+    angle_deg: float
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, k: int, value: object) -> StartJoint:
+        return cls(k, number(value))
+
+    @property
+    def control(self) -> Hashable:
+        return StartJoint, self.k
+
+    def apply(self, model: PageModel, now: float) -> None:
+        start = list(given(model.session.settings.start_deg))
+        if self.k < len(start):  # a slider of the scene before may still have sent
+            start[self.k] = self.angle_deg
+            model.start_at(tuple(start))
 
 
 @dataclass(frozen=True, eq=False)

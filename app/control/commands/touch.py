@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
 
 from ..checks import number
 from ..page_model import PageModel
 from .command import Command
-from .display import ChoosePoint, PreferDark
+from .display import ChoosePoint, LetGo, PreferDark
+from .session import Scrub, StartAt
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,42 @@ class TogglePoint(Command):
             ChoosePoint(self.point).apply(model, now)
 
 
+@dataclass(frozen=True)
+class TouchPosture(Command):
+    """A place of the landscape: the learner starts there, or a see-through arm shows it. angles_deg: (m,)"""
+
+    angles_deg: tuple[float, ...]
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> TouchPosture:
+        return cls(tuple(map(number, value.split(","))))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        if not model.view.look_only:
+            StartAt(self.angles_deg).apply(model, now)
+        else:
+            model.player.pause()
+            model.see_through.look(np.radians(self.angles_deg))
+
+
+class StartThere(Command):
+    """Where the see-through arm is."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        moment = model.see_through.moment
+        if moment is None:
+            raise ValueError("there is no see-through arm to start from")
+        StartAt(tuple(np.degrees(moment.theta).tolist())).apply(model, now)
+
+
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dark": PreferDark.parse,
     "point": TogglePoint.parse,
+    "posture": TouchPosture.parse,
+    "start": lambda value: StartThere(),
+    "dismiss": lambda value: LetGo(),
+    "moment": Scrub.parse,
 }

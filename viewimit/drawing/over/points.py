@@ -1,6 +1,8 @@
 """Links on the points of the four images: one element that stays, so that a click survives a moving arm, and a style
 that says where each point is."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +28,7 @@ def point_links(address: str, count: int, whole: bool) -> str:
         planes.append(f'<g transform="translate({x} {y})">{around}{nearest}</g>')
     return (
         f'<div class="vi-over vi-links"><div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}"'
-        f' role="group" aria-label="Points to choose">{"".join(planes)}</svg></div>{sink()}</div>'
+        f' role="group" aria-label="Points to choose">{"".join(planes)}</svg></div></div>{sink()}'
     )
 
 
@@ -41,26 +43,25 @@ def point_places(demo: NDArray, own: NDArray, visible: NDArray, windows: Windows
     """A style. demo, own, visible: (N, 4), as `FourViews` has them; what is not visible, cannot be touched."""
     images = np.concatenate([demo, own], 1).reshape(-1, 4, 2).transpose(1, 0, 2)
     points = placed(images, windows[whole], "lrLR")
-    boxes = np.array([BOXES[whole][view][2:] for view in "lrLR"])[:, None]
-    inside = ((points >= 0) & (points <= boxes)).all(-1) & visible.T
-    rules = []
-    for k, view in enumerate("lrLR"):
-        radii = _free_radii(np.where(inside[k, :, None], points[k], np.inf))
-        for i, ((x, y), r) in enumerate(zip(points[k].tolist(), radii.tolist())):
-            point = f".vi-at-{view}{i}"
-            place = f"transform:translate({x:.1f}px,{y:.1f}px)" if inside[k, i] else "display:none"
-            rules.append(f"{point}{{{place}}}")
-            if r < HIT:
-                rules.append(f"{point} .vi-nearest{{r:{r:.1f}px}}")
-    return f"<style>{''.join(rules)}</style>"
+    inside = ((points >= 0) & (points <= _SIZES[whole])).all(-1) & visible.T
+    numbers = np.concatenate([points, _free_radii(points, inside)[..., None]], -1)
+    hidden = [f".vi-at-{'lrLR'[k]}{i}{{display:none}}" for k, i in np.argwhere(~inside).tolist()]
+    rules = _form(len(demo)) % tuple(np.where(inside[..., None], numbers, 0).ravel().tolist())
+    return f"<style>{rules}{''.join(hidden)}</style>"
 
 
-def _free_radii(points: NDArray) -> NDArray:
-    """(N, 2) px → (N,) px: half the way to the nearest other point, so that no two circles meet; inf: not there."""
-    there = np.isfinite(points).all(-1)
-    radii = np.full(len(points), float(HIT))
-    if there.sum() > 1:
-        apart = np.hypot(*(points[there][:, None] - points[there]).T)
-        np.fill_diagonal(apart, np.inf)
-        radii[there] = np.clip(apart.min(0) / 2, LEAST, HIT)
-    return radii
+_SIZES = {whole: np.array([boxes[view][2:] for view in "lrLR"])[:, None] for whole, boxes in BOXES.items()}
+
+
+@lru_cache(16)
+def _form(count: int) -> str:
+    """Of the rules of so many points: x, y and r of each in l, r, L and R. One format is faster than many."""
+    rule = ".vi-at-{0}{1}{{transform:translate(%.1fpx,%.1fpx)}}.vi-at-{0}{1} .vi-nearest{{r:%.1fpx}}"
+    return "".join(rule.format(view, i) for view in "lrLR" for i in range(count))
+
+
+def _free_radii(points: NDArray, there: NDArray) -> NDArray:
+    """(4, N, 2) px → (4, N) px: half the way to the nearest other point that is there, so that no two circles meet."""
+    way = points[:, :, None] - points[:, None]
+    square = np.where(there[:, None] & ~np.eye(points.shape[1], dtype=bool), (way * way).sum(-1), np.inf)
+    return np.clip(np.sqrt(square.min(-1, initial=np.inf)) / 2, LEAST, HIT)

@@ -1,0 +1,1 @@
+"""Moments that are shown or kept beside the session's own history."""

@@ -1,0 +1,81 @@
+"""What a page has left behind: motions that others took the place of, and what was there before it began anew."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from viewimit.session import Session
+from viewimit.snapshot import Snapshot
+
+from ..presets import Preset
+
+MOST = 12  # that are kept
+
+Run = tuple[tuple[Snapshot, ...], int]  # history and cursor
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """runs: the learner's, and its opponent's in a duel; at: the motion at which something else has begun; preset,
+    speed: of the page then."""
+
+    runs: tuple[Run, ...]
+    at: int
+    preset: Preset
+    speed: float
+
+    @property
+    def motions(self) -> int:
+        """Of the learner."""
+        return self.runs[0][0][-1].motion
+
+    @property
+    def camera(self) -> str:
+        moments, cursor = self.runs[0]
+        return moments[cursor].settings.camera
+
+
+class Past:
+    """The newest last. Undo takes one back from where it was left, as it takes a motion back from the next."""
+
+    def __init__(self) -> None:
+        self._left: list[Left] = []
+
+    def at(self, motion: int, runs: int) -> Left | None:
+        """What was left at this motion, if nothing has been left since, with as many learners as there are."""
+        newest = self._left[-1] if self._left else None
+        return newest if newest is not None and newest.at == motion and len(newest.runs) == runs else None
+
+    def forget_newest(self) -> None:
+        self._left.pop()
+
+    def keep_branch(self, sessions: Sequence[Session], preset: Preset, speed: float) -> None:
+        """Motions after the present one are about to be made anew."""
+        if any(session.cursor < len(session.history) - 1 for session in sessions):
+            self._keep(tuple(map(_run, sessions)), _cursor(sessions), preset, speed)
+
+    @contextmanager
+    def kept(self, sessions: Sequence[Session], preset: Preset, speed: float, whole: bool = False) -> Iterator[None]:
+        """Inside, moments may be lost. whole: even if there is but the first. What raises has lost none."""
+        histories = [(session.history, session.cursor) for session in sessions]  # stay as they are for who begins anew
+        branches = any(cursor < len(history) - 1 for history, cursor in histories)
+        runs = tuple(map(_run, sessions)) if branches else None
+        yield
+        if sessions[0].history is not histories[0][0]:
+            if whole or len(histories[0][0]) > 1:
+                self._keep(runs or tuple((tuple(one), cursor) for one, cursor in histories), 0, preset, speed)
+        elif runs is not None:
+            self._keep(runs, _cursor(sessions), preset, speed)
+
+    def _keep(self, runs: tuple[Run, ...], at: int, preset: Preset, speed: float) -> None:
+        newest = self._left[-1] if self._left else None
+        if newest is None or newest.at != at or newest.runs[0][0] != runs[0][0]:
+            self._left = [*self._left[1 - MOST :], Left(runs, at, preset, speed)]
+
+
+def _run(session: Session) -> Run:
+    return tuple(session.history), session.cursor
+
+
+def _cursor(sessions: Sequence[Session]) -> int:
+    return max(session.cursor for session in sessions)

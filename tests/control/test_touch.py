@@ -1,0 +1,124 @@
+"""What links of the drawings ask for: points, postures, moments; a look that moves nothing."""
+
+import numpy as np
+import pytest
+from page_fakes import Hands, quiet_model
+from quiet_page import QuietPage
+from sameness import assert_same
+from viewimit.app.control.commands.session import StartJoint
+from viewimit.app.control.commands.touch import TOUCHES
+
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+NOISY = Settings(start_deg=(25, -45), noise_px=0.5)
+
+
+@pytest.fixture
+def visit():
+    """A model and its visitor."""
+    model, queue = quiet_model(NOISY)
+    return model, Hands(model, queue)
+
+
+def touch(model, control, value):
+    TOUCHES[control](value).apply(model, 0.0)
+
+
+def test_a_point_is_chosen_and_chosen_again_is_none(visit):
+    model, _ = visit
+    for value, chosen in (("3", 3), ("4", 4), ("4", None)):
+        touch(model, "point", value)
+        assert model.view.chosen == chosen
+    with pytest.raises(ValueError, match="no point 10"):
+        touch(model, "point", "10")
+
+
+def test_the_learner_starts_where_the_landscape_is_touched(visit):
+    model, visitor = visit
+    visitor.act("step")
+    touch(model, "posture", "70,-140")
+    assert np.allclose(np.degrees(model.session.snapshot.theta), [70, -140]) and model.session.snapshot.motion == 0
+    assert model.session.settings.start_deg == (70, -140) and model.generation == 0  # the same world
+
+
+def test_a_slider_of_the_start_moves_one_joint_of_it(visit):
+    model, _ = visit
+    StartJoint.parse(1, -100.5).apply(model, 0.0)
+    assert model.session.settings.start_deg == (25, -100.5)
+    before = model.session.snapshot
+    StartJoint.parse(6, 10).apply(model, 0.0)  # of a scene with seven
+    assert model.session.snapshot is before
+
+
+@pytest.mark.parametrize("value", ["", "1", "1,2,3", "91,-90", "45,1e9", "45,--", "1,,2"])
+@pytest.mark.parametrize("look_only", [False, True])
+def test_a_posture_that_cannot_be_is_refused_and_changes_nothing(visit, value, look_only):
+    model, visitor = visit
+    visitor.set_view(look_only=look_only)
+    before = model.session.snapshot
+    with pytest.raises(ValueError):
+        touch(model, "posture", value)
+    assert model.session.snapshot is before and model.see_through.moment is None
+
+
+def test_a_look_shows_what_would_be_seen_and_disturbs_nothing(visit):
+    model, visitor = visit
+    alone = Session(NOISY)
+    visitor.set_view(look_only=True)
+    for k in range(4):
+        touch(model, "posture", f"{20 + 10 * k},-60")
+        state = model.state(0.0)
+        there = Session(Settings(start_deg=(20 + 10 * k, -60), noise_px=0.5)).snapshot
+        if k == 0:  # the first look of a session that starts there has the same noise
+            assert state.see_through.E == there.E
+        assert state.looked is state.shown is state.see_through and np.array_equal(state.shown.theta, there.theta)
+        assert state.present is model.session.snapshot and state.on_its_way is None
+        assert_same(model.session.snapshot, alone.snapshot)
+        model.session.step()
+        alone.step()
+
+
+def test_a_look_follows_the_demonstrator_and_ends_with_a_motion_or_when_it_is_let_go(visit):
+    model, visitor = visit
+    visitor.set_view(look_only=True)
+    touch(model, "posture", "20,-60")
+    E = model.see_through.moment.E
+    visitor.set("joint0", 60.0)
+    assert model.see_through.moment.E != E and np.allclose(np.degrees(model.see_through.moment.theta), [20, -60])
+    assert len(model.poses(0.0)) == 3
+    touch(model, "dismiss", "0")
+    assert model.see_through.moment is None and len(model.poses(0.0)) == 2
+    touch(model, "posture", "20,-60")
+    visitor.act("step")
+    assert model.see_through.moment is None
+
+
+def test_the_learner_starts_where_the_see_through_arm_is(visit):
+    model, visitor = visit
+    with pytest.raises(ValueError, match="no see-through arm"):
+        touch(model, "start", "0")
+    visitor.set_view(look_only=True)
+    touch(model, "posture", "20,-60")
+    touch(model, "start", "0")
+    assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.see_through.moment is None
+
+
+def test_a_moment_of_the_curves_is_gone_to(visit):
+    model, visitor = visit
+    for _ in range(3):
+        visitor.act("step")
+    touch(model, "moment", "1")
+    assert model.session.cursor == 1 and len(model.session.history) == 4
+
+
+def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
+    page = QuietPage(Settings(start_deg=(25, -45)), address="/touch/0.x")
+    page.choose("Look only", True)
+    assert page.page.touch("posture", "20,-60") and not page.page.touch("nothing", "1")
+    page.tick(0.5)
+    assert "nothing has moved" in page.shown and 'href="/touch/0.x/start/0"' in page.shown
+    assert "See-through arm</b> · (20.0°, −60.0°)" in page.shown and "vi-aim" in page.shown
+    page.page.touch("start", "0")
+    page.tick(1.0)
+    assert "nothing has moved" not in page.shown and page.widget("Start θ₂").value == 20

@@ -1,5 +1,7 @@
 """Words in the 3-D scene. viser's own labels are black on white in every colour scheme; these have a role's colour."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
@@ -11,7 +13,9 @@ from viewimit.drawing.theme import rgb
 from .rotations import quaternion
 from .view import looking
 
-FONT = ImageFont.truetype(str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 48)  # px a line, far more than are seen
+FONT = ImageFont.truetype(
+    str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40
+)  # px a line, twice what is seen at a pixel ratio of 1
 
 TEXT_ROLES = {"demonstrator": "demonstrator-edge", "learner": "learner"}  # that can be read
 
@@ -36,6 +40,7 @@ def add_text(
     )
 
 
+@lru_cache(64)
 def lettering(text: str, color: tuple[int, int, int]) -> NDArray:
     """(h, w, 4) uint8, a line of text on nothing: one colour, and how much of each pixel it covers."""
     ascent, descent = FONT.getmetrics()

@@ -18,11 +18,12 @@ from . import meshes
 from .lettering import add_text
 from .nodes import Nodes
 from .rotations import quaternion
+from .view import looking
 
 PLATE = 0.17  # m from the camera to its image plate
 BEHIND = 0.002  # m, a picture's distance from its plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
-LINE = 0.1  # m, the height of a line of text
+LINE, HALF_NAME = 0.1, 0.25  # m: the height of a line of text, half the length of a base's name
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
 
 
@@ -100,7 +101,8 @@ class Fixtures:
         feet = [T[:3, 3] * [1, 1, 0] for T in (self._world.T_world_own, self._world.T_world_demo)]
         head = np.array(self._world.scene.head.position) * [1, 1, 0]
         plates = [on_plate(camera, corners(camera)) for camera in self._cameras]
-        return np.concatenate([*plates, [head], feet, [foot + LABEL_OFFSET for foot in feet]])
+        names = [foot + LABEL_OFFSET + side * looking()[:, 0] for foot in feet for side in (-HALF_NAME, HALF_NAME)]
+        return np.concatenate([*plates, [head], feet, names])
 
     def _add_pedestal(self, arm: str, T_world_base: NDArray) -> None:
         x, y, height = T_world_base[:3, 3]

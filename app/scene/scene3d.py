@@ -8,6 +8,7 @@ from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from viewimit.drawing.theme import rgb
 from viewimit.simulation.world import World
+from viewimit.snapshot import Snapshot
 
 from ..control.commands.display import ChoosePoint
 from ..control.queue import CommandQueue
@@ -62,7 +63,6 @@ class Scene3D:
         self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
         self._furnish()
         self._nodes.end()
-        self._landmarks = self._find_landmarks()
         self._view.forget()
 
     def _furnish(self) -> None:
@@ -86,10 +86,10 @@ class Scene3D:
             self._dark = view.on("dark")
             add_light_and_floor(self._client.scene, LOOKS[self._dark])
             self._furnish()
-        self._view.follow(self._landmarks)
+        self._view.follow(lambda: self._landmarks(state.present))
         if view.fits != self._fits:
             self._fits = view.fits
-            self._view.fit(self._landmarks)
+            self._view.fit(self._landmarks(state.present))
         self._draw(state)
         self._standing.show_pictures(state.pictures)
         self._gizmo.show(view.gizmo, self._world, state.present.theta_demo)
@@ -117,13 +117,12 @@ class Scene3D:
         assert self._fixtures is not None
         return self._fixtures
 
-    def _find_landmarks(self) -> NDArray:
-        """(k, 3) m: what the default view must hold."""
-        points = [self._standing.landmarks()]
+    def _landmarks(self, present: Snapshot) -> NDArray:
+        """(k, 3) m: what the default view must hold, the arms where they are and at the ends of their range."""
+        scene, points = self._world.scene, [self._standing.landmarks()]
         for T_world_base in self._bases.values():
-            for theta in (self._world.scene.lower, self._world.scene.upper, np.radians((45, -90))):
-                if len(theta) == len(self._world.scene.moving):
-                    points.append(self._world.points_world(theta, T_world_base))
+            for theta in (present.theta, present.theta_demo, scene.lower, scene.upper):
+                points.append(self._world.points_world(theta, T_world_base))
         return np.concatenate(points)
 
     def _add_point(self, arm: str, i: int) -> None:

@@ -1,6 +1,7 @@
 """The default camera of the 3-D scene: a fixed direction, fitted to what must be seen and to the canvas."""
 
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,14 +38,14 @@ class DefaultView:
         camera.position, camera.look_at = position, target
         self._places.append(position)
 
-    def follow(self, landmarks: NDArray) -> None:
+    def follow(self, landmarks: Callable[[], NDArray]) -> None:
         """Fit a camera that is where the page put it to a canvas of another shape than before."""
         aspect = self.aspect
         if aspect is None or (self._aspect is not None and abs(np.log(aspect / self._aspect)) < SAME_SHAPE):
             return
         self._aspect, here = aspect, self._client.camera.position
         if min(np.linalg.norm(here - place) for place in self._places) < UNTOUCHED:
-            self.fit(landmarks)
+            self.fit(landmarks())
 
     def forget(self) -> None:
         """What was fitted is gone: the next `follow` fits anew."""

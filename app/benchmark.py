@@ -37,7 +37,7 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
     services = Services(LandscapeWorker(), ExperimentWorker(), CameraProcess(), LoadShedding(0.05), lambda: None)
     model = PageModel(0, settings, services, queue, lambda name, data: None)
     layout, panels = Layout(client, queue), [panel() for panel in SHOWN]
-    scene = Scene3D(client, queue, 60.0, services.share_opponent)
+    scene = Scene3D(client, queue, services.share_opponent)
     for panel in panels:
         panel.build(layout, model.state(0.0))
     session: Session = model.session

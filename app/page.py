@@ -27,7 +27,6 @@ from .scene.scene3d import Scene3D
 from .sessions.autosave import SavedSession
 
 PANELS_EVERY = 0.1  # s
-COVERED = 96  # px at the bottom of the scene that overlays cover
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
@@ -59,7 +58,7 @@ class Page:
             for panel in self._panels:
                 panel.build(layout, state)
             layout.dock()
-            self._scene = Scene3D(client, self.queue, COVERED, services.share_opponent)
+            self._scene = Scene3D(client, self.queue, services.share_opponent)
 
     def put(self, command: Command) -> None:
         """As if the visitor had done it; from any thread."""

@@ -38,14 +38,13 @@ class Own(NamedTuple):
 
     widgets: Mapping[str, Any]  # that take input
     commands: Mapping[str, Any]
-    nodes: Mapping[str, Any]
     gizmos: Mapping[str, Any]
 
 
 def own(client: ClientHandle) -> Own:
     gui, scene = client.gui, client.scene
     inputs, commands = gui._gui_input_handle_from_uuid, gui._command_handle_from_uuid
-    return Own(inputs, commands, scene._handle_from_node_name, scene._handle_from_transform_controls_name)
+    return Own(inputs, commands, scene._handle_from_transform_controls_name)
 
 
 def drop_upload(client: ClientHandle, transfer: str) -> None:

@@ -27,20 +27,27 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by th
 
 @dataclass(frozen=True)
 class View:
-    """chosen: a point or None; rays … dark: the switches of the folder Display; help: whether it is open; fits: how
-    often the visitor has asked for the default camera; wide: whether the window has room for more, as it says itself;
-    look_only: a posture that is touched is looked at by a see-through arm, and nothing moves."""
+    """chosen: a point or None; rays … dark: the switches of the folder Display, None as the browser prefers; help:
+    whether it is open; fits: how often the visitor has asked for the default camera; wide: whether the window has room
+    for more, as it says itself; look_only: a posture that is touched is looked at by a see-through arm, and nothing
+    moves."""
 
     chosen: int | None = None
     rays: bool = False
     residuals: bool = True
     gizmo: bool = True
     whole_frames: bool = False
-    dark: bool = False
+    dark: bool | None = None
+    prefers_dark: bool = False
     help: bool = False
     fits: int = 0
     wide: bool = False
     look_only: bool = False
+
+    def on(self, switch: str) -> bool:
+        """Whether a switch is, by its name."""
+        chosen = getattr(self, switch)
+        return self.prefers_dark if chosen is None else chosen
 
 
 @dataclass(frozen=True)

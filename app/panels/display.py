@@ -1,6 +1,10 @@
 """How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera."""
 
+import html
 from functools import partial
+
+from viewimit.simulation.eyes import require_eyes
+from viewimit.simulation.scene import Scene
 
 from ..control.commands.display import ChoosePoint, FitView, Switch
 from ..control.commands.method import change_points, switch_camera
@@ -22,11 +26,14 @@ class DisplayPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, queue = layout.gui, layout.queue
         gui = self._gui
+        self._address, self._asked = layout.address or "", 0
+        self._ask = gui.add_html(asking_for_scheme(self._address, 0), visible=bool(self._address))
         with gui.add_folder("Display", expand_by_default=False):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
             self._camera = gui.add_checkbox("Camera images", False)
-            self._switches = {name: gui.add_checkbox(label, getattr(state.view, name)) for label, name in SWITCHES}
+            self._why_not = gui.add_html("", visible=False)
+            self._switches = {name: gui.add_checkbox(label, state.view.on(name)) for label, name in SWITCHES}
             fit = gui.add_button("Fit view")
         queue.on_value(self._chosen, ChoosePoint.parse)
         queue.on_value(self._points, change_points)
@@ -34,7 +41,7 @@ class DisplayPanel(Panel):
         for name, handle in self._switches.items():
             queue.on_value(handle, partial(Switch.parse, name))
         queue.on_click(fit, FitView())
-        self._generation, self._dark = -1, False
+        self._generation, self._dark, self._prefers_dark = -1, False, False
 
     @property
     def camera_on(self) -> bool:
@@ -53,17 +60,45 @@ class DisplayPanel(Panel):
         put(self._points, self._markers or f"{settings.points} points")
         put(self._camera, settings.camera == "rendered")
         for name, handle in self._switches.items():
-            put(handle, getattr(view, name))
-        if view.dark != self._dark:
-            self._dark = view.dark
-            self._gui.configure_theme(dark_mode=view.dark, show_logo=False, show_share_button=False)
+            put(handle, view.on(name))
+        if view.on("dark") != self._dark:
+            self._dark = view.on("dark")
+            self._gui.configure_theme(dark_mode=self._dark, show_logo=False, show_share_button=False)
+
+        if view.prefers_dark != self._prefers_dark:
+            self._prefers_dark = view.prefers_dark
+            self._asked += 1
+            self._ask.content = asking_for_scheme(self._address, self._asked)
 
     def _offer(self, state: PageState) -> None:
         """The choices that depend on the scene and on what is seen of it."""
         count = len(state.session.world.body)
         pictured = state.settings.camera == "rendered"  # which show the markers that the robot wears, in one layout
         self._markers = f"{count} markers" if pictured else ""
+        why = why_no_pictures(state.session.scene)
+        self._camera.disabled = why is not None
+        self._why_not.content = "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>'
+        self._why_not.visible = why is not None
         layouts = [f"{layout} points" for layout in state.session.scene.points]
         self._points.options = [self._markers] if pictured else layouts
         self._points.disabled = pictured
         self._chosen.options = [NO_POINT, *(str(i) for i in range(count))]
+
+
+def why_no_pictures(scene: Scene) -> str | None:
+    """Why camera images cannot be had of this scene here, None if they can."""
+    try:
+        require_eyes("rendered", scene)
+    except ValueError as reason:
+        return str(reason)
+    return None
+
+
+def asking_for_scheme(address: str, times: int) -> str:
+    """CSS by which the browser tells its colour scheme: the address of a picture that is none, below that of the page's
+    links. It asks for each address once; times: how often it has told one before."""
+    asked = (
+        f"@media (prefers-color-scheme:{name}){{html{{background-image:url({address}/dark/{value},{times})}}}}"
+        for name, value in (("light", 0), ("dark", 1))
+    )
+    return f"<style>{''.join(asked)}</style>"

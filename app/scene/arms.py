@@ -1,7 +1,8 @@
 """The arms in 3-D: meshes once on the server, poses a client.
 
 A mesh hangs under nested frames /robot/arm/j1/…/ji on the server's scene. Each page adds frames of the same
-names on its own scene; they shadow the shared ones, and the shared meshes follow them. The opponent of a duel stands
+names on its own scene; they shadow the shared ones, and the shared meshes follow them. So their colour is shared, too:
+one tint, near the role's in light and in dark, which each page's own light makes darker. The opponent of a duel stands
 where the learner does, so one sees through it.
 """
 
@@ -18,6 +19,7 @@ from viewimit.simulation.world import World
 
 from ..viser_private import push_orientation
 from . import meshes
+from .nodes import Nodes
 from .rotations import joint_quaternion, quaternion
 
 OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}
@@ -60,22 +62,24 @@ def share_meshes(server: ViserServer, arm: str) -> None:
 class Arm:
     """One arm of one page: its shadowing frames, turned at every draw."""
 
-    def __init__(self, client: ClientHandle, world: World, arm: str, T_world_base: NDArray):
-        self._client = client
+    def __init__(self, client: ClientHandle, nodes: Nodes, world: World, arm: str, T_world_base: NDArray):
+        self._client, self._nodes = client, nodes
         self._joints, self._moving = world.robot.joints, world.scene.moving
-        self._root = robot_root(world.scene, arm)
-        self._frame = client.scene.add_frame(
-            self._root, show_axes=False, wxyz=quaternion(T_world_base[:3, :3]), position=T_world_base[:3, 3]
+        self._frame = nodes.keep(
+            client.scene.add_frame(
+                robot_root(world.scene, arm),
+                show_axes=False,
+                wxyz=quaternion(T_world_base[:3, :3]),
+                position=T_world_base[:3, 3],
+            )
         )
         self._rest = [quaternion(joint.T_parent_joint[:3, :3]) for joint in self._joints]
         self._axes = [joint.axis / np.linalg.norm(joint.axis) for joint in self._joints]
         self._names = [link_name(world.scene, arm, i + 1) for i in range(len(self._joints))]
         self._angles = [float(angle) for angle in world.joint_angles(np.zeros(len(world.scene.moving)))]
         for i, joint in enumerate(self._joints):
-            client.scene.add_frame(
-                self._names[i], show_axes=False, wxyz=self._turned(i), position=joint.T_parent_joint[:3, 3]
-            )
-
+            position = joint.T_parent_joint[:3, 3]
+            nodes.keep(client.scene.add_frame(self._names[i], show_axes=False, wxyz=self._turned(i), position=position))
         if not link_meshes(world.scene.robot):
             self._add_bones(world.scene, arm)
 
@@ -86,9 +90,10 @@ class Arm:
             if np.linalg.norm(end) > 0.01:
                 vertices, faces = meshes.bone(end)
                 name = f"{link_name(scene, arm, i)}/rod"
-                self._client.scene.add_mesh_simple(
+                rod = self._client.scene.add_mesh_simple(
                     name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm], side="double"
                 )
+                self._nodes.keep(rod)
 
     def draw(self, theta: NDArray) -> None:
         """theta: (m,) rad, of the moving joints. Only those that turned are sent."""
@@ -97,9 +102,9 @@ class Arm:
                 self._angles[i] = angle
                 push_orientation(self._client, self._names[i], self._turned(i))
 
-    def remove(self) -> None:
-        """Give the name back to the shared, hidden arm."""
-        self._frame.remove()
+    def show(self, visible: bool) -> None:
+        """Or hide it."""
+        self._frame.visible = visible
 
     def _turned(self, i: int) -> tuple[float, float, float, float]:
         return joint_quaternion(self._rest[i], self._axes[i], self._angles[i])
@@ -109,29 +114,21 @@ class Arms:
     """Those of one page in one world. share_opponent(): puts the opponent's meshes on the server's scene, before they
     are first shown."""
 
-    def __init__(self, client: ClientHandle, world: World, share_opponent: Callable[[], None]):
-        self._client, self._world, self._share_opponent = client, world, share_opponent
-        self._learner = Arm(client, world, "learner", world.T_world_own)
-        self._demonstrator = Arm(client, world, "demonstrator", world.T_world_demo)
-        self._opponent: Arm | None = None
+    def __init__(self, client: ClientHandle, nodes: Nodes, world: World, share_opponent: Callable[[], None]):
+        self._share_opponent = share_opponent
+        self._learner = Arm(client, nodes, world, "learner", world.T_world_own)
+        self._demonstrator = Arm(client, nodes, world, "demonstrator", world.T_world_demo)
+        self._opponent = Arm(client, nodes, world, "opponent", world.T_world_own)
+        self._opponent.show(False)
 
     def draw(self, theta: NDArray, theta_demo: NDArray, theta_opponent: NDArray | None = None) -> None:
         """(m,) rad each. theta_opponent: None without a duel, which hides that arm."""
         self._learner.draw(theta)
         self._demonstrator.draw(theta_demo)
         if theta_opponent is not None:
-            if self._opponent is None:
-                self._share_opponent()
-                self._opponent = Arm(self._client, self._world, "opponent", self._world.T_world_own)
+            self._share_opponent()
             self._opponent.draw(theta_opponent)
-        elif self._opponent is not None:
-            self._opponent.remove()
-            self._opponent = None
-
-    def remove(self) -> None:
-        for arm in (self._learner, self._demonstrator, self._opponent):
-            if arm is not None:
-                arm.remove()
+        self._opponent.show(theta_opponent is not None)
 
 
 def _slug(robot: str) -> str:

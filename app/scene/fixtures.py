@@ -1,4 +1,4 @@
-"""The furniture of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates."""
+"""The furniture of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates, names."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,11 +15,15 @@ from viewimit.views import VIEWS
 
 from .. import viser_private
 from . import meshes
+from .lettering import add_text
+from .nodes import Nodes
 from .rotations import quaternion
+from .view import looking
 
 PLATE = 0.17  # m from the camera to its image plate
 BEHIND = 0.002  # m, a picture's distance from its plate
-LABEL_OFFSET = np.array([-0.3, -0.3, 0.02])  # m from a base's foot to its name
+LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
+LINE, HALF_NAME = 0.1, 0.25  # m: the height of a line of text, half the length of a base's name
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
 
 
@@ -65,69 +69,46 @@ def add_light_and_floor(scene: SceneApi, look: Look) -> None:
 
 
 class Fixtures:
-    """What stands still in one page. Labels stay white in dark: viser gives them no colour."""
+    """What stands still in one page, in the colours of one scheme."""
 
-    def __init__(self, client: ClientHandle, world: World, dark: bool):
-        self._client, self._world = client, world
-        self._look = LOOKS[dark]
-        self._nodes: list = []
+    def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
+        self._client, self._nodes, self._world = client, nodes, world
+        self._dark, self._look = dark, LOOKS[dark]
         self._plates: dict[str, MeshHandle] = {}
-        self._pictures: dict[str, ImageHandle] = {}  # nodes on the plates
-        self._shown: dict[str, bytes] = {}  # what they show
-        self._tinted: list[tuple[MeshHandle, str]] = []  # nodes whose colour is one of the look's
+        self._pictures: dict[str, ImageHandle] = {}  # on the plates
+        self._shown: dict[str, bytes | None] = {}  # what they show
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._add_pedestal("learner", world.T_world_own)
         self._add_pedestal("demonstrator", world.T_world_demo)
         self._add_head()
         for name, camera, role in zip(VIEWS, self._cameras, VIEW_ROLES):
             self._add_frustum(name, camera, role)
-
-    def set_dark(self, dark: bool) -> None:
-        """Light, floor and furniture for a colour scheme; the robots keep their colours."""
-        self._look = LOOKS[dark]
-        add_light_and_floor(self._client.scene, self._look)
-        for node, part in self._tinted:
-            node.color = getattr(self._look, part)
+            self._add_picture(name, camera)
 
     def show_pictures(self, pictures: Mapping[str, bytes]) -> None:
         """JPEGs by view on the image plates; only those that are new are sent."""
-        for view, camera in zip(VIEWS, self._cameras):
-            picture, node = pictures.get(view), self._pictures.get(view)
-            if picture is None:
-                if node is not None:
-                    node.remove()
-                    del self._pictures[view], self._shown[view]
-                    self._plates[view].visible = True
-            elif picture is not self._shown.get(view):
-                if node is None:
-                    self._pictures[view] = node = self._add_picture(view, camera)
-                    self._plates[view].visible = False
-                viser_private.push_jpeg(node, picture)
+        for view in VIEWS:
+            picture = pictures.get(view)
+            if picture is not self._shown.get(view):
                 self._shown[view] = picture
-
-    def remove(self) -> None:
-        for node in self._pictures.values():
-            node.remove()
-        for node in self._nodes:
-            node.remove()
+                self._plates[view].visible = picture is None
+                self._pictures[view].visible = picture is not None
+                if picture is not None:
+                    viser_private.push_jpeg(self._pictures[view], picture)
 
     def landmarks(self) -> NDArray:
         """(k, 3) m: what the default view must hold of it."""
         feet = [T[:3, 3] * [1, 1, 0] for T in (self._world.T_world_own, self._world.T_world_demo)]
         head = np.array(self._world.scene.head.position) * [1, 1, 0]
         plates = [on_plate(camera, corners(camera)) for camera in self._cameras]
-        return np.concatenate([*plates, [head], feet, [foot + LABEL_OFFSET for foot in feet]])
-
-    def _keep(self, node, part: str | None = None) -> None:
-        self._nodes.append(node)
-        if part:
-            self._tinted.append((node, part))
+        names = [foot + LABEL_OFFSET + side * looking()[:, 0] for foot in feet for side in (-HALF_NAME, HALF_NAME)]
+        return np.concatenate([*plates, [head], feet, names])
 
     def _add_pedestal(self, arm: str, T_world_base: NDArray) -> None:
         x, y, height = T_world_base[:3, 3]
         vertices, faces = meshes.pedestal(max(height, 0.03))
         scene = self._client.scene
-        self._keep(
+        self._nodes.keep(
             scene.add_mesh_simple(
                 f"/stage/{arm}_pedestal",
                 vertices,
@@ -135,18 +116,9 @@ class Fixtures:
                 color=self._look.pedestal,
                 position=(x, y, height),
                 side="double",
-            ),
-            "pedestal",
-        )
-        self._keep(
-            scene.add_label(
-                f"/stage/{arm}_label",
-                arm,
-                position=(x, y, 0) + LABEL_OFFSET,
-                font_screen_scale=0.8,
-                anchor="top-center",
             )
         )
+        self._add_text(f"/stage/{arm}_label", arm, arm, (x, y, 0) + LABEL_OFFSET)
 
     def _add_head(self) -> None:
         """The head between its two gazes: a stand, a bar of the baseline's length, a camera at each end."""
@@ -162,18 +134,16 @@ class Fixtures:
             place = centre + turn @ [-0.035, side * half, 0]
             parts.append((f"camera{side}", meshes.box((0.07, 0.09, 0.065)), place))
         for name, (vertices, faces), position in parts:
-            part = "lens" if name.startswith("camera") else "metal"
-            self._keep(
+            self._nodes.keep(
                 scene.add_mesh_simple(
                     f"/stage/{name}",
                     vertices,
                     faces,
-                    color=getattr(self._look, part),
+                    color=self._look.lens if name.startswith("camera") else self._look.metal,
                     position=position,
                     wxyz=quaternion(turn),
                     side="double",
-                ),
-                part,
+                )
             )
 
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
@@ -181,11 +151,11 @@ class Fixtures:
         eye = camera.T_world_camera[:3, 3]
         edges = [(plate[i], plate[(i + 1) % 4]) for i in range(4)] + [(eye, corner) for corner in plate]
         scene = self._client.scene
-        self._keep(
+        self._nodes.keep(
             scene.add_line_segments(
                 f"/stage/frustum_{name}",
                 np.array(edges, np.float32),
-                rgb(role),
+                rgb(role, self._dark),
                 thickness=1.6,
                 thickness_units="screen",
             )
@@ -200,17 +170,17 @@ class Fixtures:
             cast_shadow=False,
             receive_shadow=False,
         )
-        self._keep(self._plates[name], "plate")
-        self._keep(
-            scene.add_label(
-                f"/stage/name_{name}", name, position=plate[1] + 0.12 * (plate[1] - eye), font_screen_scale=0.8
-            )
-        )
+        self._nodes.keep(self._plates[name])
+        corner = plate[0] if name == "l" else plate[1]  # where no other frustum is
+        self._add_text(f"/stage/name_{name}", name, role, corner + 0.25 * (corner - eye))
 
-    def _add_picture(self, view: str, camera: Camera):
-        """As large as the plate and just behind it, so that what is drawn on the plate stays in sight."""
+    def _add_text(self, node: str, text: str, role: str, position: NDArray) -> None:
+        self._nodes.keep(add_text(self._client.scene, node, text, role, self._dark, position, LINE))
+
+    def _add_picture(self, view: str, camera: Camera) -> None:
+        """As large as the plate and just behind it, so that what is drawn on the plate stays in sight; hidden."""
         T, scale = camera.T_world_camera, PLATE / camera.focal
-        return self._client.scene.add_image(
+        self._pictures[view] = self._client.scene.add_image(
             f"/stage/picture_{view}",
             np.zeros((1, 1, 3), np.uint8),
             camera.width * scale,
@@ -220,7 +190,9 @@ class Fixtures:
             receive_shadow=False,
             wxyz=quaternion(T[:3, :3]),
             position=on_plate(camera, corners(camera)).mean(0) + BEHIND * T[:3, 2],
+            visible=False,
         )
+        self._nodes.keep(self._pictures[view])
 
 
 def plate_map(camera: Camera) -> tuple[NDArray, NDArray]:

@@ -1,13 +1,20 @@
 """The arrows at the demonstrator's hand, by which it is dragged."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
-from viser import ClientHandle
+from viser import ClientHandle, ImageHandle
+
+from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.world import World
 
 from ..control.commands.session import PoseHand
 from ..control.queue import CommandQueue
+from .lettering import add_text
+from .nodes import Nodes
+
+NODE = "/demonstrator_hand"
+SIZE = 0.22  # m, of its arrows
+ABOVE, LINE = np.array([0, 0, SIZE + 0.07]), 0.07  # m from the hand to its name; the height of a line
 
 
 class HandGizmo:
@@ -16,10 +23,11 @@ class HandGizmo:
 
     def __init__(self, client: ClientHandle, queue: CommandQueue):
         self.drops = 0
-        self._dragging = False
-        self._shown: NDArray | None = None  # posture at whose hand it is
+        self._client, self._dragging, self._let_go = client, False, False
+        self._hand: tuple[World, NDArray, NDArray] | None = None  # where, in which posture, and so at which place
+        self._name: ImageHandle | None = None  # before the first world
         self._gizmo = client.scene.add_transform_controls(
-            "/demonstrator_hand", scale=0.22, disable_rotations=True, disable_sliders=True, opacity=0.7
+            NODE, scale=SIZE, disable_rotations=True, disable_sliders=True, opacity=0.7
         )
 
         @self._gizmo.on_update
@@ -27,11 +35,22 @@ class HandGizmo:
             self._dragging = event.phase != "end"
             queue.put_value(PoseHand.parse, event.target.position)
             if not self._dragging:
-                self._shown = None
-                self.drops += 1
+                self.drops, self._let_go = self.drops + 1, True
 
-    def show(self, visible: bool, theta_demo: NDArray, hand_position: Callable[[NDArray], NDArray]) -> None:
-        """At the hand in this posture, hand_position(theta_demo), unless the visitor holds it somewhere else."""
-        self._gizmo.visible = visible
-        if not self._dragging and (self._shown is None or not np.array_equal(self._shown, theta_demo)):
-            self._gizmo.position, self._shown = hand_position(theta_demo), theta_demo
+    def furnish(self, nodes: Nodes, dark: bool) -> None:
+        """Give it its name, in the colours of a scheme."""
+        nothing = np.zeros(3)
+        self._name = nodes.keep(
+            add_text(self._client.scene, f"{NODE}_name", "hand", "demonstrator", dark, nothing, LINE)
+        )
+        self._hand = None
+
+    def show(self, visible: bool, world: World, theta_demo: NDArray) -> None:
+        """At the hand in this posture, unless the visitor holds it somewhere else."""
+        assert self._name is not None
+        self._gizmo.visible = self._name.visible = visible
+        if self._hand is None or self._hand[0] is not world or not np.array_equal(self._hand[1], theta_demo):
+            self._hand, self._let_go = (world, theta_demo, hand_position(world, theta_demo, world.T_world_demo)), True
+            self._name.position = self._hand[2] + ABOVE
+        if self._let_go and not self._dragging:
+            self._gizmo.position, self._let_go = self._hand[2], False

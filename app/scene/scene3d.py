@@ -4,24 +4,24 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import ClientHandle, IcosphereHandle, MeshHandle, ViserServer
+from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from viewimit.drawing.theme import rgb
-from viewimit.simulation.kinematics import hand_position
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
 from ..control.commands.display import ChoosePoint
 from ..control.queue import CommandQueue
-from ..control.state import PageState, View
-from ..viser_private import push_array
+from ..control.state import PageState
 from . import meshes
 from .arms import Arms, link_name, share_meshes
-from .fixtures import LOOKS, VIEW_ROLES, Fixtures, add_light_and_floor, plate_map
+from .fixtures import LOOKS, Fixtures, add_light_and_floor
 from .hand_gizmo import HandGizmo
-from .view import FOV, fitted_view
+from .moment import Moment
+from .nodes import Nodes
+from .picking import picked
+from .view import DefaultView
 
-UNTOUCHED = 0.01  # m that a camera may be off the fitted view and still count as there
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 
 
@@ -36,93 +36,74 @@ def share_scene(server: ViserServer) -> None:
 class Scene3D:
     """`build` for a world, then `arms.draw` and `show` as often as wanted; `build` again for another world.
 
-    below: px at the bottom that overlays cover; share_opponent(): puts its meshes on the server's scene, before they
-    are first shown.
+    share_opponent(): puts its meshes on the server's scene, before they are first shown.
     """
 
-    def __init__(self, client: ClientHandle, queue: CommandQueue, below: float, share_opponent: Callable[[], None]):
-        self._client, self._queue, self._below = client, queue, below
+    def __init__(self, client: ClientHandle, queue: CommandQueue, share_opponent: Callable[[], None]):
+        self._client, self._queue = client, queue
         self._share_opponent = share_opponent
         self._arms: Arms | None = None  # before the first world
-        self._nodes: list = []
+        self._nodes = Nodes()
         self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
-        self._dark, self._fits, self._canvas = False, 0, (0, 0)
-        self._found = self._fitted = np.array(client.camera.position)
+        self._dark, self._fits = False, 0
+        self._view = DefaultView(client)
+        self._points = np.zeros((0, 3))  # m, the learner's and the demonstrator's as they are drawn
+
+        @client.scene.on_click()  # type: ignore[arg-type]  # which takes coroutines too
+        async def _(event: SceneClickEvent) -> None:
+            self._choose_at(np.array(event.ray_origin), np.array(event.ray_direction))
 
     def build(self, world: World) -> None:
         """Set up the scene of a world, in place of the one before."""
-        for node in self._nodes:  # before the arms, whose removal takes along what hangs on them
-            node.remove()
-        if self._arms is not None:
-            self._arms.remove()
-        if self._fixtures is not None:
-            self._fixtures.remove()
-        self._world, self._nodes = world, []
-        self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
-        self._shown: dict[str, bool] = {}
-        self._fixtures = Fixtures(self._client, world, self._dark)
-        self._arms = Arms(self._client, world, self._share_opponent)
+        self._nodes.begin()
+        self._world = world
+        self._arms = Arms(self._client, self._nodes, world, self._share_opponent)
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
-        self._cameras = (*world.demo_cameras, *world.own_cameras)
-        self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
+        self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
+        self._furnish()
+        self._nodes.end()
+        self._view.forget()
+
+    def _furnish(self) -> None:
+        """All but the arms, in the colours of the scheme, in place of what there is."""
+        self._fixtures = Fixtures(self._client, self._nodes, self._world, self._dark)
         for name in self._bases:
-            for i in range(len(world.body)):
+            for i in range(len(self._world.body)):
                 self._add_point(name, i)
-        self._add_moving_parts()
+        self._gizmo.furnish(self._nodes, self._dark)
+        self._moment = Moment(self._client, self._nodes, self._world, self._dark)
 
     def depends_on(self, state: PageState) -> tuple:
         """What `show` shows; of snapshots their identity counts."""
-        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._canvas_now()
+        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect
         return state.generation, state.shown, state.view, *posed, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
-        """All but the poses of the arms. A canvas that has changed, as when panels dock, is fitted anew."""
-        view, canvas = state.view, self._canvas_now()
-        if view.dark != self._dark:
-            self._dark = view.dark
-            self._standing.set_dark(view.dark)
-        if canvas != self._canvas and min(canvas) > 0:
-            self._canvas = canvas
-            self._fit_untouched_view()
+        """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted anew."""
+        view = state.view
+        if view.on("dark") != self._dark:
+            self._dark = view.on("dark")
+            add_light_and_floor(self._client.scene, LOOKS[self._dark])
+            self._furnish()
+        self._view.follow(lambda: self._landmarks(state.present))
         if view.fits != self._fits:
             self._fits = view.fits
-            self._fit_view()
+            self._view.fit(self._landmarks(state.present))
         self._draw(state)
         self._standing.show_pictures(state.pictures)
-        self._gizmo.show(view.gizmo, state.present.theta_demo, self.hand_position)
+        self._gizmo.show(view.gizmo, self._world, state.present.theta_demo)
 
     def _draw(self, state: PageState) -> None:
-        """Points on the plates, rays and residuals."""
-        snapshot, view = state.shown, state.view
+        """The moment that is shown."""
+        snapshot = state.shown
         own = self._world.points_world(snapshot.theta, self._bases["learner"])
         if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
             points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
             self._demo_points = snapshot.theta_demo, points
         demo = self._demo_points[1]
-        on_plates, seen = self._on_plates(snapshot)
-        self._draw_rays(on_plates, seen, demo, own, view)
-        self._draw_residuals(state, own)
-        self._draw_chosen(own, demo, view.chosen)
-
-    def hand_position(self, theta_demo: NDArray) -> NDArray:
-        """(3,) m, the origin of the demonstrator's last link."""
-        return hand_position(self._world, theta_demo, self._bases["demonstrator"])
-
-    def _fit_view(self) -> None:
-        """The default camera, as near as the canvas allows; `below` px of it are covered by overlays."""
-        camera = self._client.camera
-        width, height = camera.image_width, max(camera.image_height, 1)
-        position, target = fitted_view(self._landmarks(), width / height, self._below / height)
-        camera.fov = float(FOV)
-        camera.position, camera.look_at = position, target
-        self._fitted = position
-
-    def _fit_untouched_view(self) -> None:
-        """Fit again, unless the visitor has moved the camera from where the page put it or found it."""
-        here = self._client.camera.position
-        if min(np.linalg.norm(here - place) for place in (self._found, self._fitted)) < UNTOUCHED:
-            self._fit_view()
+        self._points = np.concatenate([own, demo])
+        self._moment.draw(state, own, demo)
 
     @property
     def arms(self) -> Arms:
@@ -136,129 +117,31 @@ class Scene3D:
         assert self._fixtures is not None
         return self._fixtures
 
-    def _canvas_now(self) -> tuple[int, int]:
-        return self._client.camera.image_width, self._client.camera.image_height
-
-    def _landmarks(self) -> NDArray:
-        """(k, 3) m: what the default view must hold."""
-        points = [self._standing.landmarks()]
+    def _landmarks(self, present: Snapshot) -> NDArray:
+        """(k, 3) m: what the default view must hold, the arms where they are and at the ends of their range."""
+        scene, points = self._world.scene, [self._standing.landmarks()]
         for T_world_base in self._bases.values():
-            for theta in (self._world.scene.lower, self._world.scene.upper, np.radians((45, -90))):
-                if len(theta) == len(self._world.scene.moving):
-                    points.append(self._world.points_world(theta, T_world_base))
+            for theta in (present.theta, present.theta_demo, scene.lower, scene.upper):
+                points.append(self._world.points_world(theta, T_world_base))
         return np.concatenate(points)
-
-    def _show(self, node, visible: bool) -> None:
-        """Or hide it. viser's setter looks up types, which takes longer than most drawings."""
-        if self._shown.get(node.name) != visible:
-            self._shown[node.name] = node.visible = visible
-
-    def _keep(self, node):
-        self._nodes.append(node)
-        return node
 
     def _add_point(self, arm: str, i: int) -> None:
         body = self._world.body
         name = f"{link_name(self._world.scene, arm, int(body.link[i]))}/p{i}"
-        handle: IcosphereHandle | MeshHandle
+        scene, colour, position = self._client.scene, rgb(arm, self._dark), body.local[i]
+        add = self._nodes.keep
         if arm == "learner":
-            handle = self._client.scene.add_icosphere(
-                name, POINT_SIZE[arm] / 2, color=rgb(arm), subdivisions=2, position=body.local[i], cast_shadow=False
-            )
+            size = POINT_SIZE[arm] / 2
+            add(scene.add_icosphere(name, size, color=colour, subdivisions=2, position=position, cast_shadow=False))
         else:
-            vertices, faces = meshes.octahedron(POINT_SIZE[arm])
-            handle = self._client.scene.add_mesh_simple(
-                name, vertices, faces, color=rgb(arm), position=body.local[i], cast_shadow=False
-            )
+            shape = meshes.octahedron(POINT_SIZE[arm])
+            add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
 
-        @handle.on_click
-        async def _(_event, i=i) -> None:
-            self._queue.put(ChoosePoint(i))
-
-        self._keep(handle)
-
-    def _add_moving_parts(self) -> None:
-        scene, nothing = self._client.scene, np.zeros((1, 2, 3), np.float32)
-        count = len(self._world.body)
-        self._rays = self._keep(
-            scene.add_line_segments("/now/rays", nothing, rgb("secondary"), thickness=1, thickness_units="screen")
-        )
-        self._chosen_rays = self._keep(
-            scene.add_line_segments("/now/chosen_rays", nothing, rgb("chosen"), thickness=2.4, thickness_units="screen")
-        )
-        self._residuals = self._keep(
-            scene.add_line_segments("/now/residuals", nothing, rgb("residual"), thickness=3, thickness_units="screen")
-        )
-        self._dots = self._keep(
-            scene.add_point_cloud(
-                "/now/dots",
-                np.zeros((4 * count, 3)),
-                np.repeat([rgb(role) for role in VIEW_ROLES], count, axis=0),
-                point_size=0.009,
-                point_shape="circle",
-                point_shading="flat",
-                precision="float32",
-            )
-        )
-        vertices, faces = meshes.octahedron(0.02)
-        self._recovered = self._keep(
-            scene.add_batched_meshes_simple(
-                "/now/recovered",
-                vertices,
-                faces,
-                batched_wxyzs=np.tile([1.0, 0, 0, 0], (count, 1)),
-                batched_positions=np.zeros((count, 3)),
-                batched_colors=linear(rgb("recovered")),
-                cast_shadow=False,
-                lod="off",
-            )
-        )
-        self._rings = [
-            self._keep(
-                scene.add_icosphere(f"/now/chosen_{arm}", 0.017, color=rgb("chosen"), visible=False, cast_shadow=False)
-            )
-            for arm in ("learner", "demonstrator")
-        ]
-
-    def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
-        """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
-        images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1).reshape(-1, 4, 2)
-        plates = images.swapaxes(0, 1) @ self._plate_A.swapaxes(1, 2) + self._plate_b[:, None]
-        return plates, snapshot.views.visible.T
-
-    def _draw_rays(self, plates: NDArray, seen: NDArray, demo: NDArray, own: NDArray, view: View) -> None:
-        chosen = view.chosen
-        far_away = np.array([0, 0, -50.0])
-        push_array(self._dots, "points", np.where(seen[..., None], plates, far_away).reshape(-1, 3))
-        targets = np.stack([demo, demo, own, own])
-        self._show(self._rays, view.rays)
-        if view.rays:
-            rays = np.stack([plates, targets], axis=-2)  # (4, N, 2, 3)
-            push_array(self._rays, "points", rays[seen])
-        picked = chosen is not None and bool(seen[:, chosen].any())
-        self._show(self._chosen_rays, picked)
-        if picked:
-            eyes = np.array([camera.T_world_camera[:3, 3] for camera in self._cameras])
-            lines = np.stack([eyes, targets[:, chosen]], axis=-2)
-            push_array(self._chosen_rays, "points", lines[seen[:, chosen]])
-
-    def _draw_residuals(self, state: PageState, own: NDArray) -> None:
-        usable = state.shown.usable & (state.view.residuals and state.shown.transfer is not None)
-        for node in (self._residuals, self._recovered):
-            self._show(node, bool(usable.any()))
-        if usable.any():
-            positions = np.full((len(usable), 3), -50.0)
-            positions[usable] = state.recovered_world[usable]
-            push_array(self._recovered, "batched_positions", positions)
-            push_array(self._residuals, "points", np.stack([positions[usable], own[usable]], axis=-2))
-
-    def _draw_chosen(self, own: NDArray, demo: NDArray, chosen: int | None) -> None:
-        for ring, points in zip(self._rings, (own, demo)):
-            self._show(ring, chosen is not None)
-            if chosen is not None:
-                ring.position = points[chosen]
-
-
-def linear(color: tuple[int, int, int]) -> tuple[int, int, int]:
-    """Batched meshes read colours as linear light."""
-    return tuple(round(255 * (c / 255) ** 2.2) for c in color)
+    def _choose_at(self, origin: NDArray, direction: NDArray) -> None:
+        """The point at this ray, on whichever arm."""
+        points = self._points
+        if len(points):
+            radius = np.repeat([POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2], len(points) // 2)
+            i = picked(points, radius, origin, direction, self._client.camera.fov)
+            if i is not None:
+                self._queue.put(ChoosePoint(i % (len(points) // 2)))

@@ -1,11 +1,63 @@
 """The default camera of the 3-D scene: a fixed direction, fitted to what must be seen and to the canvas."""
 
+from collections import deque
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
+from viser import ClientHandle
 
 FOV = np.radians(36.0)
 MARGIN = 0.93  # of the half angle that the default view fills
+BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
+SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
+UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
+LATELY = 8  # such places: the browser may tell of an earlier one while the window's edge is dragged
 AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
+
+
+class DefaultView:
+    """One page's camera, put where it shows all, until the visitor moves it."""
+
+    def __init__(self, client: ClientHandle):
+        self._client = client
+        self._aspect: float | None = None  # of the canvas that was fitted last
+        self._places = deque([np.array(client.camera.position)], LATELY)  # where it was found or put
+
+    @property
+    def aspect(self) -> float | None:
+        """Width by height of the canvas, in whatever pixels; None while it has no size."""
+        width, height = self._client.camera.image_width, self._client.camera.image_height
+        return width / height if min(width, height) > 0 else None
+
+    def fit(self, landmarks: NDArray) -> None:
+        """As near as the canvas allows. landmarks: (k, 3) m, what must be seen."""
+        camera, self._aspect = self._client.camera, self.aspect
+        position, target = fitted_view(landmarks, self._aspect or 1.0, BELOW)
+        camera.fov = float(FOV)
+        camera.position, camera.look_at = position, target
+        self._places.append(position)
+
+    def follow(self, landmarks: Callable[[], NDArray]) -> None:
+        """Fit a camera that is where the page put it to a canvas of another shape than before."""
+        aspect = self.aspect
+        if aspect is None or (self._aspect is not None and abs(np.log(aspect / self._aspect)) < SAME_SHAPE):
+            return
+        self._aspect, here = aspect, self._client.camera.position
+        if min(np.linalg.norm(here - place) for place in self._places) < UNTOUCHED:
+            self.fit(landmarks())
+
+    def forget(self) -> None:
+        """What was fitted is gone: the next `follow` fits anew."""
+        self._aspect = None
+
+
+def looking() -> NDArray:
+    """R_world_camera (3, 3) of the default view: right, down, forward."""
+    forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+    right = np.cross(forward, [0, 0, 1.0])
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(forward, right), forward], axis=-1)
 
 
 def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
@@ -14,10 +66,8 @@ def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, 
     below: share of the height, from the bottom, that stays free. Each side of the frame is a plane through the
     eye, with a slope per depth; along its normal the points give one bound, and opposite bounds meet at the eye.
     """
-    backward = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
-    right = np.cross([0, 0, 1.0], backward)
-    right /= np.linalg.norm(right)
-    up = np.cross(backward, right)
+    right, down, forward = looking().T
+    up, backward = -down, -forward
     tan = np.tan(FOV / 2)
     x, y, z = points @ right, points @ up, points @ backward
     eye = []

@@ -3,7 +3,7 @@
 Real numbers are bounded, which NaN and infinities are not within. Types and fields are those of viser._messages.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec import Meta
@@ -67,14 +67,12 @@ class TransformControlsDragEndMessage(_Message):
     owner: Name
 
 
-class SceneNodeClickMessage(_Message):
-    name: Name
-    instance_index: Count | None
+class ScenePointerMessage(_Message):
+    event_type: Literal["click"]
     ray_origin: Triple
     ray_direction: Triple
-    screen_pos: Pair
-    modifier: Name | None
-    owner: Name
+    screen_pos: tuple[Pair]
+    modifier: None
 
 
 class FileTransferStartUpload(_Message):
@@ -100,7 +98,7 @@ ALLOWED = (
     TransformControlsUpdateMessage,
     TransformControlsDragStartMessage,
     TransformControlsDragEndMessage,
-    SceneNodeClickMessage,
+    ScenePointerMessage,
     FileTransferStartUpload,
     FileTransferPart,
 )

@@ -26,6 +26,7 @@ MOST_UPLOADS = 1  # at a time
 UPLOAD_WITHIN = 60.0  # s
 MOST_TEXT = 2_000  # characters
 SLACK = 1e-6  # of a range: rounding in the browser
+UNIT = 1e-3  # that a direction's length may be off 1
 
 
 class MessageValidator:
@@ -44,7 +45,7 @@ class MessageValidator:
             message_schema.TransformControlsUpdateMessage: self._check_gizmo,
             message_schema.TransformControlsDragStartMessage: self._check_gizmo,
             message_schema.TransformControlsDragEndMessage: self._check_gizmo,
-            message_schema.SceneNodeClickMessage: self._check_node,
+            message_schema.ScenePointerMessage: self._check_click,
             message_schema.FileTransferStartUpload: self._check_upload,
             message_schema.FileTransferPart: self._uploads.add,
         }
@@ -75,9 +76,9 @@ class MessageValidator:
         if message.name not in viser_private.own(self._client).gizmos:
             raise Refused("a handle in the scene that this page does not have")
 
-    def _check_node(self, message: message_schema.SceneNodeClickMessage) -> None:
-        if message.name not in viser_private.own(self._client).nodes:
-            raise Refused("a node of the scene that this page does not have")
+    def _check_click(self, message: message_schema.ScenePointerMessage) -> None:
+        if not math.isclose(math.hypot(*message.ray_direction), 1, abs_tol=UNIT):
+            raise Refused("a click along no direction")
 
     def _check_upload(self, message: message_schema.FileTransferStartUpload) -> None:
         if not isinstance(self._own(message.source_component_uuid), GuiUploadButtonHandle):

@@ -32,7 +32,7 @@ class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     speed: float
     chosen: int | None
     show: dict[str, bool]
-    dark: bool
+    dark: bool | None
     motion: bytes | None
 
 

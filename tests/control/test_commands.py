@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
 from viewimit.app.control.commands.command import Arrival, Refused
-from viewimit.app.control.commands.display import ChoosePoint, Switch
+from viewimit.app.control.commands.display import ChoosePoint, PreferDark, Switch
 from viewimit.app.control.commands.session import ChoosePreset, ChooseSpeed, Play, PoseJoint, Reset, Step
 from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
 from viewimit.app.control.joints import joint_choices
@@ -427,3 +427,13 @@ def test_posing_by_a_motion_wakes_the_loop(page):
     visitor.model.pose(np.radians([70.0, -60.0]))
     player.advance(300.0)
     assert session.snapshot.motion > rested and session.settings.demonstrator_deg == (70, -60)
+
+
+def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
+    model, _ = quiet_model(Settings())
+    for dark in ("1,0", "0,1", "1,2"):
+        PreferDark.parse(dark).apply(model, 0.0)
+        assert model.view.on("dark") == (dark[0] == "1")
+    Hands(model).set("dark", False)
+    PreferDark.parse("1,3").apply(model, 0.0)
+    assert not model.view.on("dark") and model.memory().head.dark is False

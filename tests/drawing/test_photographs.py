@@ -8,6 +8,7 @@ import pytest
 from drawn import DEMONSTRATORS_POINTS, HULL, OWN_POINTS, SKELETON, VIEW_NAME, view_name, written_path
 from viewimit.app import viser_private
 from viewimit.app.scene.fixtures import BEHIND, Fixtures, on_plate
+from viewimit.app.scene.nodes import Nodes
 
 from viewimit.drawing.image_planes import image_windows
 from viewimit.drawing.images import draw_images
@@ -74,9 +75,8 @@ class Recording:
 
     def __getattr__(self, kind):
         def add(name, *args, **kwargs):
-            node = SimpleNamespace(args=args, visible=True, remove=lambda: self.nodes.pop(name), **kwargs)
-            self.nodes[name] = node
-            return node
+            self.nodes[name] = SimpleNamespace(**{"name": name, "args": args, "visible": True, **kwargs})
+            return self.nodes[name]
 
         return add
 
@@ -85,7 +85,7 @@ def test_pictures_in_3d_are_as_their_cameras_see_them_and_are_sent_once(session,
     sent = []
     monkeypatch.setattr(viser_private, "push_jpeg", lambda node, picture: sent.append(picture))
     client, world = SimpleNamespace(scene=Recording()), session.world
-    stage = Fixtures(client, world, False)
+    stage = Fixtures(client, Nodes(), world, False)
     nodes = client.scene.nodes
     stage.show_pictures(PICTURES)
     stage.show_pictures(PICTURES)
@@ -104,7 +104,5 @@ def test_pictures_in_3d_are_as_their_cameras_see_them_and_are_sent_once(session,
             assert (plate - eye) @ along == pytest.approx(np.linalg.norm(plate - eye))
         assert not nodes[f"/stage/plate_{view}"].visible
     stage.show_pictures({"l": PICTURES["l"]})
-    assert [view for view in VIEWS if f"/stage/picture_{view}" in nodes] == ["l"]
+    assert [view for view in VIEWS if nodes[f"/stage/picture_{view}"].visible] == ["l"]
     assert nodes["/stage/plate_L"].visible and not nodes["/stage/plate_l"].visible
-    stage.remove()
-    assert nodes == {}

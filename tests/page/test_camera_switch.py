@@ -1,5 +1,6 @@
 """The switch Camera images, from a browser's message to pictures in its page, with a real process that renders."""
 
+import html
 import importlib.util
 import multiprocessing
 import re
@@ -106,15 +107,17 @@ def test_a_reload_comes_back_to_the_same_pictures(here):
         assert client.value("Camera images") is True and client.value("History") == 1
 
 
-def test_what_is_not_installed_is_said_and_the_box_jumps_back(here, monkeypatch):
+def test_what_is_not_installed_is_said_beside_the_switch_and_by_the_preset(here, monkeypatch):
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pybullet" else find(name))
     monkeypatch.setattr("viewimit.simulation.eyes.has_wheel", lambda: True)
+    install = "pip install 'viewimit[pybullet]'"
     with Client(here.url).ready() as client:
-        client.put("Camera images", True)
-        wait_until(lambda: "pip install 'viewimit[pybullet]'" in client.status.replace("&#x27;", "'"))
-        wait_until(lambda: client.value("Camera images") is False)
-        assert not here.camera.running and not photographs(client)
+        wait_until(lambda: any(install in html.unescape(shown) for shown in client.html.values()))
+        client.put("Camera images", True)  # which is greyed, and jumps back
+        client.put("Preset", "Camera images")
+        wait_until(lambda: install in html.unescape(client.status))
+        assert client.value("Camera images") is False and not here.camera.running and not photographs(client)
 
 
 @needed

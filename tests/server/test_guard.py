@@ -47,6 +47,14 @@ def client(guarded, bystander):
         yield client
 
 
+CLICK = {
+    "type": "ScenePointerMessage",
+    "event_type": "click",
+    "ray_origin": [-1.9, -3.8, 3.0],
+    "ray_direction": [0.6, 0.8, 0.0],
+    "screen_pos": [[0.5, 0.5]],
+    "modifier": None,
+}
 OUT_OF_PLACE = [
     ("θ₂", 1e9),
     ("θ₂", float("nan")),
@@ -107,6 +115,7 @@ def hostile_messages(client, bystander) -> dict[str, object]:
         "a share disconnect": {"type": "ShareUrlDisconnect"},
         "a form": {"type": "GuiFormDirtyMessage", "uuid": slider},
         "a held button": {"type": "GuiButtonHoldMessage", "uuid": slider, "frequency": 10.0},
+        "a click at a node": {"type": "SceneNodeClickMessage", "name": "/floor", "instance_index": None},
         "a render": {"type": "GetRenderResponseMessage", "payload": b"", "render_uuid": "x"},
         "a message of servers": {"type": "RunJavascriptMessage", "source": "alert(1)"},
         "an upload to a slider": {**upload, "source_component_uuid": slider, "part_count": 1, "size_bytes": 9},
@@ -137,6 +146,26 @@ def test_a_message_before_the_first_view_closes_the_connection(guarded, bystande
 def test_a_view_that_cannot_be_is_dropped(guarded, client, field, value):
     with guarded.says("refused ViewerCameraMessage"):
         client.send({**VIEW, field: value})
+    assert client.closed(0) is None
+
+
+@pytest.mark.parametrize(
+    "field, value",
+    [
+        ("ray_direction", [0.0, 0.0, 0.0]),
+        ("ray_direction", [3.0, 4.0, 0.0]),
+        ("ray_direction", [1.0, float("nan"), 0.0]),
+        ("ray_origin", [1e300, 0.0, 0.0]),
+        ("ray_origin", None),
+        ("screen_pos", []),
+        ("screen_pos", [[0.5, 0.5], [0.6, 0.6]]),
+        ("modifier", "shift"),
+        ("event_type", "rect-select"),
+    ],
+)
+def test_a_click_in_the_scene_that_cannot_be_is_dropped(guarded, client, field, value):
+    with guarded.says("refused "):
+        client.send({**CLICK, field: value})
     assert client.closed(0) is None
 
 

@@ -46,6 +46,12 @@ def half_white(role: str) -> tuple[int, int, int]:
     return (red + 255) // 2, (green + 255) // 2, (blue + 255) // 2
 
 
+def faint(role: str, dark: bool = False, strength: float = 0.35) -> tuple[int, int, int]:
+    """The role's colour as it is on paper where it is drawn with this opacity."""
+    red, green, blue = (round(strength * c + (1 - strength) * p) for c, p in zip(rgb(role, dark), rgb("paper", dark)))
+    return red, green, blue
+
+
 def variables(dark: bool) -> str:
     """CSS declarations of the roles' colours."""
     return "".join(f"--{role}:{colours[dark]};" for role, colours in ROLES.items())

@@ -72,6 +72,22 @@ class LayOut(Value):
         model.view = replace(model.view, wide=self.wide)
 
 
+@dataclass(frozen=True)
+class PreferDark(Command):
+    """What the browser's colour scheme is, which holds until the visitor chooses another."""
+
+    dark: bool
+    commutes: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> PreferDark:
+        """value: 0 or 1, and how often the browser was asked."""
+        return cls(number(value.split(",")[0]) == 1)
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, prefers_dark=self.dark)
+
+
 class LetGo(Command):
     """Of the see-through arm."""
 

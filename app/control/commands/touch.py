@@ -11,7 +11,7 @@ import numpy as np
 from ..checks import number
 from ..page_model import PageModel
 from .command import Command
-from .display import ChoosePoint, LayOut, LetGo
+from .display import ChoosePoint, LayOut, LetGo, PreferDark
 from .session import Scrub, StartAt
 
 
@@ -65,6 +65,7 @@ class StartThere(Command):
 
 
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
+    "dark": PreferDark.parse,
     "point": TogglePoint.parse,
     "layout": LayOut.parse,
     "posture": TouchPosture.parse,

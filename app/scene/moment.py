@@ -1,0 +1,143 @@
+"""What in the 3-D scene shows a moment: points on the image plates, rays, residuals, recovered and chosen points."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import ClientHandle
+
+from viewimit.drawing.theme import faint, rgb
+from viewimit.simulation.world import World
+from viewimit.snapshot import Snapshot
+
+from ..control.state import PageState, View
+from ..viser_private import push_array
+from . import meshes
+from .fixtures import VIEW_ROLES, plate_map
+from .nodes import Nodes
+
+FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
+
+
+class Moment:
+    """Of one page in one world, in the colours of one scheme; nothing of it is seen before the first `draw`."""
+
+    def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
+        self._cameras = (*world.demo_cameras, *world.own_cameras)
+        self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
+        self._shown: dict[str, bool] = {}
+        count, scene, colour = len(world.body), client.scene, partial(rgb, dark=dark)
+        nothing = np.zeros((4 * count, 2, 3), np.float32)
+        self._rays = nodes.keep(
+            scene.add_line_segments(
+                "/now/rays",
+                nothing,
+                of_views(partial(faint, dark=dark), count),
+                thickness=1,
+                thickness_units="screen",
+            )
+        )
+        self._chosen_rays = nodes.keep(
+            scene.add_line_segments(
+                "/now/chosen_rays", nothing[:4], of_views(colour, 1), thickness=1.6, thickness_units="screen"
+            )
+        )
+        self._residuals = nodes.keep(
+            scene.add_line_segments(
+                "/now/residuals", nothing[:1], colour("residual"), thickness=3, thickness_units="screen"
+            )
+        )
+        self._dots = nodes.keep(
+            scene.add_point_cloud(
+                "/now/dots",
+                np.zeros((4 * count, 3)),
+                np.repeat([colour(role) for role in VIEW_ROLES], count, axis=0),
+                point_size=0.009,
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+            )
+        )
+        vertices, faces = meshes.octahedron(0.02)
+        self._recovered = nodes.keep(
+            scene.add_batched_meshes_simple(
+                "/now/recovered",
+                vertices,
+                faces,
+                batched_wxyzs=np.tile([1.0, 0, 0, 0], (count, 1)),
+                batched_positions=np.zeros((count, 3)),
+                batched_colors=linear(colour("recovered")),
+                cast_shadow=False,
+                lod="off",
+            )
+        )
+        self._rings = [
+            nodes.keep(
+                scene.add_icosphere(
+                    f"/now/chosen_{arm}", 0.017, color=colour("chosen"), visible=False, cast_shadow=False
+                )
+            )
+            for arm in ("learner", "demonstrator")
+        ]
+
+    def draw(self, state: PageState, own: NDArray, demo: NDArray) -> None:
+        """own, demo: (N, 3) m, the points on both arms."""
+        on_plates, seen = self._on_plates(state.shown)
+        self._draw_rays(on_plates, seen, demo, own, state.view)
+        self._draw_residuals(state, own)
+        self._draw_chosen(own, demo, state.view.chosen)
+
+    def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
+        """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
+        images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1).reshape(-1, 4, 2)
+        plates = images.swapaxes(0, 1) @ self._plate_A.swapaxes(1, 2) + self._plate_b[:, None]
+        return plates, snapshot.views.visible.T
+
+    def _draw_rays(self, plates: NDArray, seen: NDArray, demo: NDArray, own: NDArray, view: View) -> None:
+        chosen, targets = view.chosen, np.stack([demo, demo, own, own])
+        push_array(self._dots, "points", np.where(seen[..., None], plates, FAR_AWAY).reshape(-1, 3))
+        self._show(self._rays, view.rays)
+        if view.rays:
+            push_array(self._rays, "points", segments(plates, targets, seen))
+        in_sight = chosen is not None and bool(seen[:, chosen].any())
+        self._show(self._chosen_rays, in_sight)
+        if in_sight:
+            eyes = np.array([camera.T_world_camera[:3, 3] for camera in self._cameras])
+            push_array(self._chosen_rays, "points", segments(eyes, targets[:, chosen], seen[:, chosen]))
+
+    def _draw_residuals(self, state: PageState, own: NDArray) -> None:
+        usable = state.shown.usable & (state.view.residuals and state.shown.transfer is not None)
+        for node in (self._residuals, self._recovered):
+            self._show(node, bool(usable.any()))
+        if usable.any():
+            positions = np.full((len(usable), 3), -50.0)
+            positions[usable] = state.recovered_world[usable]
+            push_array(self._recovered, "batched_positions", positions)
+            push_array(self._residuals, "points", np.stack([positions[usable], own[usable]], axis=-2))
+
+    def _draw_chosen(self, own: NDArray, demo: NDArray, chosen: int | None) -> None:
+        for ring, points in zip(self._rings, (own, demo)):
+            self._show(ring, chosen is not None)
+            if chosen is not None:
+                ring.position = points[chosen]
+
+    def _show(self, node, visible: bool) -> None:
+        """Or hide it. viser's setter looks up types, which takes longer than most drawings."""
+        if self._shown.get(node.name) != visible:
+            self._shown[node.name] = node.visible = visible
+
+
+def of_views(shade: Callable[[str], tuple[int, int, int]], count: int) -> NDArray:
+    """(4 count, 2, 3): colours of so many segments from each view."""
+    return np.repeat([linear(shade(role)) for role in VIEW_ROLES], 2 * count, axis=0).reshape(-1, 2, 3)
+
+
+def segments(starts: NDArray, ends: NDArray, seen: NDArray) -> NDArray:
+    """(…, 3) m twice → (n, 2, 3), those that are not seen out of sight."""
+    return np.where(seen[..., None, None], np.stack([starts, ends], axis=-2), FAR_AWAY).reshape(-1, 2, 3)
+
+
+def linear(color: tuple[int, int, int]) -> tuple[int, int, int]:
+    """Batched meshes, and segments of several colours, read them as linear light."""
+    return tuple(round(255 * (c / 255) ** 2.2) for c in color)

@@ -1,0 +1,111 @@
+"""The 3-D scene in a real browser: what three.js has of it (viser leaves its store in the window, for tests)."""
+
+import numpy as np
+import pytest
+from browsing import CHOSEN_POINT, LESSON, PATIENCE_MS, choose, open_page, press, switch, wait, wait_for_count
+from viewimit.app.control.presets import PRESETS
+
+from viewimit.drawing.theme import ROLES
+
+pytestmark = pytest.mark.browser
+
+POSES = """() => Object.fromEntries(Object.entries(window.__viserMutable.nodeRefFromName)
+  .filter(([name, node]) => node && name && window.__viserSceneTree.getState()[name]?.effectiveVisibility)
+  .map(([name, node]) => [name, [...node.quaternion.toArray(), ...node.position.toArray()]]))"""
+CAMERA = "() => window.__viserMutable.camera.position.toArray()"
+COLOURS = """name => { const found = []; window.__viserMutable.nodeRefFromName[name].traverse(part => {
+  if (part.material?.color) found.push('#' + part.material.color.getHexString()) }); return found }"""
+PLACE = """name => {
+  const {camera, canvas, nodeRefFromName} = window.__viserMutable, box = canvas.getBoundingClientRect()
+  const place = nodeRefFromName[name].getWorldPosition(camera.position.clone()).project(camera)
+  return [box.left + box.width * (1 + place.x) / 2, box.top + box.height * (1 - place.y) / 2] }"""
+HAND = "/panda/learner/j1/j2/j3/j4/j5/j6/j7"
+
+
+@pytest.fixture(scope="module")
+def page(browser, server):
+    page = open_page(browser, server, "small")
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+def a_point(page):
+    """Name of a node."""
+    return next(name for name in page.evaluate(POSES) if name.startswith(f"{HAND}/p"))
+
+
+def same(poses, others):
+    return poses.keys() == others.keys() and all(np.allclose(poses[name], others[name], atol=1e-5) for name in poses)
+
+
+def begin(page, preset):
+    choose(page, "Preset", preset.name)
+    wait(page, lambda: page.text_content(LESSON) == preset.lesson)
+
+
+def test_after_other_worlds_all_stands_where_it_stood_at_first(page):
+    first = PRESETS[0]
+    page.wait_for_function(f"() => window.__viserMutable.nodeRefFromName['{HAND}']", timeout=PATIENCE_MS)
+    before = page.evaluate(POSES)
+    for name in ("Demonstrator faces the learner", "Seven joints"):
+        begin(page, next(preset for preset in PRESETS if preset.name == name))
+        wait(page, lambda: not same(page.evaluate(POSES), before))
+    begin(page, first)
+    wait(page, lambda: same(page.evaluate(POSES), before), 20)
+
+
+def test_a_click_beside_a_point_chooses_it(page):
+    x, y = page.evaluate(PLACE, a_point(page))
+    page.mouse.click(x + 6, y - 6)
+    wait_for_count(page, CHOSEN_POINT, 4)
+
+
+def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
+    name = a_point(page)
+    page.get_by_text("Display", exact=True).click()
+
+    def prefer(scheme):
+        page.emulate_media(color_scheme=scheme)
+
+    def becomes(dark):
+        page.wait_for_selector(f":root[data-mantine-color-scheme={'dark' if dark else 'light'}]")
+        wait(page, lambda: ROLES["learner"][dark] in page.evaluate(COLOURS, name), 20)
+
+    for scheme in ("dark", "light", "dark"):
+        prefer(scheme)
+        becomes(scheme == "dark")
+    switch(page, "Dark")
+    becomes(False)
+    with page.expect_response("**/dark/0,*"):
+        prefer("light")
+    switch(page, "Dark")
+    becomes(True)
+    switch(page, "Dark")
+    becomes(False)
+    page.get_by_text("Display", exact=True).click()
+
+
+def test_the_view_is_fitted_to_another_canvas_unless_the_visitor_has_turned_it(page):
+    before = page.evaluate(CAMERA)
+    page.set_viewport_size({"width": 1280, "height": 600})
+    wait(page, lambda: not np.allclose(page.evaluate(CAMERA), before, atol=0.05), 20)
+    x, y = page.evaluate(PLACE, "/floor")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 80, y, steps=4)
+    page.mouse.up()
+    wait(page, lambda: not np.allclose(page.evaluate(CAMERA), before, atol=0.3), 20)
+    before = page.evaluate(CAMERA)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    press(page, "n")
+    wait_for_count(page, CHOSEN_POINT, 4)
+    assert np.allclose(page.evaluate(CAMERA), before, atol=0.05)
+
+
+def test_nothing_of_visers_covers_the_scene_or_competes_with_the_page(page):
+    assert page.locator(".mantine-Notification-root:visible").count() == 0
+    page.locator(".tabler-icon-adjustments").click()
+    page.get_by_text("Dev Settings").click()
+    page.get_by_text("WebGL Stats").wait_for()
+    assert page.get_by_text("Dark Mode").is_hidden()

@@ -1,0 +1,102 @@
+"""From world to world the browser's 3-D scene becomes what a fresh page's is."""
+
+import contextlib
+import io
+
+import numpy as np
+import pytest
+import viser
+from page_fakes import quiet_model
+from protocol import Client
+from viewed_scene import ViewedScene
+from viewimit.app.control.presets import PRESETS
+from viewimit.app.control.queue import CommandQueue
+from viewimit.app.scene.arms import share_meshes
+from viewimit.app.scene.scene3d import Scene3D, share_scene
+from waiting import wait_until
+
+
+class Viewer(Client):
+    """A tab that keeps what its 3-D scene is."""
+
+    def __init__(self, url):
+        self.scene = ViewedScene()
+        super().__init__(url)
+
+    def _take(self, message):
+        super()._take(message)
+        self.scene.take(message)
+
+
+class Stage:
+    """A scene on a viser of its own, with a viewer of it."""
+
+    def __init__(self, server):
+        before = set(server.get_clients())
+        self.viewer = Viewer(f"http://127.0.0.1:{server.get_port()}")
+        (client_id,) = wait_until(lambda: set(server.get_clients()) - before)
+        self._client = server.get_clients()[client_id]
+        self._scene = Scene3D(self._client, CommandQueue(), lambda: share_meshes(server, "opponent"))
+        self._shown = 0
+
+    def show(self, model, theta_opponent=None) -> dict:
+        """What is seen of this model's world, once all has arrived."""
+        with self._client.atomic():
+            self._scene.build(model.session.world)
+            self._scene.arms.draw(*model.poses(0.0), theta_opponent)
+            self._scene.show(model.state(0.0))
+        self._shown += 1
+        self._client.gui.add_html(f"{self._shown}")
+        wait_until(lambda: f"{self._shown}" in self.viewer.html.values())
+        return self.viewer.scene.nodes
+
+
+@pytest.fixture(scope="module")
+def server():
+    with contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        share_scene(server)
+        yield server
+        server.stop()
+
+
+@pytest.fixture(scope="module")
+def models():
+    """A page's model of each world that presets lead to."""
+    of = {}
+    for preset in PRESETS:
+        settings = preset.settings
+        if settings.camera == "points":
+            of.setdefault((settings.scene, settings.points, settings.joints), settings)
+    return [quiet_model(settings)[0] for settings in of.values()]
+
+
+def from_each_to_each_other(count):
+    """Indices: every ordered pair is somewhere one after the other."""
+    return [k for i in range(count) for j in range(i + 1, count) for k in (i, j)] + [0]
+
+
+def assert_same(seen, fresh):
+    assert seen.keys() == fresh.keys()
+    for name, node in seen.items():
+        np.testing.assert_allclose(node.position, fresh[name].position, atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(node.wxyz, fresh[name].wxyz, atol=1e-9, err_msg=name)
+
+
+def test_every_world_after_every_other_is_seen_as_in_a_fresh_page(server, models):
+    fresh = [Stage(server).show(model) for model in models]
+    stage = Stage(server)
+    for k in from_each_to_each_other(len(models)):
+        assert_same(stage.show(models[k]), fresh[k])
+
+
+def test_an_opponent_is_seen_in_a_duel_alone_and_where_it_stands(server, models):
+    first, second, opponent = models[0], models[1], np.radians((10.0, -20.0))
+    arm = lambda nodes: {name: node for name, node in nodes.items() if "/opponent" in name}
+    fresh, stage = Stage(server).show(first, opponent), Stage(server)
+    assert arm(stage.show(first)) == {}
+    for model in (first, second, first):
+        assert arm(stage.show(model)) == {}
+        seen = arm(stage.show(first, opponent))
+        assert "/panda/opponent/j1/mesh" in seen
+        assert_same(seen, arm(fresh))

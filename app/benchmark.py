@@ -36,7 +36,7 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
     client, queue = quiet_client(0), CommandQueue()
     services = Services(LandscapeWorker(), ExperimentWorker(), CameraProcess(), LoadShedding(0.05), lambda: None)
     model = PageModel(0, settings, services, queue, lambda name, data: None)
-    layout, panels = Layout(client, queue, False), [panel() for panel in SHOWN]
+    layout, panels = Layout(client, queue), [panel() for panel in SHOWN]
     scene = Scene3D(client, queue, services.share_opponent)
     for panel in panels:
         panel.build(layout, model.state(0.0))

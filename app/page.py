@@ -26,7 +26,6 @@ from .panels.status import StatusPanel
 from .scene.scene3d import Scene3D
 from .sessions.autosave import SavedSession
 
-WIDE = 1600  # px of window from which the page has room for more
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
@@ -53,9 +52,8 @@ class Page:
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures)
         if resumed is not None:
             self._resume(resumed)
-        wide = client.camera.image_width >= WIDE
         with client.atomic():
-            layout, state = Layout(client, self.queue, wide, address), self.model.state(0.0)
+            layout, state = Layout(client, self.queue, address), self.model.state(0.0)
             self._panels = [panel() for panel in PANELS]
             for panel in self._panels:
                 panel.build(layout, state)

@@ -226,5 +226,5 @@ class Visit:
     @property
     def photographs(self):
         """Views with a picture, as drawn."""
-        planes = self.images.split('<svg x="')[1:]
+        planes = self.images.split("<svg ")[1:]
         return sorted(view_name(plane) for plane in planes if "data:image/jpeg" in plane)

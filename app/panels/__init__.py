@@ -20,6 +20,7 @@ from .panel import Panel
 from .playback import PlaybackPanel
 from .start import StartPanel
 from .status import StatusPanel
+from .views import ViewsPanel
 
 PANELS: list[type[Panel]] = [
     PlaybackPanel,
@@ -31,6 +32,7 @@ PANELS: list[type[Panel]] = [
     DisplayPanel,
     KeysPanel,
     StatusPanel,
+    ViewsPanel,
     ImagesPanel,
     ConflictPanel,
     LandscapePanel,

@@ -1,22 +1,21 @@
 """E and the joint errors, motion by motion: a card over the scene of a wide window, or a tab."""
 
-from contextlib import nullcontext
-
 from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.over.links import sink
 
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
-from .widgets import put_html
+from .widgets import put_html, put_visible
 
 CARD_WIDTH, TAB_WIDTH = 860, 424  # px
 
 
 class CurvesPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._wide, self._address = layout.wide, layout.address
-        with nullcontext() if layout.wide else layout.tab("Curves"):
-            self._curves = layout.gui.add_html("")
+        self._address = layout.address
+        self._card = layout.gui.add_html("", visible=False)
+        with layout.tab("Curves"):
+            self._tab = layout.gui.add_html("")
             if self._address is not None:
                 layout.gui.add_html(sink())
 
@@ -24,12 +23,12 @@ class CurvesPanel(Panel):
         return SLOW
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.present, state.cursor, state.last, state.landscape
+        return state.present, state.cursor, state.last, state.landscape, state.view.wide
 
     def show(self, state: PageState) -> None:
-        session = state.session
+        session, wide = state.session, state.view.wide
         E_true = None if state.landscape is None else state.landscape.E_true
-        width = CARD_WIDTH if self._wide else TAB_WIDTH
+        width = CARD_WIDTH if wide else TAB_WIDTH
         drawn = draw_curves(
             session.history,
             session.cursor,
@@ -39,4 +38,5 @@ class CurvesPanel(Panel):
             state.errors_deg,
             self._address,
         )
-        put_html(self._curves, f'<div class="vi-card">{drawn}</div>' if self._wide else drawn)
+        put_html(self._card if wide else self._tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
+        put_visible(self._card, wide)

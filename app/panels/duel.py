@@ -15,7 +15,7 @@ class DuelPanel(Panel):
     """In a wide window with room for the errors beneath the paths."""
 
     def build(self, layout: Layout, state: PageState) -> None:
-        gui, queue, self._wide = layout.gui, layout.queue, layout.wide
+        gui, queue = layout.gui, layout.queue
         transfers, servos = transfer_names(), servo_names()
         with layout.tab("Duel"):
             with gui.add_folder(None):
@@ -36,7 +36,7 @@ class DuelPanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         duel = state.duel
         present = None if duel.opponent is None else (state.present, duel.opponent.snapshot)
-        return *(present or (None, None)), duel.transfer, duel.servo, state.ground, state.refusals
+        return *(present or (None, None)), duel.transfer, duel.servo, state.ground, state.view.wide, state.refusals
 
     def show(self, state: PageState) -> None:
         duel, opponent = state.duel, state.duel.opponent
@@ -48,7 +48,7 @@ class DuelPanel(Panel):
         if opponent is not None:
             standings, scene = duel.standings, state.session.scene
             race = drawing.draw_race(scene, (state.session, opponent), standings)
-            if self._wide and len(scene.moving_joints) == 2:
+            if state.view.wide and len(scene.moving_joints) == 2:
                 errors = drawing.draw_errors_alone(standings)
         put_html(self._race, race)
         put_html(self._errors, errors)

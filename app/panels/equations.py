@@ -1,10 +1,16 @@
 """The paper's equations with their present numbers; in a wide window some stand under what they belong to."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import partial
+from typing import ClassVar
+
 from viewimit.drawing.equations import draw_conflict, draw_equations, draw_law
+from viewimit.snapshot import Snapshot
 
 from ..control.state import PageState
 from .panel import SLOWEST, Layout, Panel
-from .widgets import put_html
+from .widgets import put_html, put_visible
 
 
 class EquationsPanel(Panel):
@@ -22,39 +28,42 @@ class EquationsPanel(Panel):
         put_html(self._equations, draw_equations(state.present, state.view.chosen))
 
 
-class ConflictPanel(Panel):
+class BesidePanel(Panel):
+    """One equation under what it belongs to, in a window with room for it."""
+
+    tab: ClassVar[Callable[[Layout], AbstractContextManager]]
+    draw: ClassVar[Callable[[Snapshot], str]]
+
+    def build(self, layout: Layout, state: PageState) -> None:
+        with type(self).tab(layout):
+            self._equation = layout.gui.add_html("", visible=False)
+
+    def period(self, state: PageState) -> float:
+        return SLOWEST
+
+    def depends_on(self, state: PageState) -> tuple:
+        return (self._moment(state) if state.view.wide else None,)
+
+    def show(self, state: PageState) -> None:
+        if state.view.wide:
+            put_html(self._equation, f'<div class="vi-beside">{type(self).draw(self._moment(state))}</div>')
+        put_visible(self._equation, state.view.wide)
+
+    def _moment(self, state: PageState) -> Snapshot:
+        """Of which its numbers are."""
+        return state.present
+
+
+class ConflictPanel(BesidePanel):
     """Eq. (6), under the images."""
 
-    def build(self, layout: Layout, state: PageState) -> None:
-        self._wide = layout.wide
-        with layout.upper_tab("Images"):
-            self._conflict = layout.gui.add_html("", visible=layout.wide)
+    tab, draw = partial(Layout.upper_tab, name="Images"), draw_conflict
 
-    def period(self, state: PageState) -> float:
-        return SLOWEST
-
-    def depends_on(self, state: PageState) -> tuple:
-        return (state.see_through or state.present,) if self._wide else ()
-
-    def show(self, state: PageState) -> None:
-        if self._wide:
-            put_html(self._conflict, draw_conflict(state.see_through or state.present))
+    def _moment(self, state: PageState) -> Snapshot:
+        return state.see_through or state.present
 
 
-class LawPanel(Panel):
+class LawPanel(BesidePanel):
     """The servo's law, under the landscape."""
 
-    def build(self, layout: Layout, state: PageState) -> None:
-        self._wide = layout.wide
-        with layout.tab("Landscape"):
-            self._law = layout.gui.add_html("", visible=layout.wide)
-
-    def period(self, state: PageState) -> float:
-        return SLOWEST
-
-    def depends_on(self, state: PageState) -> tuple:
-        return (state.present,) if self._wide else ()
-
-    def show(self, state: PageState) -> None:
-        if self._wide:
-            put_html(self._law, draw_law(state.present))
+    tab, draw = partial(Layout.tab, name="Landscape"), draw_law

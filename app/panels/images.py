@@ -10,7 +10,7 @@ from .widgets import put_html
 
 class ImagesPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._wide, self._address = layout.wide, layout.address
+        self._address = layout.address
         with layout.upper_tab("Images"):
             self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
 
@@ -21,7 +21,7 @@ class ImagesPanel(Panel):
 
     def depends_on(self, state: PageState) -> tuple:
         view = state.view
-        return state.generation, state.looked, view.chosen, view.whole_frames, *state.pictures.values()
+        return state.generation, state.looked, view.chosen, view.whole_frames, view.wide, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
         view, (bodies, windows) = state.view, state.arms_in_images
@@ -31,7 +31,7 @@ class ImagesPanel(Panel):
             windows,
             view.chosen,
             view.whole_frames,
-            wide=self._wide,
+            wide=view.wide,
             pictures=state.pictures,
             standing=None if state.see_through is None else state.look_at(state.present)[0],
         )

@@ -15,13 +15,12 @@ LEFT_WIDTHS = {False: 280, True: 300}
 
 
 class Layout:
-    """The left panel, which is `gui` itself, and the right ones with their tabs. wide: with room for more;
-    address: what links begin with, None for none."""
+    """The left panel, which is `gui` itself, and the right ones with their tabs. address: what links begin with, None
+    for none."""
 
-    def __init__(self, client: ClientHandle, queue: CommandQueue, wide: bool, address: str | None = None):
-        self.client, self.gui, self.queue, self.wide, self.address = client, client.gui, queue, wide, address
+    def __init__(self, client: ClientHandle, queue: CommandQueue, address: str | None = None):
+        self.client, self.gui, self.queue, self.address = client, client.gui, queue, address
         self.gui.main_panel.dock_left()
-        self.gui.main_panel.set_width(LEFT_WIDTHS[wide])
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
         self._tabs: dict[str, AbstractContextManager] = {}
 
@@ -36,8 +35,18 @@ class Layout:
     def dock(self) -> None:
         """To be called when all is built."""
         self._upper.dock_right()
-        self._upper.set_width(WIDTHS[self.wide])
         self._lower.dock_below(self._upper)
+        self.widen(False)
+        for panel in (
+            self._upper,
+            self._lower,
+        ):  # on a phone, where panels are sections of one sheet, that begin closed
+            panel.expand()
+
+    def widen(self, wide: bool) -> None:
+        """Give the panels the widths for a window with room for more, or not."""
+        self.gui.main_panel.set_width(LEFT_WIDTHS[wide])
+        self._upper.set_width(WIDTHS[wide])
 
     def _tab(self, panel, name: str) -> AbstractContextManager:
         if name not in self._tabs:

@@ -19,6 +19,7 @@ class PlaybackPanel(Panel):
         self._more: tuple[str, ...] = ()  # of its options, besides the presets
         queue.on_value(self._preset, ChoosePreset.parse)
         self._lesson = gui.add_html(lesson(state.preset.lesson))
+        gui.add_html('<span class="vi-play-row"></span>')
         self._play = gui.add_button("Play", icon=Icon.PLAYER_PLAY)
         queue.on_click(self._play, Play())
         motion = gui.add_button_group("Motion", list(MOTIONS))

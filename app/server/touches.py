@@ -64,6 +64,8 @@ class Touches:
         site = headers.get("Sec-Fetch-Site", "same-origin")
         if site != "same-origin":
             raise NotTouched(http.HTTPStatus.FORBIDDEN, f"a touch from a page elsewhere ({site[:20]})")
+        if "Sec-Purpose" in headers:
+            raise NotTouched(http.HTTPStatus.FORBIDDEN, "a touch that nobody has made: it was fetched beforehand")
         address, control, value = asked.groups()
         tab = self._tabs.get(address)
         if tab is None or token_of(headers) != tab.token:

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from viewimit.drawing.theme import DRAWING_CSS, font_face, variables
 
-PAGE_CSS = Path(__file__).with_name("page.css").read_text("utf-8")
+PAGE_CSS, LAYOUT_CSS = (Path(__file__).with_name(name).read_text("utf-8") for name in ("page.css", "layout.css"))
 
 
 def stylesheet() -> str:
     """All of the page's CSS, for both colour schemes."""
     schemes = f':root{{{variables(False)}}}:root[data-mantine-color-scheme="dark"]{{{variables(True)}}}'
-    return "\n".join((schemes, font_face(), PAGE_CSS, DRAWING_CSS))
+    return "\n".join((schemes, font_face(), PAGE_CSS, LAYOUT_CSS, DRAWING_CSS))

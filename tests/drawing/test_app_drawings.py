@@ -33,7 +33,7 @@ from drawn import (
     path,
     used,
 )
-from viewimit.app.static import stylesheet
+from viewimit.app.static import LAYOUT_CSS, stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape
@@ -227,7 +227,7 @@ class TestImages:
             method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
             monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
             snapshot = replace(session.snapshot)
-            row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot), 0)
+            row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot))
             assert shape is None or shape in row
             assert word in row and (word or "high" not in row)
 
@@ -458,7 +458,8 @@ class TestEverything:
 
     def test_names_only_roles_that_exist(self, drawings):
         used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
-        assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES)
+        sizes = set(re.findall(r"--([a-z-]+):", LAYOUT_CSS))
+        assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES) | sizes
 
     def test_has_both_schemes_of_every_role(self):
         for role, colours in theme.ROLES.items():

@@ -9,7 +9,7 @@ from drawn import classes, marked, parsed, paths
 
 from viewimit.analysis.basin import Basin, Ending
 from viewimit.drawing.curves import draw_curves
-from viewimit.drawing.image_planes import BOXES, image_windows
+from viewimit.drawing.image_planes import SIZES, image_windows
 from viewimit.drawing.over.basin import describe_basin, draw_basin
 from viewimit.drawing.over.links import SINK
 from viewimit.drawing.over.points import LEAST, point_links, point_places
@@ -65,7 +65,7 @@ class TestPoints:
             for k, (one, r) in enumerate(there):
                 for other, other_r in there[:k]:
                     assert np.hypot(*(one - other)) >= r + other_r - 0.2 or r == other_r == LEAST
-                assert (0 <= one).all() and (one <= BOXES[False][view][2:]).all()
+                assert (0 <= one).all() and (one <= SIZES[False][view]).all()
 
 
 class TestPostures:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from drawn import DEMONSTRATORS_POINTS, HULL, OWN_POINTS, SKELETON, view_name, written_path
+from drawn import DEMONSTRATORS_POINTS, HULL, OWN_POINTS, SKELETON, VIEW_NAME, view_name, written_path
 from viewimit.app import viser_private
 from viewimit.app.scene.fixtures import BEHIND, Fixtures, on_plate
 from viewimit.app.scene.nodes import Nodes
@@ -33,8 +33,8 @@ def planes(session, whole, pictures):
     bodies = Silhouettes(vertices, world).bodies(session.snapshot)
     windows = image_windows(reach(world), world.scene.head.image)
     drawn = draw_images(session.snapshot, bodies, windows, whole_frames=whole, pictures=pictures)
-    parts = re.findall(r'<svg x="[\d.]+" y="[\d.]+" width.*?</svg>', drawn, re.DOTALL)
-    return {view_name(part): part for part in parts}
+    parts = re.findall(r"<svg .*?</svg>", drawn, re.DOTALL)
+    return {view_name(part): part for part in parts if VIEW_NAME in part}
 
 
 def number(attribute, text):

@@ -10,23 +10,19 @@ import numpy as np
 import pytest
 from browsing import (
     ALL_TRANSFERS,
-    CARD,
     CHOSEN_POINT,
     DUEL,
     EPIPOLAR_LINE,
     EXPERIMENT,
     FOUR_IMAGES,
     HELP,
-    KEYS,
     LARGE_FIGURE,
     LESSON,
     LEVELS,
     MOTION,
-    PANEL,
     PATIENCE_MS,
     PROGRESS,
     SIZES,
-    STATUS,
     VERDICT_ROW,
     VIEW_NAME,
     canvas_colours,
@@ -62,6 +58,25 @@ def page(browser, server):
     assert page.problems == []
 
 
+@pytest.fixture(scope="module")
+def used_page(browser, server):
+    page = open_page(browser, server)
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+@pytest.fixture
+def session(used_page):
+    """A page on which others have been, with its session as at first: for what changes nothing else of it."""
+    choose(used_page, "Preset", PRESETS[1].name)
+    choose(used_page, "Preset", PRESETS[0].name)
+    wait(used_page, lambda: used_page.text_content(LESSON) == PRESETS[0].lesson)
+    wait_for_status(used_page, "Ready")
+    assert posture(used_page) == [25, -25]
+    return used_page
+
+
 def test_a_new_visitor_sees_everything(page):
     assert "Ready" in status(page)
     assert canvas_colours(page) > 1000
@@ -72,14 +87,16 @@ def test_a_new_visitor_sees_everything(page):
     assert page.get_by_role("tab").all_inner_texts() == tabs
 
 
-def test_playing_converges_and_says_so(page):
+def test_playing_converges_and_says_so(session):
+    page = session
     press(page, "Space")
     text = wait_for_status(page, "Converged")
     assert float(re.search(r"E ([\d.]+) px²", text)[1]) < 2
     assert np.abs(np.array(posture(page)) - [45, -90]).max() < 2
 
 
-def test_step_undo_reset_by_button_and_key(page):
+def test_step_undo_reset_by_button_and_key(session):
+    page = session
     start = posture(page)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page) == [40, -25])  # the first probe: joint 2 by 15°
@@ -98,7 +115,8 @@ def test_step_undo_reset_by_button_and_key(page):
     wait_for_text(page, "demonstrator (60°")
 
 
-def test_the_demonstrator_may_move_while_the_loop_runs(page):
+def test_the_demonstrator_may_move_while_the_loop_runs(session):
+    page = session
     press(page, "Space")
     wait_for_status(page, "Converged")
     set_number(page, "θ₂", 70)
@@ -107,7 +125,9 @@ def test_the_demonstrator_may_move_while_the_loop_runs(page):
     wait_for_status(page, "Converged")
 
 
-def test_every_preset_runs(page):
+def test_every_preset_runs(session):
+    page = session
+    worlds = set()  # that were looked at in 3-D
     for preset in reversed([preset for preset in PRESETS if preset.settings.camera == "points"]):
         choose(page, "Preset", preset.name)
         wait(page, lambda preset=preset: page.text_content(LESSON) == preset.lesson)
@@ -116,10 +136,14 @@ def test_every_preset_runs(page):
         wait(page, lambda start=start: posture(page) != start or "Stopped" in status(page))
         assert re.search(r"E [\d.]+ px²|points? (is|are) seen", status(page)), preset.name
         press(page, "Space")  # one that rests costs a frame, not one after the other
-        assert canvas_colours(page) > 1000, preset.name
+        world = preset.settings.scene, preset.settings.joints
+        if world not in worlds:
+            worlds.add(world)
+            assert canvas_colours(page) > 1000, preset.name
 
 
-def test_every_method_can_be_chosen(page):
+def test_every_method_can_be_chosen(session):
+    page = session
     for name in transfer_names().values():
         choose(page, "Transfer", name)
     for name in servo_names().values():
@@ -130,7 +154,8 @@ def test_every_method_can_be_chosen(page):
         assert "error" not in status(page).lower()
 
 
-def test_too_few_points_hold_the_arm_still_and_say_so(page):
+def test_too_few_points_hold_the_arm_still_and_say_so(session):
+    page = session
     set_number(page, "Frames", 1)  # of 25, one or another shows each point
     set_number(page, "Missing %", 50)
     wait_for_status(page, "Stopped · (only|no)")
@@ -142,7 +167,9 @@ def test_too_few_points_hold_the_arm_still_and_say_so(page):
     wait_for_status(page, "Ready|Moving|Paused")
 
 
-def test_noise_and_seed_repeat(page):
+def test_noise_and_seed_repeat(session):
+    page = session
+
     def changed_E(label, value):
         before = page.locator(LARGE_FIGURE).first.text_content()
         set_number(page, label, value)
@@ -228,7 +255,8 @@ def test_keys_choose_points_and_show_the_help(page):
     page.wait_for_selector(HELP, state="detached")
 
 
-def test_history_can_be_scrubbed(page):
+def test_history_can_be_scrubbed(session):
+    page = session
     press(page, "Space")
     wait_for_status(page, "Converged")
     end = posture(page)
@@ -353,33 +381,3 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_pat
     click(page, "Run")
     wait_for_progress(page, "done")
     assert "<b>wave</b>" in page.text_content(EXPERIMENT)
-
-
-@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-@pytest.mark.parametrize("size", ["small", "large"])
-def test_layout_has_no_overlap(browser, server, size, dark, tmp_path):
-    page = open_page(browser, server, size)
-    if dark:
-        page.get_by_text("Display", exact=True).click()
-        switch(page, "Dark")
-        page.get_by_text("Display", exact=True).click()
-    press(page, "n")
-    press(page, "Space")
-    wait_for_status(page, "Converged")
-    page.wait_for_timeout(800)
-    page.screenshot(path=tmp_path / f"{size}_{'dark' if dark else 'light'}.png")
-    width, height = SIZES[size]
-    pill = page.locator(STATUS).bounding_box()
-    canvas = page.locator("canvas").first.bounding_box()
-    assert canvas["x"] <= pill["x"] and pill["x"] + pill["width"] <= canvas["x"] + canvas["width"]
-    assert pill["y"] + pill["height"] <= height
-    if size == "large":
-        card = page.locator(CARD).bounding_box()
-        assert card["y"] + card["height"] <= pill["y"]
-    for selector in (KEYS, PANEL):
-        box = page.locator(selector).first.bounding_box()
-        assert box["y"] + box["height"] <= height + 1, selector
-    texts = page.locator(FOUR_IMAGES).first.locator("text")
-    assert texts.count() > 8
-    assert page.problems == []
-    page.close()

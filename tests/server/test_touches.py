@@ -90,6 +90,7 @@ REFUSED = {
     "another site": ("{address}/point/1", {"Sec_Fetch_Site": "cross-site"}, 403),
     "another port of this machine": ("{address}/point/1", {"Sec_Fetch_Site": "same-site"}, 403),
     "an address that was typed": ("{address}/point/1", {"Sec_Fetch_Site": "none"}, 403),
+    "a link that is only fetched beforehand": ("{address}/point/1", {"Sec_Purpose": "prefetch"}, 403),
     "another worker's number": ("/touch/7.{secret}/point/1", {}, 403),
     "no secret": ("/touch/point/1", {}, 404),
     "no value": ("{address}/point/", {}, 404),

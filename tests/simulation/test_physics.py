@@ -123,7 +123,6 @@ def test_nothing_but_detections_reaches_a_session():
     assert np.abs(session.snapshot.theta - session.snapshot.commanded).max() > 0  # what it was told is not where it is
 
 
-@pytest.mark.slow
 def test_the_learner_arrives_by_pictures(ask_json):
     _, result = ask_json("imitate", "--camera", "rendered", "--start", "35,-60", "--max-motions", 60)
     assert result["error_deg"] < 5

@@ -1,4 +1,4 @@
-"""Where the four images stand in the panel, which part of each is shown, and the arms in them.
+"""How large the four images are drawn, which part of each is shown, and the arms in them.
 
 An arm covers a small part of its image, so that a window follows the arm's whole range instead of the frame.
 """
@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from ..simulation.appearance import ArmImages
 from . import svg
 
-WIDTH = 424
-# view: (x, y, width, height) in the drawing; by whether whole frames are shown
-BOXES = {
-    False: {"l": (296, 0, 62, 116), "r": (362, 0, 62, 116), "L": (0, 0, 143, 232), "R": (148, 0, 143, 232)},
-    True: {"l": (0, 84, 210, 79), "r": (214, 84, 210, 79), "L": (0, 0, 210, 79), "R": (214, 0, 210, 79)},
+# width and height of each view's drawing, in its own units, by whether whole frames are shown
+SIZES = {
+    False: {"l": (62, 116), "r": (62, 116), "L": (143, 232), "R": (143, 232)},
+    True: dict.fromkeys("lrLR", (210, 79)),
 }
 MARGIN = 10  # image px around the points: about half a link's thickness
 CLEARLY = 0.02  # share of the points by which one corner is worse than another
@@ -44,14 +43,14 @@ def image_windows(reach: Mapping[str, NDArray], frame: tuple[int, int]) -> Windo
     """Windows of the four views by whether whole frames are shown. reach: where points may be, (k, 2) px by view;
     frame: width and height of the images, px."""
     windows: Windows = {False: {}, True: {}}
-    for whole, boxes in BOXES.items():
+    for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
             spans = {view: _span(reach[view], frame, whole) for view in pair}
             scale = min(
-                min(boxes[view][2] / (high - low)[0], boxes[view][3] / (high - low)[1])
+                min(boxes[view][0] / (high - low)[0], boxes[view][1] / (high - low)[1])
                 for view, (low, high) in spans.items()
             )
-            sizes = {view: np.array(boxes[view][2:]) / scale for view in pair}
+            sizes = {view: np.array(boxes[view]) / scale for view in pair}
             corners = {view: (low + high - sizes[view]) / 2 for view, (low, high) in spans.items()}
             free = _free_corners({view: (reach[view] - corners[view]) / sizes[view] for view in pair})
             for view in pair:
@@ -121,7 +120,7 @@ def photograph(jpeg: bytes, window: Window, frame: tuple[int, int]) -> str:
 
 
 def plane(view: str, window: Window, whole: bool, frame: tuple[int, int], caption: str, content: str) -> str:
-    """One image in its box: background, the frame's border, content that is clipped, name, locator."""
+    """A drawing of one image: background, the frame's border, content that is clipped, name, locator."""
     below, above = _plane(view, window, whole, frame, caption)
     return f"{below}{content}{above}</svg>"
 
@@ -129,10 +128,10 @@ def plane(view: str, window: Window, whole: bool, frame: tuple[int, int], captio
 @lru_cache(256)
 def _plane(view: str, window: Window, whole: bool, frame: tuple[int, int], caption: str) -> tuple[str, str]:
     """What lies under the content, and over it."""
-    x, y, w, h = BOXES[whole][view]
+    w, h = SIZES[whole][view]
     k = window.scale
     below = (
-        f'<svg x="{x}" y="{y}" width="{w}" height="{h}"><rect class="vi-plane" x=".5" y=".5" width="{w - 1}"'
+        f'<svg class="vi vi-at-{view}" viewBox="0 0 {w} {h}"><rect class="vi-plane" x=".5" y=".5" width="{w - 1}"'
         f' height="{h - 1}" rx="4"/><rect class="vi-rule" x="{-window.x * k:.1f}" y="{-window.y * k:.1f}"'
         f' width="{frame[0] * k:.1f}" height="{frame[1] * k:.1f}"/>'
     )

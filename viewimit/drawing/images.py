@@ -10,11 +10,10 @@ from ..geometry.pairs import PAIRS
 from ..simulation.appearance import Bodies
 from ..snapshot import Snapshot
 from . import image_planes, svg
-from .image_planes import WIDTH, Window, Windows
+from .image_planes import SIZES, Window, Windows
 from .metrics import draw_legend, draw_metrics, residual_lengths
 from .theme import HEAD, OBSERVED, RECOVERED, RING
 
-HEIGHT = 280
 GAINS = (10, 5, 2)
 SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
 INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T  # views that a line is drawn in, and whose points it is of
@@ -33,7 +32,7 @@ def draw_images(
     pictures: Mapping[str, bytes] = NO_PICTURES,
     standing: Bodies | None = None,
 ) -> str:
-    """HTML of the panel, WIDTH x HEIGHT scaled to its container.
+    """HTML of the panel: a drawing of each image, the legend and the figures, which the page places.
 
     chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic;
     pictures: JPEGs of the whole frames by view, which stand behind the drawing; standing: where the learner is, if what
@@ -51,22 +50,20 @@ def draw_images(
     if standing is not None:
         for view, (hulls, _) in image_planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
             content[view] = f'<path class="vi-standing" d="{hulls}"/>{content[view]}'
-    kind = "vi vi-pictured" if pictures else "vi" if standing is None else "vi vi-see-through"
+    kind = "vi-images vi-whole" if whole_frames else "vi-images"
+    kind += " vi-pictured" if pictures else "" if standing is None else " vi-see-through"
     parts = []
     for k, view in enumerate("lrLR"):
         behind = image_planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
         inside = behind + content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
         if view in "LR" and chosen is not None:
-            inside += _readout(snapshot, chosen, k - 2, shown[view], image_planes.BOXES[whole_frames][view])
+            inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         caption = CAPTIONS[view] if wide else ""
         parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, caption, inside))
     parts.append(draw_legend(whole_frames, gain, chosen))
-    parts.append(draw_metrics(snapshot, lengths, 253))
-    return (
-        f'<div class="vi-panel"><svg class="{kind}" '
-        f'viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
-        f'aria-label="The four images">{"".join(parts)}</svg></div>'
-    )
+    parts.append(draw_metrics(snapshot, lengths))
+    inside = "".join(parts)
+    return f'<div class="vi-panel"><div class="{kind}" role="group" aria-label="The four images">{inside}</div></div>'
 
 
 def arrow_gain(lengths: NDArray) -> float:
@@ -137,12 +134,12 @@ def _ring(snapshot: Snapshot, points: NDArray, k: int, chosen: int | None) -> st
     return f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>'
 
 
-def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, box: tuple) -> str:
+def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: tuple[int, int]) -> str:
     """The chosen point's residual in this image, px, in a corner that the arm leaves free."""
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
     length = svg.number(float(np.hypot(*e)))
-    x, end = (6, "") if window.readout_left else (box[2] - 6, " vi-end")
-    return svg.text(x, box[3] - 8, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
+    x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
+    return svg.text(x, size[1] - 8, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
 
 
 def _epipolar_lines(snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None):

@@ -13,11 +13,12 @@ from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
 COLUMNS = (0, 80, 154, 276, 364)  # px
+LEGEND_SIZES, METRICS_SIZE = {False: (126, 112), True: (424, 36)}, (424, 36)  # px; a legend's by whole frames
 
 
 @lru_cache(256)
 def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
-    """A column under l and r, or two rows under whole frames."""
+    """A drawing of its own: a column, or two rows under whole frames."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
     entries = [
@@ -31,14 +32,12 @@ def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
         entries.append(('<path class="vi-line" d="M0 0H20"/>', "line from left"))
         entries.append(('<path class="vi-line vi-from-right" d="M0 0H20"/>', "line from right"))
         entries.append(('<path class="vi-line vi-partner" d="M0 0H20"/>', "line from partner"))
-    places = [(298, 131 + 14 * i) for i in range(8)]
-    if whole:
-        places = [(104 * (i % 4), 182 + 18 * (i // 4)) for i in range(8)]
-    parts = []
+    places = [(104 * (i % 4), 10 + 18 * (i // 4)) if whole else (2, 11 + 14 * i) for i in range(8)]
+    (width, height), parts = LEGEND_SIZES[whole], []
     for (x, y), (mark, words) in zip(places, entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
         parts.append(f'<g transform="translate({x} {y})">{mark}{label}</g>')
-    return "".join(parts)
+    return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 
 def residual_lengths(snapshot: Snapshot) -> NDArray:
@@ -50,8 +49,8 @@ def residual_lengths(snapshot: Snapshot) -> NDArray:
     return np.sqrt(squares[:, ::2] + squares[:, 1::2])
 
 
-def draw_metrics(snapshot: Snapshot, lengths: NDArray, y: float) -> str:
-    """E, mean and largest |e|, the transfer's condition, points seen. lengths: (k, 2) px; y: px, of the labels."""
+def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
+    """A drawing of E, mean and largest |e|, the transfer's condition, points seen. lengths: (k, 2) px."""
     known = lengths.size > 0
     mean, largest, where = np.nan, np.nan, ""
     if known:
@@ -70,7 +69,8 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray, y: float) -> str:
         (level, name + word, _short(condition, 100), ""),
         ("red" if few else "", "points seen", f"{used}", f" of {count}"),
     )
-    return "".join(_metric(x, y, *column) for x, column in zip(COLUMNS, columns))
+    drawn = "".join(_metric(x, *column) for x, column in zip(COLUMNS, columns))
+    return f'<svg class="vi vi-metrics" viewBox="0 0 {METRICS_SIZE[0]} {METRICS_SIZE[1]}">{drawn}</svg>'
 
 
 def gauge(condition: float) -> tuple[str, str]:
@@ -89,8 +89,8 @@ def _short(value: float, whole_from: float = 1000) -> str:
     return svg.number(value, 1 if value < whole_from else 0)
 
 
-def _metric(x: float, y: float, level: str, label: str, value: str, unit: str) -> str:
-    mark, shift = "", 0
+def _metric(x: float, level: str, label: str, value: str, unit: str) -> str:
+    y, mark, shift = 11, "", 0
     if level == "amber":
         mark, shift = f'<path class="vi-amber" d="{svg.diamonds(np.array([[x + 6, y + 13.5]]), 5.5)}"/>', 15
     elif level == "red":

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from ..checks import number, switch
+from ..checks import choice, number, switch
 from ..names import NO_POINT
 from ..page_model import PageModel
 from .command import Command, Value
@@ -71,6 +71,21 @@ class PreferDark(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, prefers_dark=self.dark)
+
+
+@dataclass(frozen=True)
+class LayOut(Value):
+    """For a window with room for more, or not. Browsers ask for it by themselves."""
+
+    wide: bool
+    commutes: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> LayOut:
+        return cls(choice(value, {"0": False, "1": True}, "layout"))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, wide=self.wide)
 
 
 class LetGo(Command):

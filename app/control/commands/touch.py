@@ -11,7 +11,7 @@ import numpy as np
 from ..checks import number
 from ..page_model import PageModel
 from .command import Command
-from .display import ChoosePoint, LetGo, PreferDark
+from .display import ChoosePoint, LayOut, LetGo, PreferDark
 from .session import Scrub, StartAt
 
 
@@ -20,6 +20,7 @@ class TogglePoint(Command):
     """Choose a point; the chosen one again: none."""
 
     point: int
+    commutes: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> TogglePoint:
@@ -66,6 +67,7 @@ class StartThere(Command):
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dark": PreferDark.parse,
     "point": TogglePoint.parse,
+    "layout": LayOut.parse,
     "posture": TouchPosture.parse,
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),

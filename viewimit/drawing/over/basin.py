@@ -10,7 +10,6 @@ from ..posture_plane import PosturePlane
 
 SIZE = 4.6  # px, half a mark's
 KINDS: dict[Place, str] = {"demonstrator": "there", "smallest E": "lowest", "elsewhere": "astray"}
-DIAMOND = 1.25  # times as large, so that it looks as large as the others
 
 
 def draw_basin(scene: Scene, found: Basin) -> str:
@@ -51,7 +50,7 @@ def _mark(where: Place, place: NDArray, more: str = "") -> str:
     if where == "demonstrator":
         return f'<circle {classes} cx="{x:.1f}" cy="{y:.1f}" r="{SIZE}"/>'
     if where == "smallest E":
-        return f'<path {classes} d="{svg.diamonds(place[None], DIAMOND * SIZE)}"/>'
+        return f'<path {classes} d="M{x:.1f} {y - SIZE - 1:.1f}l{SIZE + 1:g} {2 * SIZE:g}h-{2 * SIZE + 2:g}z"/>'
     return f'<path {classes} d="M{x - SIZE:.1f} {y - SIZE:.1f}h{2 * SIZE:g}v{2 * SIZE:g}h-{2 * SIZE:g}z"/>'
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import svg
-from ..image_planes import BOXES, WIDTH, Windows, placed
-from ..images import HEIGHT
+from ..image_planes import SIZES, Windows, placed
+from ..metrics import LEGEND_SIZES, METRICS_SIZE
 from .links import link, sink
 
 HIT, HALO = 12, 11  # px, radii
@@ -22,14 +22,21 @@ def point_links(address: str, count: int, whole: bool) -> str:
     Each point is there twice: in a circle of HIT, and over all of these where it is nearest.
     """
     planes = []
-    for view, (x, y, *_) in BOXES[whole].items():
+    for view, size in SIZES[whole].items():
         around = "".join(_link(address, view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(address, view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        planes.append(f'<g transform="translate({x} {y})">{around}{nearest}</g>')
+        planes.append(_drawing(f"vi-at-{view}", size, around + nearest))
+    planes += [_drawing("vi-legend", LEGEND_SIZES[whole]), _drawing("vi-metrics", METRICS_SIZE)]
+    kind = f"vi-images{' vi-whole' if whole else ''}"
     return (
-        f'<div class="vi-over vi-links"><div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}"'
-        f' role="group" aria-label="Points to choose">{"".join(planes)}</svg></div></div>{sink()}'
+        f'<div class="vi-over vi-links"><div class="vi-panel"><div class="{kind}" role="group"'
+        f' aria-label="Points to choose">{"".join(planes)}</div></div></div>{sink()}'
     )
+
+
+def _drawing(kind: str, size: tuple[int, int], inside: str = "") -> str:
+    """It lies over the one of the same class, as large as that, and catches nothing but its links."""
+    return f'<svg class="vi {kind}" viewBox="0 0 {size[0]} {size[1]}">{inside}</svg>'
 
 
 def _link(address: str, view: str, i: int, kind: str, stop: bool = False) -> str:
@@ -50,7 +57,7 @@ def point_places(demo: NDArray, own: NDArray, visible: NDArray, windows: Windows
     return f"<style>{rules}{''.join(hidden)}</style>"
 
 
-_SIZES = {whole: np.array([boxes[view][2:] for view in "lrLR"])[:, None] for whole, boxes in BOXES.items()}
+_SIZES = {whole: np.array([sizes[view] for view in "lrLR"])[:, None] for whole, sizes in SIZES.items()}
 
 
 @lru_cache(16)

@@ -1,0 +1,46 @@
+"""How much there is room for, which the browser says by CSS pixels: widths of the panels, and the tabs of a window that
+is too small for all at once. layout.css shows the one that is chosen, without the server."""
+
+from ..control.state import PageState
+from .panel import Layout, Panel
+
+ICONS = {  # 24 x 24, strokes
+    "images": '<path d="M4 4h6v16H4zM14 4h6v16h-6z"/>',
+    "landscape": '<ellipse cx="12" cy="12" rx="9" ry="8"/><ellipse cx="12" cy="12" rx="4.5" ry="3.5"/>',
+    "controls": '<path d="M3 8h12M19 8h2M3 16h2M9 16h12"/><circle cx="17" cy="8" r="2"/><circle cx="7" cy="16" r="2"/>',
+    "scene": '<path d="M12 3l8 4.5v9L12 21l-8-4.5v-9zM4 7.5l8 4.5 8-4.5M12 12v9"/>',
+}
+VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "scene": "3-D"}
+
+
+WIDE = "(min-width:1600px) and (min-height:900px)"  # of the window, for which the page has more
+
+
+class ViewsPanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        self._layout, self._wide = layout, False
+        tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
+        layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
+        if layout.address is not None:
+            layout.gui.add_html(_told(f"{layout.address}/layout"))
+
+    def depends_on(self, state: PageState) -> tuple:
+        return (state.view.wide,)
+
+    def show(self, state: PageState) -> None:
+        if state.view.wide != self._wide:
+            self._wide = state.view.wide
+            self._layout.widen(self._wide)
+
+
+def _told(address: str) -> str:
+    """A picture of nothing: the browser asks for the one that its window is for, and again whenever that changes."""
+    return f'<picture hidden=""><source media="{WIDE}" srcset="{address}/1"/><img src="{address}/0" alt=""/></picture>'
+
+
+def _tab(name: str, label: str, checked: bool) -> str:
+    chosen = " checked" if checked else ""
+    return (
+        f'<input type="radio" name="vi-view" id="vi-view-{name}"{chosen}><label for="vi-view-{name}">'
+        f'<svg viewBox="0 0 24 24" aria-hidden="true">{ICONS[name]}</svg>{label}</label>'
+    )

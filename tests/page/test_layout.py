@@ -1,0 +1,149 @@
+"""What must be seen together is, at every size, pixel ratio and zoom, in light and dark; a window that changes is laid
+out anew. One page for all: only its window changes."""
+
+import pytest
+from browsing import (
+    CARD,
+    CURVES,
+    FOUR_IMAGES,
+    LEGEND,
+    LEVELS,
+    METRICS,
+    STATUS,
+    VIEW_TABS,
+    canvas_colours,
+    click,
+    open_page,
+    press,
+    switch,
+    wait,
+    wait_for_count,
+    wait_for_status,
+)
+
+pytestmark = pytest.mark.browser
+
+RATIOS = (1, 1.25, 1.5, 2)
+SIZES = [(1024, 768), (1280, 720), (1440, 900), (1920, 1080)]
+WIDE = [(1600, 900), (1920, 1080)]
+SMALL = [(390, 844), (360, 640), (853, 480), (576, 700), (577, 700), (999, 700), (1024, 600)]  # among them 150 % zoom
+LEAST_TEXT = 8.0  # px, as a drawing's letters come out
+BUTTONS = ("Play", "Step", "Undo", "Reset")
+
+# Whole, and not covered: inside the window and whatever cuts it off, and what is met at its middle is its own
+SEEN = """
+selector => [...document.querySelectorAll(selector)].filter(e => e.getClientRects().length).map(e => {
+  const box = e.getBoundingClientRect();
+  let cut = Math.max(-box.left, -box.top, box.right - innerWidth, box.bottom - innerHeight);
+  for (let a = e; a && getComputedStyle(a).position != "fixed"; a = a.parentElement) {
+    const around = a.parentElement;
+    if (!around || getComputedStyle(around).overflow == "visible") continue;
+    const hole = around.getBoundingClientRect();
+    cut = Math.max(cut, hole.left - box.left, hole.top - box.top, box.right - hole.right, box.bottom - hole.bottom);
+  }
+  const met = document.elementsFromPoint(box.left + box.width / 2, box.top + box.height / 2)
+    .find(other => getComputedStyle(other).opacity != "0" && !other.closest(".vi-links"));
+  const catches = getComputedStyle(e).pointerEvents != "none";
+  const view = e.viewBox?.baseVal;
+  const shown = getComputedStyle(e).visibility == "visible";
+  return {cut, scale: view?.width ? box.width / view.width : 1, width: box.width, shown,
+          own: !catches || !met || e.contains(met) || met.contains(e) || e.parentElement.contains(met)};
+}).filter(e => e.shown && e.width > 0)
+"""
+
+
+@pytest.fixture(scope="module")
+def page(browser, server):
+    """Arrived, with a point chosen."""
+    page = open_page(browser, server, "small")
+    press(page, "n")
+    press(page, "Space")
+    wait_for_status(page, "Converged|Arrived")
+    press(page, "Space")
+    page.window = page.context.new_cdp_session(page)
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+def resize(page, width, height, ratio=1.0):
+    """As when a window grows, is zoomed, or goes to another screen."""
+    metrics = {"width": width, "height": height, "deviceScaleFactor": ratio, "mobile": False}
+    page.window.send("Emulation.setDeviceMetricsOverride", metrics)
+    wait_for_count(page, CARD, int(width >= 1600 and height >= 900), exactly=True)
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def assert_seen(page, selector, least=1, where=""):
+    found = page.evaluate(SEEN, selector)
+    assert len(found) >= least, (selector, where)
+    for each in found:
+        assert each["cut"] <= 1 and each["own"], (selector, where, each)
+        assert 11 * each["scale"] >= LEAST_TEXT, (selector, where, each)
+
+
+def show(page, view):
+    page.evaluate("id => document.getElementById(id).click()", f"vi-view-{view}")
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+def test_nothing_is_cut_or_covered_at_any_size_and_pixel_ratio(page, dark):
+    if dark:
+        resize(page, 1280, 720)
+        click(page, "Display")
+        switch(page, "Dark")
+        click(page, "Display")
+    for width, height in SIZES if not dark else SIZES[1::2]:
+        for ratio in RATIOS if not dark else RATIOS[::3]:
+            where = f"{width} x {height} at {ratio}"
+            resize(page, width, height, ratio)
+            assert_seen(page, STATUS, where=where)
+            assert_seen(page, f"{FOUR_IMAGES} svg:is(.vi-at-L, .vi-at-R, .vi-at-l, .vi-at-r)", 4, where)
+            assert_seen(page, METRICS, where=where)
+            assert_seen(page, LEGEND, where=where)
+            assert_seen(page, f"svg:has({LEVELS})", where=where)
+            for words in BUTTONS:
+                assert page.get_by_text(words, exact=True).is_visible(), (words, where)
+            if (width, height) in WIDE:
+                assert_seen(page, f"{CARD} svg", where=where)
+
+
+def test_a_small_window_shows_one_view_at_a_time(page):
+    for width, height in SMALL:
+        where = f"{width} x {height}"
+        resize(page, width, height)
+        for view, seen, least in (
+            ("images", f"{FOUR_IMAGES} svg:is(.vi-at-L, .vi-at-R, .vi-at-l, .vi-at-r)", 4),
+            ("landscape", f"svg:has({LEVELS})", 1),
+            ("scene", "canvas[data-engine]", 1),
+        ):
+            show(page, view)
+            assert_seen(page, STATUS, where=where)
+            assert_seen(page, VIEW_TABS, 4, where)
+            assert_seen(page, seen, least, where)
+            for words in BUTTONS:
+                button = page.get_by_text(words, exact=True).bounding_box()
+                assert button and button["y"] + button["height"] <= height, (words, where)
+        show(page, "images")
+        assert_seen(page, METRICS, where=where)
+
+
+def test_the_views_of_a_small_window_can_be_chosen_by_keys(page):
+    resize(page, 390, 844)
+    show(page, "images")
+    page.locator("#vi-view-images").focus()
+    page.keyboard.press("ArrowRight")
+    assert page.locator("#vi-view-landscape").is_checked()
+    assert_seen(page, f"svg:has({LEVELS})")
+
+
+def test_a_window_that_grows_and_shrinks_is_laid_out_anew(page):
+    resize(page, 1920, 1080)
+    wait_for_count(page, f"{CARD} {CURVES}", 1, exactly=True)
+    curves = page.get_by_role("tab", name="Curves")
+    assert not curves.is_visible()
+    resize(page, 1280, 720)
+    wait(page, curves.is_visible)
+    resize(page, 1920, 1080)
+    wait_for_count(page, CARD, 1, exactly=True)
+    assert canvas_colours(page) > 1000

@@ -66,8 +66,7 @@ class PreferDark(Command):
 
     @classmethod
     def parse(cls, value: str) -> PreferDark:
-        """value: 0 or 1, and how often the browser was asked."""
-        return cls(number(value.split(",")[0]) == 1)
+        return cls(choice(value, {"0": False, "1": True}, "colour scheme"))
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, prefers_dark=self.dark)

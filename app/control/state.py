@@ -27,7 +27,7 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by th
 
 @dataclass(frozen=True)
 class View:
-    """chosen: a point or None; rays … dark: the switches of the folder Display, None as the browser prefers; help:
+    """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
     whether it is open; fits: how often the visitor has asked for the default camera; wide: whether the window has room
     for more, as it says itself; look_only: a posture that is touched is looked at by a see-through arm, and nothing
     moves."""

@@ -11,7 +11,7 @@ from ..control.commands.method import change_points, switch_camera
 from ..control.names import NO_POINT
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import put
+from .widgets import put, told
 
 SWITCHES = (
     ("Rays", "rays"),
@@ -26,8 +26,8 @@ class DisplayPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, queue = layout.gui, layout.queue
         gui = self._gui
-        self._address, self._asked = layout.address or "", 0
-        self._ask = gui.add_html(asking_for_scheme(self._address, 0), visible=bool(self._address))
+        if layout.address is not None:
+            gui.add_html(told(f"{layout.address}/dark", "(prefers-color-scheme:dark)"))
         with gui.add_folder("Display", expand_by_default=False):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
@@ -41,7 +41,7 @@ class DisplayPanel(Panel):
         for name, handle in self._switches.items():
             queue.on_value(handle, partial(Switch.parse, name))
         queue.on_click(fit, FitView())
-        self._generation, self._dark, self._prefers_dark = -1, False, False
+        self._generation, self._dark = -1, False
 
     @property
     def camera_on(self) -> bool:
@@ -65,11 +65,6 @@ class DisplayPanel(Panel):
             self._dark = view.on("dark")
             self._gui.configure_theme(dark_mode=self._dark, show_logo=False, show_share_button=False)
 
-        if view.prefers_dark != self._prefers_dark:
-            self._prefers_dark = view.prefers_dark
-            self._asked += 1
-            self._ask.content = asking_for_scheme(self._address, self._asked)
-
     def _offer(self, state: PageState) -> None:
         """The choices that depend on the scene and on what is seen of it."""
         count = len(state.session.world.body)
@@ -92,13 +87,3 @@ def why_no_pictures(scene: Scene) -> str | None:
     except ValueError as reason:
         return str(reason)
     return None
-
-
-def asking_for_scheme(address: str, times: int) -> str:
-    """CSS by which the browser tells its colour scheme: the address of a picture that is none, below that of the page's
-    links. It asks for each address once; times: how often it has told one before."""
-    asked = (
-        f"@media (prefers-color-scheme:{name}){{html{{background-image:url({address}/dark/{value},{times})}}}}"
-        for name, value in (("light", 0), ("dark", 1))
-    )
-    return f"<style>{''.join(asked)}</style>"

@@ -3,6 +3,7 @@ is too small for all at once. layout.css shows the one that is chosen, without t
 
 from ..control.state import PageState
 from .panel import Layout, Panel
+from .widgets import told
 
 ICONS = {  # 24 x 24, strokes
     "images": '<path d="M4 4h6v16H4zM14 4h6v16h-6z"/>',
@@ -22,7 +23,7 @@ class ViewsPanel(Panel):
         tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
         layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
         if layout.address is not None:
-            layout.gui.add_html(_told(f"{layout.address}/layout"))
+            layout.gui.add_html(told(f"{layout.address}/layout", WIDE))
 
     def depends_on(self, state: PageState) -> tuple:
         return (state.view.wide,)
@@ -31,11 +32,6 @@ class ViewsPanel(Panel):
         if state.view.wide != self._wide:
             self._wide = state.view.wide
             self._layout.widen(self._wide)
-
-
-def _told(address: str) -> str:
-    """A picture of nothing: the browser asks for the one that its window is for, and again whenever that changes."""
-    return f'<picture hidden=""><source media="{WIDE}" srcset="{address}/1"/><img src="{address}/0" alt=""/></picture>'
 
 
 def _tab(name: str, label: str, checked: bool) -> str:

@@ -30,3 +30,9 @@ def put_visible(handle, visible: bool) -> None:
 
 def _is_number(value) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def told(address: str, media: str) -> str:
+    """A picture of nothing: the browser asks for address/1 where this media query holds, for address/0 where it does
+    not, and again whenever that changes."""
+    return f'<picture hidden=""><source media="{media}" srcset="{address}/1"/><img src="{address}/0" alt=""/></picture>'

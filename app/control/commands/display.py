@@ -58,6 +58,21 @@ class Switch(Value):
 
 
 @dataclass(frozen=True)
+class PreferDark(Command):
+    """What the browser's colour scheme is, which holds until the visitor chooses another."""
+
+    dark: bool
+    commutes: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> PreferDark:
+        return cls(choice(value, {"0": False, "1": True}, "colour scheme"))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, prefers_dark=self.dark)
+
+
+@dataclass(frozen=True)
 class LayOut(Value):
     """For a window with room for more, or not. Browsers ask for it by themselves."""
 
@@ -70,22 +85,6 @@ class LayOut(Value):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, wide=self.wide)
-
-
-@dataclass(frozen=True)
-class PreferDark(Command):
-    """What the browser's colour scheme is, which holds until the visitor chooses another."""
-
-    dark: bool
-    commutes: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, value: str) -> PreferDark:
-        """value: 0 or 1, and how often the browser was asked."""
-        return cls(number(value.split(",")[0]) == 1)
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.view = replace(model.view, prefers_dark=self.dark)
 
 
 class LetGo(Command):

@@ -32,7 +32,7 @@ def test_what_an_entry_shows_can_be_shown(key):
 
 def test_every_question_has_its_card():
     for ask in (glossary.ask, glossary.beside):
-        button = parsed(ask("basin")).find(".//button")
+        button = parsed(ask("basin")).find(".//input")
         assert f'id="{button.get("popovertarget")}"' in glossary.cards()
         assert f"#{button.get('popovertarget')}{{position-anchor:" in glossary.cards()
         assert button.get("aria-label") == "What is basin?"

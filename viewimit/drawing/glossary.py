@@ -1,7 +1,8 @@
 """What the numbers and names on the page mean: one file, shown at a "?" beside each and in the help.
 
 A "?" is a button that opens a popover by its id, without a script; the popovers stand in an html of their own, so that
-none is closed when the numbers beside its "?" change.
+none is closed when the numbers beside its "?" change. Buttons are inputs, as the page's keys are no commands there:
+Escape closes the card, and Space asks.
 """
 
 from collections.abc import Iterable
@@ -61,7 +62,8 @@ def ask(key: str, style: str = "") -> str:
     """HTML of a "?". Of one entry there should be one at a time: its card opens at the last."""
     name = svg.escape(glossary()[key].symbol)
     place = f' style="{style}"' if style else ""
-    return f'<button class="vi-ask" popovertarget="vi-word-{key}" aria-label="What is {name}?"{place}>?</button>'
+    told = f'popovertarget="vi-word-{key}" aria-label="What is {name}?"{place}'
+    return f'<input type="button" class="vi-ask" value="?" {told}/>'
 
 
 def asks(keys: Iterable[str]) -> str:
@@ -82,8 +84,8 @@ def cards() -> str:
         for key in glossary()
     )
     return f"<style>{anchors}</style>" + "".join(
-        f'<div class="vi-word" id="vi-word-{key}" popover="auto"><button class="vi-close" aria-label="Close"'
-        f' popovertarget="vi-word-{key}" popovertargetaction="hide">×</button>{_described(entry)}</div>'
+        f'<div class="vi-word" id="vi-word-{key}" popover="auto"><input type="button" class="vi-close" value="×"'
+        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"/>{_described(entry)}</div>'
         for key, entry in glossary().items()
     )
 

@@ -20,6 +20,7 @@ from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
 from .cookie import cookie_for, token_of
 from .origins import is_own_page
+from .page_head import with_own_head
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .seat_counts import SeatCounts
 from .touches import ROOT, NotTouched, Touches
@@ -120,8 +121,10 @@ class AccessControl:
             response = _response(
                 http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=self._counts.seats), "text/html"
             )
-        elif is_page and token_of(request.headers) is None:
-            response.headers["Set-Cookie"] = cookie_for(request.headers)
+        elif is_page:
+            with_own_head(response)
+            if token_of(request.headers) is None:
+                response.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(response.headers, request.headers.get("Host", ""))
         return response
 

@@ -1,0 +1,35 @@
+"""The page's title and icon, in place of those that viser's one file of HTML has."""
+
+import gzip
+import re
+from functools import lru_cache
+from urllib.parse import quote
+
+from websockets.http11 import Response
+
+from viewimit.drawing.theme import ROLES
+
+TITLE = b"viewimit"
+_BLUE, _ORANGE, _ARROW = (ROLES[role][0] for role in ("learner", "demonstrator", "residual"))
+ICON = (  # a point of the learner, one of the demonstrator, and the residual between them
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
+    f'<path d="M9 23L22 10" stroke="{_ARROW}" stroke-width="4"/><circle cx="9" cy="23" r="7" fill="{_BLUE}"/>'
+    f'<path d="M23 1l8 8-8 8-8-8z" fill="{_ORANGE}"/></svg>'
+)
+_TITLE = re.compile(rb"<title>[^<]*</title>")
+_ICON = re.compile(rb'(<link\s+rel="icon"\s+href=")[^"]*"')
+
+
+def with_own_head(response: Response) -> None:
+    """Change a response that holds the page, packed by gzip or not."""
+    response.body = _named(bytes(response.body), response.headers.get("Content-Encoding") == "gzip")
+    del response.headers["Content-Length"]
+    response.headers["Content-Length"] = str(len(response.body))
+
+
+@lru_cache(4)  # viser keeps the page as one object, packed and not
+def _named(body: bytes, packed: bool) -> bytes:
+    page = gzip.decompress(body) if packed else body
+    page = _TITLE.sub(b"<title>%s</title>" % TITLE, page, count=1)
+    page = _ICON.sub(rb"\g<1>data:image/svg+xml,%s" % quote(ICON).encode() + b'"', page, count=1)
+    return gzip.compress(page) if packed else page

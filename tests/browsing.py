@@ -196,6 +196,6 @@ def canvas_colours(page) -> int:
     box = page.locator("canvas").first.bounding_box()
     page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])  # viser draws a frame when it moves
     page.wait_for_function("window.holds", polling=50, timeout=PATIENCE_MS)
-    picture = Image.open(io.BytesIO(page.screenshot(clip=box))).convert("RGB")
+    picture = Image.open(io.BytesIO(page.screenshot(clip=box, timeout=PATIENCE_MS))).convert("RGB")
     page.evaluate("window.goOn()")
     return len(np.unique(np.asarray(picture).reshape(-1, 3), axis=0))

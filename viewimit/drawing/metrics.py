@@ -33,11 +33,11 @@ def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
         entries.append(('<path class="vi-line" d="M0 0H20"/>', "line from left"))
         entries.append(('<path class="vi-line vi-from-right" d="M0 0H20"/>', "line from right"))
         entries.append(('<path class="vi-line vi-partner" d="M0 0H20"/>', "line from partner"))
-    places = [(104 * (i % 4), 10 + 18 * (i // 4)) if whole else (2, 11 + 14 * i) for i in range(8)]
+    places = [(104 * (i % 4), 10 + 18 * (i // 4)) if whole else (2, 10 + 13.3 * i) for i in range(8)]
     (width, height), parts = LEGEND_SIZES[whole], []
     for (x, y), (mark, words) in zip(places, entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
-        parts.append(f'<g transform="translate({x} {y})">{mark}{label}</g>')
+        parts.append(f'<g transform="translate({x} {y:g})">{mark}{label}</g>')
     return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 

@@ -52,7 +52,7 @@ def _sight(
     """Of balls at (K, 3) m: image (K, 2), depth (K,), radius (K,) px, clear (K,)."""
     image, inside = camera.project(points.T)
     depth = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, 2]
-    radius = camera.focal * radius_m / depth
+    radius = camera.lens.focal[0] * radius_m / depth
     clear = inside.copy()
     for share, angle in product((0.0, 0.5, 0.9), np.arange(0, 2 * np.pi, np.pi / 4)):
         x, y = image + share * radius * np.array([[np.cos(angle)], [np.sin(angle)]])

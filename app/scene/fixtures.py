@@ -179,12 +179,12 @@ class Fixtures:
 
     def _add_picture(self, view: str, camera: Camera) -> None:
         """As large as the plate and just behind it, so that what is drawn on the plate stays in sight; hidden."""
-        T, scale = camera.T_world_camera, PLATE / camera.focal
+        T, scale = camera.T_world_camera, PLATE / np.array(camera.lens.focal)
         self._pictures[view] = self._client.scene.add_image(
             f"/stage/picture_{view}",
             np.zeros((1, 1, 3), np.uint8),
-            camera.width * scale,
-            camera.height * scale,
+            camera.width * scale[0],
+            camera.height * scale[1],
             format="jpeg",
             cast_shadow=False,
             receive_shadow=False,
@@ -195,16 +195,9 @@ class Fixtures:
         self._nodes.keep(self._pictures[view])
 
 
-def plate_map(camera: Camera) -> tuple[NDArray, NDArray]:
-    """A (3, 2), b (3,): an image point x px lies at A x + b m on the plate in front of the camera."""
-    T, k = camera.T_world_camera, PLATE / camera.focal
-    return k * T[:3, :2], PLATE * T[:3, 2] - k * T[:3, :2] @ camera.centre + T[:3, 3]
-
-
 def on_plate(camera: Camera, image: NDArray) -> NDArray:
-    """image: (k, 2) px → (k, 3) m on the plate in front of the camera."""
-    A, b = plate_map(camera)
-    return image @ A.T + b
+    """image: (k, 2) px → (k, 3) m on the plate in front of the camera, where their rays meet it."""
+    return camera.T_world_camera[:3, 3] + PLATE * camera.ray(image)
 
 
 def corners(camera: Camera) -> NDArray:

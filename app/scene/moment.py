@@ -14,7 +14,7 @@ from viewimit.snapshot import Snapshot
 from ..control.state import PageState, View
 from ..viser_private import push_array
 from . import meshes
-from .fixtures import VIEW_ROLES, plate_map
+from .fixtures import VIEW_ROLES, on_plate
 from .nodes import Nodes
 
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
@@ -25,7 +25,6 @@ class Moment:
 
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
         self._cameras = (*world.demo_cameras, *world.own_cameras)
-        self._plate_A, self._plate_b = map(np.array, zip(*map(plate_map, self._cameras)))
         self._shown: dict[str, bool] = {}
         count, scene, colour = len(world.body), client.scene, partial(rgb, dark=dark)
         nothing = np.zeros((4 * count, 2, 3), np.float32)
@@ -91,8 +90,8 @@ class Moment:
     def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
         """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
         images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1).reshape(-1, 4, 2)
-        plates = images.swapaxes(0, 1) @ self._plate_A.swapaxes(1, 2) + self._plate_b[:, None]
-        return plates, snapshot.views.visible.T
+        plates = [on_plate(camera, image) for camera, image in zip(self._cameras, images.swapaxes(0, 1))]
+        return np.array(plates), snapshot.views.visible.T
 
     def _draw_rays(self, plates: NDArray, seen: NDArray, demo: NDArray, own: NDArray, view: View) -> None:
         chosen, targets = view.chosen, np.stack([demo, demo, own, own])

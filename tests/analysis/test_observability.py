@@ -58,7 +58,8 @@ def test_the_linear_transfers_jacobian_is_that_of_the_arm_beyond_the_demonstrato
         for camera in world.own_cameras:
             R, t = camera.T_world_camera[:3, :3], camera.T_world_camera[:3, 3]
             (x, y, z), (vx, vy, vz) = ((points - t) @ R).T, (velocity @ R).T
-            images += [camera.focal * (vx - x / z * vz) / z, camera.focal * (vy - y / z * vz) / z]
+            fx, fy = camera.lens.focal
+            images += [fx * (vx - x / z * vz) / z, fy * (vy - y / z * vz) / z]
         columns.append(np.stack(images, -1))
     U = np.linalg.svd(demo - demo.mean(0))[0][:, :3]  # the first three: the demonstrator's affine shape
     H = np.column_stack([np.ones(len(U)), U])

@@ -5,26 +5,62 @@ import pytest
 
 from viewimit.geometry.rigid import look_rotation, rigid_transform, rotation_from_rpy
 from viewimit.simulation.camera import Camera, Cameras, StereoHead, triangulate
+from viewimit.simulation.lens import Lens
 
-HEAD = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, 256, (320, 120))
+LENS = Lens((256, 256), (320, 120))
+OBLONG = Lens((241.5, 263.0), (310, 125))
+BARREL, PINCUSHION = Lens((256, 250), (310, 125), (-0.12, 0.02)), Lens((256, 250), (310, 125), (0.1, 0.03))
+HEAD = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, LENS, LENS)
 
 
 def scattered(rng, count=200):
     return rng.normal(size=(3, count)) * 0.5 + np.array([[2.0], [-0.7], [1.0]])
 
 
-def test_projection_is_opencvs():
+@pytest.mark.parametrize("lens", [LENS, OBLONG, BARREL, PINCUSHION])
+def test_projection_is_opencvs(lens):
     cv2 = pytest.importorskip("cv2")
     rng = np.random.default_rng(0)
     T = rigid_transform(look_rotation([2, -0.7, -0.7]) @ rotation_from_rpy([0.1, -0.2, 0.3]), [0.1, 0.2, 1.7])
-    camera = Camera(640, 240, 241.5, (310, 125), T)
-    points = scattered(rng)
-    image, _ = camera.project(points)
+    camera, points = Camera(640, 240, lens, T), scattered(rng)
+    image, visible = camera.project(points)
+    assert visible.mean() > 0.3
     T_camera_world = np.linalg.inv(T)
-    matrix = np.array([[241.5, 0, 310], [0, 241.5, 125], [0, 0, 1.0]])
+    (fx, fy), (cx, cy) = lens.focal, lens.centre
+    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
     rotation, _ = cv2.Rodrigues(T_camera_world[:3, :3])
-    expected, _ = cv2.projectPoints(points.T.copy(), rotation, T_camera_world[:3, 3], matrix, None)
-    np.testing.assert_allclose(image.T, expected[:, 0], atol=1e-8)
+    distortion = np.array([*lens.distortion, 0, 0], float)
+    expected, _ = cv2.projectPoints(points.T.copy(), rotation, T_camera_world[:3, 3], matrix, distortion)
+    np.testing.assert_allclose(image.T[visible], expected[visible, 0], atol=1e-8)
+
+
+@pytest.mark.parametrize("lens", [LENS, OBLONG, BARREL, PINCUSHION])
+def test_a_ray_meets_the_point_whose_image_it_is_of(lens):
+    camera = Camera(640, 240, lens, rigid_transform(look_rotation([2, -0.7, -0.7]), [0.1, 0.2, 1.7]))
+    points = scattered(np.random.default_rng(4))
+    image, visible = camera.project(points)
+    away = points.T - camera.T_world_camera[:3, 3]
+    depth = away @ camera.T_world_camera[:3, 2]
+    np.testing.assert_allclose(camera.ray(image.T[visible]), (away / depth[:, None])[visible], atol=1e-9)
+
+
+def test_an_image_without_its_distortion_is_that_of_the_ideal_lens():
+    points = scattered(np.random.default_rng(5))
+    for lens in (BARREL, PINCUSHION):
+        image, visible = Camera(640, 240, lens, HEAD.gaze([2, -0.7, 1])[0].T_world_camera).project(points)
+        ideal, _ = Camera(640, 240, Lens(lens.focal, lens.centre), HEAD.gaze([2, -0.7, 1])[0].T_world_camera).project(
+            points
+        )
+        np.testing.assert_allclose(lens.undistort(image.T[visible]), ideal.T[visible], atol=1e-7)
+
+
+def test_a_barrel_does_not_fold_what_is_far_outside_back_into_the_image():
+    lens = Lens((256, 256), (320, 120), (-0.2, 0.0))
+    across = np.linspace(0.01, 30, 3000)
+    image, visible = Camera(640, 240, lens, np.eye(4)).project(np.stack([across, 0 * across, 1 + 0 * across]))
+    assert (np.diff(image[0]) > 0).all()
+    first_unseen = int(np.argmin(visible))
+    assert not visible[first_unseen:].any()
 
 
 def test_points_in_a_moved_frame_project_as_their_world_points():
@@ -37,7 +73,7 @@ def test_points_in_a_moved_frame_project_as_their_world_points():
 
 
 def test_visible_means_in_front_and_inside_the_image():
-    camera = Camera(640, 240, 256, (320, 120), np.eye(4))
+    camera = Camera(640, 240, LENS, np.eye(4))
     at = {
         (0, 0, 1): True,
         (0, 0, -1): False,  # behind, though its image is inside
@@ -53,8 +89,9 @@ def test_visible_means_in_front_and_inside_the_image():
     assert visible.tolist() == list(at.values())
 
 
-def test_several_cameras_at_once_see_what_each_sees():
-    cameras = HEAD.gaze([2, -0.7, 1])
+@pytest.mark.parametrize("lenses", [(LENS, LENS), (LENS, OBLONG), (BARREL, OBLONG), (BARREL, PINCUSHION)])
+def test_several_cameras_at_once_see_what_each_sees(lenses):
+    cameras = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, *lenses, toe_in=0.1).gaze([2, -0.7, 1])
     points = scattered(np.random.default_rng(3), 400)
     points[:, ::7] *= 3  # some beyond the images, some behind the cameras
     images, visible = Cameras(cameras).project(points.T)
@@ -66,7 +103,7 @@ def test_several_cameras_at_once_see_what_each_sees():
 
 
 def test_what_is_too_near_or_behind_is_set_back_on_its_way_to_the_image():
-    camera = Camera(640, 240, 256, (320, 120), np.eye(4))
+    camera = Camera(640, 240, LENS, np.eye(4))
     points = np.array([[0.1, 0, 0.2], [0.1, 0, 0.01], [0.1, 0, -1.0]])
     images, depth = Cameras([camera]).images(points, nearest=0.05)
     np.testing.assert_allclose(depth, [[0.2, 0.05, 0.05]])
@@ -75,11 +112,13 @@ def test_what_is_too_near_or_behind_is_set_back_on_its_way_to_the_image():
 
 @pytest.mark.parametrize("verged", [False, True])
 def test_triangulation_inverts_projection(verged):
-    head = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, 256, (320, 120), verged)
+    head = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, OBLONG, BARREL, verged)
     left, right = head.gaze([2, -0.7, 1])
     points = scattered(np.random.default_rng(2))
-    images = np.concatenate([left.project(points)[0], right.project(points)[0]]).T
-    np.testing.assert_allclose(triangulate(left, right, images), points.T, atol=1e-9)
+    (left_image, seen_left), (right_image, seen_right) = left.project(points), right.project(points)
+    images, seen = np.concatenate([left_image, right_image]).T, seen_left & seen_right
+    assert seen.mean() > 0.4
+    np.testing.assert_allclose(triangulate(left, right, images[seen]), points.T[seen], atol=1e-8)
 
 
 def test_the_head_turns_about_its_midpoint_with_level_eyes():
@@ -98,6 +137,21 @@ def test_parallel_axes_have_no_vertical_disparity_and_verged_ones_meet_at_the_ta
     points = scattered(np.random.default_rng(3))
     left, right = HEAD.gaze(target)
     np.testing.assert_allclose(left.project(points)[0][1], right.project(points)[0][1], atol=1e-9)
-    verged = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, 256, (320, 120), True)
+    verged = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, LENS, LENS, True)
     for camera in verged.gaze(target):
         np.testing.assert_allclose(camera.project(target[:, None])[0][:, 0], (320, 120), atol=1e-9)
+
+
+def test_toed_in_cameras_turn_by_so_much_towards_each_other_and_verged_ones_by_what_the_gaze_asks():
+    target, toe_in = np.array([1.0, 0.9, 0.8]), np.radians(7)
+    parallel = HEAD.gaze(target)
+    toed = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, LENS, LENS, toe_in=toe_in).gaze(target)
+    for side, (camera, straight) in zip((1, -1), zip(toed, parallel)):
+        np.testing.assert_allclose(camera.T_world_camera[:3, 3], straight.T_world_camera[:3, 3])
+        axis, ahead, right = (
+            camera.T_world_camera[:3, 2],
+            straight.T_world_camera[:3, 2],
+            straight.T_world_camera[:3, 0],
+        )
+        np.testing.assert_allclose(axis, np.cos(toe_in) * ahead + side * np.sin(toe_in) * right, atol=1e-12)
+        np.testing.assert_allclose(camera.T_world_camera[:3, 1], straight.T_world_camera[:3, 1], atol=1e-12)

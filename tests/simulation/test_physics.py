@@ -14,6 +14,7 @@ from viewimit.session import Session  # noqa: E402
 from viewimit.settings import BEST, Settings  # noqa: E402
 from viewimit.simulation.camera import Camera  # noqa: E402
 from viewimit.simulation.eyes.rendered import RenderedEyes  # noqa: E402
+from viewimit.simulation.lens import Lens  # noqa: E402
 from viewimit.simulation.markers import load_markers  # noqa: E402
 from viewimit.simulation.physics.arm import Arm  # noqa: E402
 from viewimit.simulation.physics.client import connect  # noqa: E402
@@ -42,11 +43,11 @@ def studio():
         return Studio(scene, write_urdf(scene, load_markers("panda"), Path(folder)))
 
 
-@pytest.mark.parametrize("focal, centre", [(256.0, (320.0, 120.0)), (300.0, (301.0, 140.5))])
+@pytest.mark.parametrize("focal, centre", [((256.0, 256.0), (320.0, 120.0)), ((300.0, 280.0), (301.0, 140.5))])
 def test_a_sphere_is_drawn_where_the_camera_projects_it(focal, centre):
     """Means over many: a picture's own grain is 0.05 px."""
     pose = rigid_transform(look_rotation([1.0, 0.3, -0.4]), [0.1, -0.2, 1.5])
-    camera, client, rng = Camera(640, 240, focal, centre, pose), connect(), np.random.default_rng(3)
+    camera, client, rng = Camera(640, 240, Lens(focal, centre), pose), connect(), np.random.default_rng(3)
     view, projection = matrices(camera, SAMPLES)
     shape = client.createVisualShape(client.GEOM_SPHERE, radius=0.03, rgbaColor=(1, 0, 0, 1))
     ball = client.createMultiBody(0, -1, shape)

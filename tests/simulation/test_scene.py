@@ -7,6 +7,8 @@ import pytest
 
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.simulation.eyes import require_eyes
+from viewimit.simulation.lens import Lens
 from viewimit.simulation.scene import ROOT, load_robot, load_scene, robot_names, scene_names
 from viewimit.simulation.world import World
 
@@ -38,11 +40,31 @@ def test_extends_takes_over_what_is_not_repeated(scene_file):
     assert scene.head.focal == parent.head.focal and scene.points == parent.points
 
 
+def test_each_eye_may_have_a_lens_of_its_own_and_takes_the_heads_for_what_it_does_not_say(scene_file):
+    text = 'extends = "panda"\n[head]\ntoe_in_deg = 5\n[head.left]\nfocal = [250, 260]\ndistortion = [-0.1, 0.01]\n'
+    head = load_scene(scene_file(text)).stereo_head()
+    assert head.left == Lens((250, 260), (320, 120), (-0.1, 0.01)) and head.right == Lens((256, 256), (320, 120))
+    assert head.toe_in == np.radians(5)
+
+
+def test_pictures_are_not_rendered_through_a_lens_that_distorts(scene_file):
+    pytest.importorskip("pybullet")
+    scene = load_scene(scene_file('extends = "panda"\n[head.left]\ndistortion = [-0.1, 0.01]\n'))
+    with pytest.raises(ValueError, match="rendered without distortion"):
+        require_eyes("rendered", scene)
+    require_eyes("rendered", load_scene("panda-toed"))
+
+
 @pytest.mark.parametrize(
     "text, message",
     [
         ('extends = "panda"\ncolour = 3\n', "unknown field `colour`"),
         ('extends = "panda"\n[head]\nzoom = 3\n', r"unknown field `zoom` - at `\$.head`"),
+        ('extends = "panda"\n[head]\ntoe_in_deg = 50\n', "head.toe_in_deg must be between 0 and 45, got 50"),
+        ('extends = "panda-verged"\n[head]\ntoe_in_deg = 5\n', "cameras that are verged look at the gaze point"),
+        ('extends = "panda"\n[head.left]\nfocal = 3\n', r"got `int` - at `\$.head.left.focal`"),
+        ('extends = "panda"\n[head.left]\nfocal = [3, -1]\n', "head.left: focal lengths must be more than 0"),
+        ('extends = "panda"\n[head.right]\ndistortion = [-0.4, 0]\n', "head.right: distortion .* folds its image"),
         ('extends = "panda"\n[head]\nfocal = "long"\n', r"Expected `float`, got `str` - at `\$.head.focal`"),
         ('title = "Mine"\n', "missing required field `robot`"),
         ('extends = "panda"\nposture_deg = [0, 45]\n', "posture_deg has 2 angles, but panda has 7 joints"),

@@ -8,6 +8,7 @@ from viewimit.analysis.landscape import landscape
 from viewimit.evaluation import conflict, residual
 from viewimit.geometry.rigid import rotation_from_rpy
 from viewimit.simulation.camera import StereoHead
+from viewimit.simulation.lens import Lens
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import projective
@@ -22,7 +23,8 @@ def seen(demo, own):
 
 def heads_views(rng, count=12, depth=2.5):
     """A rigid body seen by one head twice, turned and moved in between, and each body placed anew."""
-    head = StereoHead((0, 0, 0), 0.5, 640, 480, 300.0, (320, 240))
+    lens = Lens((300.0, 300.0), (320, 240))
+    head = StereoHead((0, 0, 0), 0.5, 640, 480, lens, lens)
     body = rng.uniform(-0.4, 0.4, (count, 3))
     images = []
     for _ in range(2):

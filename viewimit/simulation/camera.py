@@ -1,4 +1,4 @@
-"""Pinhole cameras and the learner's stereo head."""
+"""Cameras and the learner's stereo head."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,22 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.rigid import look_rotation, rigid_transform
+from ..geometry.rigid import look_rotation, rigid_transform, rotation_about_axis
+from .lens import Lens
 
 WORLD = np.eye(4)
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera with square pixels and no distortion.
-
-    width, height, focal, centre: px; T_world_camera: (4, 4), metres, OpenCV axes.
-    """
+    """A camera behind a lens. width, height: px; T_world_camera: (4, 4), metres, OpenCV axes."""
 
     width: int
     height: int
-    focal: float
-    centre: tuple[float, float]
+    lens: Lens
     T_world_camera: NDArray
 
     def project(self, points: NDArray, T_world_points: NDArray = WORLD) -> tuple[NDArray, NDArray]:
@@ -33,9 +30,14 @@ class Camera:
         in_camera += offset[:, None]
         image, depth = in_camera[:2], in_camera[2]
         visible = depth > 0
+        lens = self.lens
         with np.errstate(divide="ignore", invalid="ignore"):
-            image *= np.divide(self.focal, depth, out=depth)
-        for coordinate, centre, size in zip(image, self.centre, (self.width, self.height)):
+            image *= np.divide(lens.focal[0], depth, out=depth)
+            if lens.bends:
+                image *= lens.stretch((image * image).sum(0) / lens.focal[0] ** 2)
+        if lens.aspect != 1:
+            image[1] *= lens.aspect
+        for coordinate, centre, size in zip(image, lens.centre, (self.width, self.height)):
             coordinate += centre
             visible &= coordinate >= 0
             visible &= coordinate <= size
@@ -44,7 +46,7 @@ class Camera:
     def ray(self, image: ArrayLike) -> NDArray:
         """image: (..., 2) px → directions (..., 3) in the world, 1 long along the optical axis."""
         R_world_camera = self.T_world_camera[:3, :3]
-        on_plane = (np.asarray(image, float) - self.centre) / self.focal
+        on_plane = self.lens.direction(np.asarray(image, float))
         return on_plane @ R_world_camera[:, :2].T + R_world_camera[:, 2]
 
 
@@ -56,8 +58,11 @@ class Cameras:
         frames = np.array([camera.T_world_camera for camera in cameras])
         self._rotations = frames[:, :3, :3]
         self._offsets = -frames[:, None, :3, 3] @ self._rotations
-        self._focal = np.array([[camera.focal] for camera in cameras])
-        self._centres = np.array([[camera.centre] for camera in cameras])
+        lenses = [camera.lens for camera in cameras]
+        self._focal = np.array([[lens.focal[0]] for lens in lenses])
+        self._centres = np.array([[lens.centre] for lens in lenses])
+        self._aspects = np.array([lens.aspect for lens in lenses]) if any(lens.aspect != 1 for lens in lenses) else None
+        self._bends = any(lens.bends for lens in lenses)
         self._sizes = np.array([[(camera.width, camera.height)] for camera in cameras])
 
     def images(self, points: NDArray, nearest: float | None = None) -> tuple[NDArray, NDArray]:
@@ -70,7 +75,13 @@ class Cameras:
         if nearest is not None:
             depth = np.maximum(depth, nearest)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return in_camera[..., :2] * (self._focal / depth)[..., None] + self._centres, depth
+            images = in_camera[..., :2] * (self._focal / depth)[..., None]
+            if self._bends:
+                squared = (images * images).sum(-1) / self._focal**2
+                images *= np.stack([camera.lens.stretch(r) for camera, r in zip(self.cameras, squared)])[..., None]
+        if self._aspects is not None:
+            images[..., 1] *= self._aspects[:, None]
+        return images + self._centres, depth
 
     def project(self, points: NDArray) -> tuple[NDArray, NDArray]:
         """points: (N, 3) m in the world → images (cameras, N, 2) px, visible (cameras, N): in front and inside."""
@@ -80,30 +91,32 @@ class Cameras:
 
 @dataclass(frozen=True)
 class StereoHead:
-    """Two equal cameras on one rigid head that turns to look: the paper's [l],[r] and [L],[R].
+    """Two cameras on one rigid head that turns to look: the paper's [l],[r] and [L],[R].
 
-    position: midpoint of the two centres of projection, m. `verged` cameras each look at the
-    gaze point itself; otherwise the optical axes are parallel.
+    position: midpoint of the two centres of projection, m. `verged` cameras each look at the gaze point itself;
+    otherwise each is turned inwards by `toe_in`, rad, about the head's vertical: with 0 the optical axes are parallel.
     """
 
     position: tuple[float, float, float]
     baseline_m: float
     width: int
     height: int
-    focal: float
-    centre: tuple[float, float]
+    left: Lens
+    right: Lens
     verged: bool = False
+    toe_in: float = 0.0
 
     def gaze(self, target: ArrayLike) -> tuple[Camera, Camera]:
         """Left and right camera of the head turned towards `target` (3,) m."""
         target, position = np.asarray(target, float), np.asarray(self.position, float)
-        right = look_rotation(target - position)[:, 0]
+        ahead = look_rotation(target - position)
         cameras = []
-        for side in (-0.5, 0.5):
-            eye = position + side * self.baseline_m * right
-            direction = target - (eye if self.verged else position)
-            T_world_camera = rigid_transform(look_rotation(direction), eye)
-            cameras.append(Camera(self.width, self.height, self.focal, self.centre, T_world_camera))
+        for side, lens in ((-0.5, self.left), (0.5, self.right)):
+            eye = position + side * self.baseline_m * ahead[:, 0]
+            rotation = look_rotation(target - eye) if self.verged else ahead
+            if self.toe_in:
+                rotation = rotation @ rotation_about_axis([0, 1, 0], -2 * side * self.toe_in)
+            cameras.append(Camera(self.width, self.height, lens, rigid_transform(rotation, eye)))
         return cameras[0], cameras[1]
 
 

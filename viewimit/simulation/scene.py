@@ -8,14 +8,28 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from .camera import StereoHead
+from .lens import Lens
 from .robot import BodyPoints, Robot
 
 Vector = tuple[float, float, float]
 ROUNDING_DEG = 0.01  # URDFs round π
+MOST_TOE_IN_DEG = 45.0
+
+
+class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What one camera of the head has for itself: focal lengths (x, y) and centre px, in place of the head's, and
+    radial distortion (k1, k2) by OpenCV's model."""
+
+    focal: tuple[float, float] | None = None
+    centre: tuple[float, float] | None = None
+    distortion: tuple[float, float] = (0.0, 0.0)
 
 
 class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The stereo head: position m, baseline m, image and focal length px, gaze points m."""
+    """The stereo head: position m, baseline m, image and focal length px, gaze points m.
+
+    toe_in_deg: how far each camera is turned inwards from parallel, if they are not `verged` on the gaze point.
+    """
 
     position: Vector
     baseline: float
@@ -25,6 +39,12 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     gaze_demonstrator: Vector
     gaze_learner: Vector
     verged: bool = False
+    toe_in_deg: float = 0.0
+    left: Eye = Eye()
+    right: Eye = Eye()
+
+    def lens(self, eye: Eye) -> Lens:
+        return Lens(eye.focal or (self.focal, self.focal), eye.centre or self.centre, eye.distortion)
 
 
 class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -72,7 +92,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     def stereo_head(self) -> StereoHead:
         head = self.head
         width, height = head.image
-        return StereoHead(head.position, head.baseline, width, height, head.focal, head.centre, head.verged)
+        lenses = head.lens(head.left), head.lens(head.right)
+        toe_in = float(np.radians(head.toe_in_deg))
+        return StereoHead(head.position, head.baseline, width, height, *lenses, head.verged, toe_in)
 
     def body_points(self, count: int) -> BodyPoints:
         """The layout with `count` points. Raises ValueError naming the layouts there are."""
@@ -134,6 +156,21 @@ def load_scene(
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from None
     return scene
+
+
+def _check_head(head: Head) -> None:
+    """Lenses show all of their images, and cameras are turned in one way."""
+    if not 0 <= head.toe_in_deg <= MOST_TOE_IN_DEG:
+        raise ValueError(f"head.toe_in_deg must be between 0 and {MOST_TOE_IN_DEG:g}, got {head.toe_in_deg:g}")
+    if head.verged and head.toe_in_deg:
+        raise ValueError("head: cameras that are verged look at the gaze point: leave toe_in_deg out")
+    corners = np.array([[x, y] for x in (0, head.image[0]) for y in (0, head.image[1])], float)
+    for name, eye in (("left", head.left), ("right", head.right)):
+        lens = head.lens(eye)
+        if min(lens.focal) <= 0:
+            raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
+        if not lens.shows(corners):
+            raise ValueError(f"head.{name}: distortion {lens.distortion} folds its image before the corners")
 
 
 def load_robot(name: str | Path) -> Robot:
@@ -217,6 +254,7 @@ def _check(scene: Scene) -> None:
                 f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot.name} turns, "
                 f"{turns[0]:.4g} … {turns[1]:.4g}"
             )
+    _check_head(scene.head)
     for count, layout in scene.points.items():
         if count != str(len(layout)):
             raise ValueError(f"points.{count} has {len(layout)} points")

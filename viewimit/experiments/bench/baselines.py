@@ -125,4 +125,8 @@ def _turns(axis: NDArray, angle) -> NDArray:
 def _project(camera: Camera, points: NDArray) -> NDArray:
     """points: (..., 3) m in the world → (..., 2) px."""
     in_camera = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, :3]
-    return camera.focal * in_camera[..., :2] / in_camera[..., 2:] + camera.centre
+    on_plane, (k1, k2) = in_camera[..., :2] / in_camera[..., 2:], camera.lens.distortion
+    if k1 or k2:
+        squared = (on_plane**2).sum(-1, keepdims=True)
+        on_plane = on_plane * (1 + k1 * squared + k2 * squared**2)
+    return camera.lens.focal * on_plane + camera.lens.centre

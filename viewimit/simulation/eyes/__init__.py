@@ -29,7 +29,8 @@ def open_eyes(camera: str, scene: Scene, points: int) -> Eyes:
 
 
 def require_eyes(camera: str, scene: Scene) -> None:
-    """Raises ValueError if what rendered pictures need is not installed, or the scene's robot has no markers."""
+    """Raises ValueError if what rendered pictures need is not installed, or the scene's robot has no markers, or its
+    lenses distort."""
     if camera == "points":
         return
     missing = [package for package in NEEDS if importlib.util.find_spec(package) is None]
@@ -40,6 +41,8 @@ def require_eyes(camera: str, scene: Scene) -> None:
         raise ValueError(f"camera images need what is not installed: pip install 'viewimit[{extras}]'")
     if scene.robot not in marker_names():
         raise ValueError(f"camera images need markers on the arm, which {' and '.join(marker_names())} have")
+    if any(eye.distortion != (0.0, 0.0) for eye in (scene.head.left, scene.head.right)):
+        raise ValueError("camera images are rendered without distortion: leave it out of the scene's head")
 
 
 def has_wheel() -> bool:

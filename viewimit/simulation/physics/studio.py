@@ -126,9 +126,10 @@ def matrices(camera: Camera, samples: int) -> tuple[list[float], list[float]]:
     width, height, half = camera.width, camera.height, 0.5 / samples
     view = np.diag([1.0, -1.0, -1.0, 1.0]) @ np.linalg.inv(camera.T_world_camera)
     projection = np.zeros((4, 4))
-    projection[0, 0], projection[1, 1] = 2 * camera.focal / width, 2 * camera.focal / height
-    projection[0, 2] = 1 - 2 * (camera.centre[0] - half) / width
-    projection[1, 2] = 2 * (camera.centre[1] + half) / height - 1
+    (fx, fy), (cx, cy) = camera.lens.focal, camera.lens.centre
+    projection[0, 0], projection[1, 1] = 2 * fx / width, 2 * fy / height
+    projection[0, 2] = 1 - 2 * (cx - half) / width
+    projection[1, 2] = 2 * (cy + half) / height - 1
     projection[2, 2:] = -(FAR_M + NEAR_M) / (FAR_M - NEAR_M), -2 * FAR_M * NEAR_M / (FAR_M - NEAR_M)
     projection[3, 2] = -1
     return view.T.ravel().tolist(), projection.T.ravel().tolist()

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from .geometry.affine import MIN_POINTS
 from .servo.observation import Conflict
 from .snapshot import Snapshot
-from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
 from .views import FourViews
 
@@ -31,7 +30,7 @@ def demo_drift(moments: Sequence[Snapshot]) -> NDArray:
 
 def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float = 0.0) -> Conflict:
     """What a servo may ask: residuals (..., n, C) px that own images (..., N, 4) px would have against the
-    demonstrator as now seen, and displaced by `drift`, (N, 4) px.
+    demonstrator as now seen, and displaced by `drift`, (N, 4) px; both rectified as now, if at all.
 
     Of the n points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
     images (N, 4) px are given as `like`, as the noise of the demonstrator's would spread over those. With fewer points
@@ -46,7 +45,7 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
         if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
             return np.full((*own.shape[:-2], 1, 4), np.inf)
         imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
-        transfer = TRANSFERS[by or now.settings.transfer](imagined) if by or frozen is None else frozen
+        transfer = now.fit(imagined, by) if by or frozen is None else frozen
         e = transfer.residual(imagined)
         if like is None or transfer.weighs_noise:
             return e

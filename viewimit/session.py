@@ -2,6 +2,8 @@
 
     posture → body points → four views → transfer → recovered points → residual e → E → servo → next posture
 
+Between views and transfer the images are rectified, where the cameras ask for it.
+
 Every pass leaves one immutable Snapshot, which panels, plots, exports and tests all read.
 """
 
@@ -15,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from .history import MAX_HISTORY, History
 from .looking import Observer
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
+from .rectifying import POOLED, rectification_for
 from .servo import SERVOS, Observation
 from .servo.observation import Conflict
 from .settings import USUAL_POINTS, Settings
@@ -119,7 +122,8 @@ class Session:
         """
         settings, demo = changes.get("settings", like.settings), changes.get("theta_demo", like.theta_demo)
         views = self.observer.four_views(settings, theta, demo, changes.get("look", like.look))  # posture → four views
-        seen = like.with_fields(theta=theta, views=views, **changes)
+        rectification = rectification_for(settings, self.history.recent(POOLED), views)
+        seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status="stopped")
         return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E
@@ -195,11 +199,12 @@ class Session:
         demo, standing = self.eyes.settle(demo), self.eyes.settle(start)
         self.observer = Observer(self.eyes, standing)
         blank = Snapshot(
-            settings=settings, motion=0, look=0, theta=standing, theta_demo=demo, views=NOTHING_SEEN, E=np.nan,
-            commanded=start, moved=np.zeros_like(start), probe=False, status="ready", servo_state=None, lag=None,
-            frozen=None,
+            settings=settings, motion=0, look=0, theta=standing, theta_demo=demo, views=NOTHING_SEEN,
+            rectification=None, E=np.nan, commanded=start, moved=np.zeros_like(start), probe=False, status="ready",
+            servo_state=None, lag=None, frozen=None,
         )  # fmt: skip
-        self.history = History([self.observe(standing, blank)], dense=self._dense)
+        self.history = History([blank], dense=self._dense)
+        self.history.replace(self.observe(standing, blank))
 
     def _with_points(self) -> Snapshot:
         """The present; looked at again, with the arm held still, if too few points were seen."""

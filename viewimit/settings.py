@@ -12,6 +12,7 @@ from .perception.latency import MOST_LAG
 from .servo import SERVOS
 from .transfer import TRANSFERS
 
+RECTIFY = ("auto", "off")
 CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
 USUAL_POINTS = 10
 MOST_SEED = 2**32 - 1
@@ -28,6 +29,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     it. The learner is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
+    rectify: of RECTIFY; auto rectifies the images by what all matches of both pairs of views tell of their cameras, if
+    that is needed.
     camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers; ten,
     if a scene has no such layout, stands for the one whose number of points is nearest.
     """
@@ -48,6 +51,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     quantum_deg: Annotated[float, QUANTUM] = 0.0
     delay: int = 0
     seed: int = 7
+    rectify: str = "auto"
     camera: str = "points"
 
     @property
@@ -62,6 +66,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     def __post_init__(self) -> None:
         _require_choice("transfer", self.transfer, TRANSFERS)
         _require_choice("servo", self.servo, SERVOS)
+        _require_choice("rectify", self.rectify, RECTIFY)
         _require_choice("camera", self.camera, CAMERAS)
         for name, disturbance in DISTURBANCES.items():
             _require_range(name, getattr(self, name), *disturbance.bounds)

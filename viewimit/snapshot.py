@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
 from .geometry.pairs import PairGeometry, fit_pairs
+from .geometry.rectification import Rectification
 from .settings import Settings
-from .transfer import TRANSFERS, FittedTransfer
+from .transfer import TRANSFERS, FittedTransfer, rectified
 from .views import FourViews
 
 
@@ -19,7 +20,8 @@ class Snapshot:
     """One moment of a session: its fields are what is kept; all else follows from `views` and `settings`.
 
     motion, look: how many were made until then; theta, theta_demo: (m,) rad, the truth, for viewers only;
-    views: what the learner saw, of all N points; E: px², NaN with too few points to fit a transfer;
+    views: what the learner saw, of all N points; rectification: by which images are rectified for the transfer, None if
+    they are not; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
     status: ready, moving, converged, stalled, stopped; servo_state: None before the servo was asked;
@@ -33,6 +35,7 @@ class Snapshot:
     theta: NDArray
     theta_demo: NDArray
     views: FourViews
+    rectification: Rectification | None
     E: float
     commanded: NDArray
     moved: NDArray
@@ -52,7 +55,11 @@ class Snapshot:
         """Fitted to the usable points; None with too few of them."""
         if self.usable.sum() < MIN_POINTS:
             return None
-        return TRANSFERS[self.settings.transfer](self.views.used)
+        return self.fit(self.views.used)
+
+    def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
+        """The transfer chosen, or another one by its name, fitted to any views as this moment rectifies them."""
+        return rectified.fit(TRANSFERS[by or self.settings.transfer], views, self.rectification)
 
     @cached_property
     def flatness(self) -> float:
@@ -86,7 +93,8 @@ class Snapshot:
         """
         if not changes.keys() <= FIELDS:
             raise TypeError(f"a snapshot has no fields {', '.join(sorted(changes.keys() - FIELDS))}")
-        stays = "views" not in changes and changes.get("settings", self.settings).transfer == self.settings.transfer
+        same_images = "views" not in changes and "rectification" not in changes
+        stays = same_images and changes.get("settings", self.settings).transfer == self.settings.transfer
         kept = vars(self) if stays else {name: value for name, value in vars(self).items() if name in FIELDS}
         other = object.__new__(Snapshot)  # a third of what `replace` takes: this is done twice a motion
         vars(other).update(kept, **changes)

@@ -4,6 +4,7 @@ import threading
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,6 @@ from viewimit.drawing.transfers import draw_compared, draw_costs
 from viewimit.settings import disturbances
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
-from viewimit.transfer import TRANSFERS
 
 LEARNERS_OWN = ("start_deg", "servo", *disturbances(ArmDisturbance))
 TOO_FEW = "fewer than five points are seen in all four images"
@@ -50,12 +50,14 @@ class Ground:
 
 
 def landscape_key(snapshot: Snapshot, but: tuple[str, ...] = ()) -> tuple:
-    """Everything that E over the postures depends on: all settings but where the learner starts and how it moves.
+    """Everything that E over the postures depends on: all settings but where the learner starts and how it moves, and
+    whether images are rectified.
 
     but: further settings to leave out.
     """
     settings, but = snapshot.settings, (*LEARNERS_OWN, *but)
-    return tuple(getattr(settings, name) for name in settings.__struct_fields__ if name not in but)
+    chosen = (getattr(settings, name) for name in settings.__struct_fields__ if name not in but)
+    return *chosen, snapshot.rectification is not None
 
 
 def compute(world: World, snapshot: Snapshot) -> Landscape | None:
@@ -63,14 +65,14 @@ def compute(world: World, snapshot: Snapshot) -> Landscape | None:
     if len(world.scene.moving_joints) != 2:
         return None
     views = snapshot.views
-    return landscape(world, TRANSFERS[snapshot.settings.transfer], views.demo, views.visible[:, :2], grid_axes(world))
+    return landscape(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world))
 
 
 def make_landscape(world: World, snapshot: Snapshot) -> MadeLandscape:
     """For the transfer that is used."""
     made = compute(world, snapshot)
     views, theta = snapshot.views, snapshot.theta_demo
-    seen = world, TRANSFERS[snapshot.settings.transfer], views.demo, views.visible[:, :2]
+    seen = world, snapshot.fit, views.demo, views.visible[:, :2]
     E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
     spread = joint_uncertainty(*seen, theta)
     picture = LandscapePicture(made, world.scene, snapshot, TOO_FEW, spread)
@@ -83,7 +85,8 @@ def make_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str)
     if len(joints) == 2:
         return ComparedTransfer(asked, draw_compared(world.scene, study(world, snapshot, transfer), theta_demo))
     views = snapshot.views
-    spread = joint_uncertainty(world, TRANSFERS[transfer], views.demo, views.visible[:, :2], theta_demo)
+    fit = partial(snapshot.fit, by=transfer)
+    spread = joint_uncertainty(world, fit, views.demo, views.visible[:, :2], theta_demo)
     return ComparedTransfer(asked, draw_costs(joints, transfer, spread))
 
 

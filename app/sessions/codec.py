@@ -12,10 +12,12 @@ import msgspec
 import numpy as np
 import zstandard
 
+from viewimit.geometry.rectification import Rectification
 from viewimit.servo import SERVOS
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
+from viewimit.transfer.rectified import RectifiedTransfer
 from viewimit.views import FourViews
 
 MOST_BYTES = 256 << 20  # of a part, unpacked
@@ -84,7 +86,7 @@ class _Packer:
 
 def _classes() -> dict[str, type]:
     """What may be kept, by name. Raises TypeError if two classes have one name."""
-    found: dict[str, type] = {"Snapshot": Snapshot, "FourViews": FourViews}
+    found: dict[str, type] = {kind.__name__: kind for kind in (Snapshot, FourViews, Rectification, RectifiedTransfer)}
     stored = [method.stored for method in TRANSFERS.values()] + [servo.stored for servo in SERVOS.values()]
     for kind in (kind for kinds in stored for kind in kinds):
         if found.setdefault(kind.__name__, kind) is not kind:

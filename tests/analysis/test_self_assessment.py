@@ -9,7 +9,6 @@ from viewimit.history import History
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
-from viewimit.transfer import TRANSFERS
 
 
 def rested(settings):
@@ -33,8 +32,8 @@ def rested(settings):
 def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
     session = rested(settings)
     now = session.snapshot
-    fit, views = TRANSFERS[settings.transfer], now.views
-    true = joint_uncertainty(session.world, fit, views.demo, views.visible[:, :2], now.theta)
+    views = now.views
+    true = joint_uncertainty(session.world, now.fit, views.demo, views.visible[:, :2], now.theta)
     assert assess(session).spread == pytest.approx(true, rel=0.1)
 
 

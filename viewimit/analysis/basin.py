@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from ..session import Session
 from ..settings import Settings
 from ..simulation.scene import Scene
-from ..transfer import TRANSFERS
 from .landscape import grid_axes, landscape
 
 STARTS = 4, 5  # of the two joints
@@ -77,8 +76,7 @@ def find_basin(
 def smallest_E(session: Session) -> NDArray:
     """(2,) rad, of the transfer around the demonstrator as now seen; NaN if too few points are."""
     views, world = session.snapshot.views, session.world
-    fit = TRANSFERS[session.settings.transfer]
-    return landscape(world, fit, views.demo, views.visible[:, :2], grid_axes(world)).minimum
+    return landscape(world, session.snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world)).minimum
 
 
 def place_of(theta: NDArray, theta_demo: NDArray, lowest: NDArray) -> Place:

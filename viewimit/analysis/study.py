@@ -1,13 +1,13 @@
 """What one transfer makes of a demonstrator: E over all postures, its minima, their bias."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..simulation.world import World
 from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 from .landscape import Landscape, conflict_at, grid_axes, landscape
 from .minima import Minima, local_minima
 
@@ -26,7 +26,7 @@ class Studied:
 
 def study(world: World, snapshot: Snapshot, transfer: str) -> Studied:
     """Around the demonstrator as the learner has seen it; two joints must move. Takes about 0.1 s."""
-    views, fit = snapshot.views, TRANSFERS[transfer]
+    views, fit = snapshot.views, partial(snapshot.fit, by=transfer)
     demo, visible = views.demo, views.visible[:, :2]
     found = landscape(world, fit, demo, visible, grid_axes(world))
     minima = local_minima(found, lambda theta: conflict_at(world, fit, demo, visible, theta)[0])

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..analysis.landscape import grid_axes, landscape
 from ..session import Session
-from ..transfer import TRANSFERS
 from . import landscape_file
 from .json_output import print_json
 from .options import (
@@ -40,12 +39,12 @@ def run(args: argparse.Namespace) -> int:
             landscape_file.require_format(args.out)
     settings = settings_from(args)
     session = Session(settings)
-    now, eyes, fit = session.snapshot, session.eyes, TRANSFERS[session.settings.transfer]
+    now, eyes = session.snapshot, session.eyes
     demo, seen = now.views.demo, now.views.visible[:, :2]
     with naming("--scene"):
         axes = grid_axes(session.world, args.step_deg or STEP_DEG[session.settings.camera])
-    found = landscape(eyes, fit, demo, seen, axes)
-    there = landscape(eyes, fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))
+    found = landscape(eyes, now.fit, demo, seen, axes)
+    there = landscape(eyes, now.fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))
     if args.out:
         with naming("--out"):
             landscape_file.write(args.out, found, session.scene, now)

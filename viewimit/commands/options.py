@@ -9,7 +9,7 @@ import numpy as np
 
 from ..disturbances import ArmDisturbance, Disturbance, ImageDisturbance
 from ..servo import SERVOS
-from ..settings import CAMERAS, DISTURBANCES, USUAL_POINTS, Settings, disturbances
+from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene, load_scene, robot_names, scene_names
 from ..transfer import TRANSFERS
@@ -34,9 +34,18 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
     parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
     parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
+    add_rectify_option(parser)
     _add_disturbances(parser, ImageDisturbance)
     parser.add_argument("--frames", type=int, metavar="N", help=f"images averaged at each posture ({defaults.frames})")
     parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
+
+
+def add_rectify_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--rectify",
+        choices=RECTIFY,
+        help="images by what their matches tell of the cameras: where those are not parallel, or never (auto)",
+    )
 
 
 def add_camera_option(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +83,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     if args.scene is None and args.robot in scene_names():
         args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
     settings = defaults
-    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "camera")
+    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "rectify", "camera")
     given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():
         if value is not None:

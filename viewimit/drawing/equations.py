@@ -7,10 +7,12 @@ import numpy as np
 from latex2mathml.converter import convert
 from numpy.typing import NDArray
 
-from ..equations import HOLE, MARK, MISSING, Equation, number, short, signed
+from ..equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
+from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Moment
 from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
+from ..transfer.rectified import RectifiedTransfer
 from . import svg
 
 
@@ -20,8 +22,12 @@ def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
     if snapshot.transfer is not None:
         point = _shown_point(snapshot, chosen)
         demo, own, name = snapshot.views.demo[point], snapshot.views.own[point], svg.point_name(point)
-        method = TRANSFERS[snapshot.settings.transfer]
-        recovery = _constraint(snapshot, point), *method.equations(snapshot.transfer, demo, own, name)
+        method, fitted = TRANSFERS[snapshot.settings.transfer], snapshot.transfer
+        recovery = (_constraint(snapshot, point),)
+        if isinstance(fitted, RectifiedTransfer):
+            demo, own = map(fitted.rectification.apply, (demo, own))
+            recovery, fitted = (*recovery, _rectification(fitted.rectification)), fitted.between
+        recovery = *recovery, *method.equations(fitted, demo, own, name)
     return _cards(*recovery, _conflict(snapshot), *_law(snapshot))
 
 
@@ -68,6 +74,19 @@ def _constraint(snapshot: Snapshot, point: int) -> Equation:
     latex = rf"{{}}^{{lL}}𝐮_{{{HOLE}}}^{{\top}}\;{{}}^{{lL}}𝐟+{{}}^{{lL}}f_{{33}}={HOLE}={HOLE}"
     title = f"point {name} in l and L, px; 0 where the geometry fits"
     return Equation("(1)", title, latex, (name, sum_of_terms, number(float(u @ f + f33), 2)), long=True)
+
+
+def _rectification(by: Rectification) -> Equation:
+    """The homographies of the left and the right images."""
+    latex = rf"𝐇_l={matrix(3, 3)},\;𝐇_r={matrix(3, 3)}"
+    note = "Images are rectified by what all matches tell of the cameras: below, px are of rectified images."
+    numbers = [
+        number(value, digits)
+        for H in (by.left, by.right)
+        for row in H.tolist()
+        for value, digits in zip(row, (4, 4, 1))
+    ]
+    return Equation("", "rectification: matches come to lie in equal rows", latex, tuple(numbers), note, wide=True)
 
 
 def _fundamental(snapshot: Snapshot) -> tuple[NDArray, float]:

@@ -17,7 +17,6 @@ from ...analysis.landscape import grid_axes, landscape
 from ...session import Session
 from ...settings import Settings
 from ...simulation.scene import Scene
-from ...transfer import TRANSFERS
 from .. import processes
 
 FINE_DEG, AROUND_DEG = 0.05, 1.5  # of the search for the transfer's own minimum about the grid's
@@ -140,7 +139,7 @@ def run_pair(settings: Settings, servos: Sequence[str], max_motions: int) -> lis
 
 def own_minimum(session: Session) -> NDArray:
     """(2,) rad: where the transfer's E is smallest for the demonstrator as now seen, whatever its posture."""
-    views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
+    views, fit = session.snapshot.views, session.snapshot.fit
     seen = views.visible[:, :2]
     coarse = landscape(session.world, fit, views.demo, seen, grid_axes(session.world)).minimum
     around = np.radians(np.arange(-AROUND_DEG, AROUND_DEG + FINE_DEG / 2, FINE_DEG))

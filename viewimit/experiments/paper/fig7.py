@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,13 +103,13 @@ def grid_step_deg(session: Session) -> float:
 
 def conflict_of(session: Session, transfer: str) -> Conflict:
     """E_at(θ): of the demonstrator as the learner has seen it, at any of the learner's postures."""
-    views, fit, world = session.snapshot.views, TRANSFERS[transfer], session.world
+    views, fit, world = session.snapshot.views, partial(session.snapshot.fit, by=transfer), session.world
     return lambda theta: conflict_at(world, fit, views.demo, views.visible[:, :2], theta)[0]
 
 
 def over_grid(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> Landscape:
-    views = session.snapshot.views
-    return landscape(session.world, TRANSFERS[transfer], views.demo, views.visible[:, :2], axes)
+    views, fit = session.snapshot.views, partial(session.snapshot.fit, by=transfer)
+    return landscape(session.world, fit, views.demo, views.visible[:, :2], axes)
 
 
 def _surface(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> Surface:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,8 @@ def run(
     demo, demo_visible = now.views.demo, now.views.visible[:, :2]
     there = session.eyes.own_images(now.theta_demo)
     surfaces = {}
-    for name, fit in TRANSFERS.items():
+    for name in TRANSFERS:
+        fit = partial(now.fit, by=name)
         E = conflict_of_images(fit, demo, demo_visible, own, visible)[0]
         (E_demo,) = conflict_of_images(fit, demo, demo_visible, *there)
         surfaces[name] = Surface(Landscape(axes, E), float(E_demo), fitted_minimum(axes, E))

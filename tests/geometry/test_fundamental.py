@@ -1,0 +1,57 @@
+"""F of a stereo head is that of its cameras, and OpenCV's."""
+
+import numpy as np
+import pytest
+from stereo_heads import UNLIKE, fundamental_of, head, matches, up_to_scale
+
+from viewimit.geometry.fundamental import epipoles, fit_fundamental, sampson_distance
+
+
+@pytest.mark.parametrize("stereo", [head(0), head(12), head(3, *UNLIKE), head(20, *UNLIKE)])
+def test_without_noise_it_is_that_of_the_cameras(stereo):
+    left, right, cameras = matches(stereo, np.random.default_rng(0))
+    F = fit_fundamental(left, right)
+    np.testing.assert_allclose(up_to_scale(F), up_to_scale(fundamental_of(cameras)), atol=1e-9)
+    assert np.linalg.svd(F)[1][2] < 1e-12 * np.linalg.norm(F)
+    assert np.abs(sampson_distance(F, left, right)).max() < 1e-9
+
+
+def test_unweighted_it_is_opencvs_eight_point_algorithm():
+    cv2 = pytest.importorskip("cv2")
+    left, right, _ = matches(head(12, *UNLIKE), np.random.default_rng(1))
+    theirs, _ = cv2.findFundamentalMat(left, right, cv2.FM_8POINT)
+    np.testing.assert_allclose(up_to_scale(fit_fundamental(left, right, rounds=0)), up_to_scale(theirs), atol=1e-7)
+
+
+def test_with_noise_matches_are_as_far_from_it_as_the_noise_is_large():
+    left, right, cameras = matches(head(12, *UNLIKE), np.random.default_rng(2), 2000, 0.25)
+    F = fit_fundamental(left, right)
+    assert np.sqrt(np.mean(sampson_distance(F, left, right) ** 2)) == pytest.approx(0.25, rel=0.05)
+    assert np.abs(up_to_scale(F) - up_to_scale(fundamental_of(cameras))).max() < 2e-3
+
+
+def test_a_match_that_is_moved_across_its_epipolar_line_is_as_far_as_it_was_moved():
+    """To first order; the line of the other image takes its share."""
+    left, right, cameras = matches(head(12), np.random.default_rng(3))
+    F = fundamental_of(cameras)
+    lines = np.column_stack([left, np.ones(len(left))]) @ F.T
+    across = lines[:, :2] / np.linalg.norm(lines[:, :2], axis=1)[:, None]
+    other = np.column_stack([right, np.ones(len(right))]) @ F
+    share = np.linalg.norm(lines[:, :2], axis=1) / np.hypot(
+        *(np.linalg.norm(each[:, :2], axis=1) for each in (lines, other))
+    )
+    np.testing.assert_allclose(sampson_distance(F, left, right + 0.01 * across), 0.01 * share, rtol=1e-3)
+
+
+def test_epipoles_are_where_each_camera_sees_the_other():
+    left, right, (camera_left, camera_right) = matches(head(15, *UNLIKE), np.random.default_rng(4))
+    of_left, of_right = epipoles(fit_fundamental(left, right))
+    for epipole, camera, other in ((of_left, camera_left, camera_right), (of_right, camera_right, camera_left)):
+        image, _ = camera.project(other.T_world_camera[:3, 3][:, None])
+        np.testing.assert_allclose(epipole[:2] / epipole[2], image[:, 0], rtol=1e-6)
+
+
+def test_seven_matches_are_refused():
+    left, right, _ = matches(head(5), np.random.default_rng(5))
+    with pytest.raises(ValueError, match="at least 8 matches .*, got 7"):
+        fit_fundamental(left[:7], right[:7])

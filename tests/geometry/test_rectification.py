@@ -1,0 +1,73 @@
+"""After rectification matches lie in equal rows and epipoles at infinity; where nothing is wrong, nothing is asked."""
+
+import numpy as np
+import pytest
+from stereo_heads import EQUAL, UNLIKE, head, matches
+
+from viewimit.geometry.fundamental import epipoles, fit_fundamental
+from viewimit.geometry.rectification import rectification_of, rectify
+
+NEEDED = [head(12), head(3, *UNLIKE), head(20, *UNLIKE)]
+PARALLEL = [head(0), head(0, *UNLIKE)]
+
+
+@pytest.mark.parametrize("stereo", NEEDED)
+def test_matches_lie_in_equal_rows_also_those_that_it_was_not_found_from(stereo):
+    rng = np.random.default_rng(0)
+    found = rectification_of(*matches(stereo, rng)[:2])
+    left, right, _ = matches(stereo, rng)
+    images = np.concatenate([left, right], 1)
+    rows = found.apply(images)[:, 1::2]
+    np.testing.assert_allclose(rows[:, 0], rows[:, 1], atol=1e-8)
+    assert np.abs(np.diff(images[:, 1::2])).max() > 1  # px, before
+    np.testing.assert_allclose(found.restore(found.apply(images)), images, atol=1e-9)
+
+
+@pytest.mark.parametrize("stereo", NEEDED)
+def test_epipoles_are_at_infinity_along_the_rows(stereo):
+    left, right, _ = matches(stereo, np.random.default_rng(1))
+    found = rectification_of(left, right)
+    for epipole, H in zip(epipoles(fit_fundamental(left, right)), (found.left, found.right)):
+        x, y, w = H @ epipole
+        assert abs(y) < 1e-8 * abs(x) and abs(w) < 1e-8 * abs(x)
+
+
+@pytest.mark.parametrize("stereo", NEEDED)
+def test_pixels_stay_as_large_and_upright_in_the_middle_of_the_right_image(stereo):
+    left, right, _ = matches(stereo, np.random.default_rng(2))
+    found, middle, small = rectification_of(left, right), right.mean(0), 1e-4
+    around = middle + small * np.array([[0, 0], [1, 0], [0, 1]])
+    images = found.apply(np.concatenate([np.tile(left[:1], (3, 1)), around], 1))[:, 2:]
+    derivative = (images[1:] - images[0]).T / small
+    np.testing.assert_allclose(derivative @ derivative.T, np.eye(2), atol=1e-3)
+    assert np.linalg.det(derivative) > 0 and derivative[0, 0] > 0.7
+
+
+def test_of_parallel_equal_cameras_the_right_image_stays_as_it_is_and_the_left_one_its_rows():
+    left, right, _ = matches(head(0), np.random.default_rng(3))
+    found = rectify(fit_fundamental(left, right), left, right)
+    np.testing.assert_allclose(found.right, np.eye(3), atol=1e-6)
+    np.testing.assert_allclose(found.left[1:], np.eye(3)[1:], atol=1e-6)
+
+
+@pytest.mark.parametrize("stereo", PARALLEL)
+@pytest.mark.parametrize("noise_px", [0.0, 0.25, 2.0])
+def test_parallel_axes_ask_for_none_also_with_unlike_cameras_and_noise(stereo, noise_px):
+    rng = np.random.default_rng(4)
+    assert all(rectification_of(*matches(stereo, rng, 40, noise_px)[:2]) is None for _ in range(20))
+
+
+def test_toed_in_cameras_ask_for_it_through_noise_and_wrong_matches():
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        left, right, _ = matches(head(12), rng, 60, 0.25)
+        right[:3] += rng.uniform(-60, 60, (3, 2))
+        assert rectification_of(left, right) is not None
+    assert rectification_of(left[:10], right[:10]) is None  # too few to tell
+
+
+def test_a_batch_is_mapped_as_each_of_it():
+    left, right, _ = matches(head(8, EQUAL, UNLIKE[1]), np.random.default_rng(6))
+    found, images = rectification_of(left, right), np.concatenate([left, right], 1)
+    together = found.apply(np.stack([images[:20], images[20:40]])[:, None])
+    np.testing.assert_allclose(together.reshape(40, 4), found.apply(images[:40]))

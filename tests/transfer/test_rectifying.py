@@ -1,0 +1,83 @@
+"""A session rectifies where its cameras ask for it, and only there; it repeats itself, comes back and goes on."""
+
+import msgspec
+import numpy as np
+import pytest
+from viewimit.app.sessions.codec import decode, encode
+
+from viewimit.rectifying import POOLED
+from viewimit.session import Session
+from viewimit.settings import BEST, Settings
+
+TOED = msgspec.structs.replace(BEST, scene="panda-toed", start_deg=(25, -45))
+
+
+def error_deg(moment):
+    return np.degrees(np.abs(moment.theta - moment.theta_demo).max())
+
+
+def postures(session):
+    return [(moment.theta.tolist(), moment.E, moment.e.tolist()) for moment in session.history]
+
+
+def test_with_toed_in_unlike_cameras_the_best_pair_arrives_and_without_rectification_it_does_not():
+    last = Session(TOED).run(40)
+    assert last.status == "converged" and error_deg(last) < 0.5 and last.rectification is not None
+    assert error_deg(Session(msgspec.structs.replace(TOED, rectify="off")).run(40)) > 3
+
+
+@pytest.mark.parametrize("scene", ["panda", "panda-facing", "panda-flat", "iiwa"])
+@pytest.mark.parametrize("noise_px", [0.0, 0.5])
+def test_with_parallel_axes_a_run_is_to_the_last_bit_that_without(scene, noise_px):
+    asked = Settings(scene=scene, noise_px=noise_px)
+    auto, off = (Session(msgspec.structs.replace(asked, rectify=how)) for how in ("auto", "off"))
+    auto.run(15)
+    off.run(15)
+    assert postures(auto) == postures(off) and all(moment.rectification is None for moment in auto.history)
+
+
+def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
+    session = Session(msgspec.structs.replace(TOED, servo="gradient-retuned", noise_px=0.1, frames=1))
+    session.run(POOLED + 4)
+    left = [moment.rectification.left.tolist() for moment in session.history]
+    assert len({str(H) for H in left[: POOLED + 1]}) == POOLED + 1
+    assert left[POOLED] == left[POOLED + 1] == left[POOLED + 4]
+
+
+def test_an_older_moment_keeps_its_own():
+    session = Session(msgspec.structs.replace(TOED, noise_px=0.25))
+    session.run(4)
+    before = [(moment.E, moment.rectification) for moment in session.history]
+    for _ in range(3):
+        session.undo()
+    assert session.snapshot.E == before[1][0] and session.snapshot.rectification is before[1][1]
+    session.run(4)
+    assert [moment.E for moment in session.history] == [E for E, _ in before]
+
+
+def test_what_was_kept_and_comes_back_goes_on_to_the_last_bit():
+    whole, begun, resumed = (Session(msgspec.structs.replace(TOED, noise_px=0.25)) for _ in range(3))
+    whole.run(8)
+    begun.run(5)
+    resumed.resume(decode(encode(list(begun.history))), begun.cursor)
+    resumed.run(8)
+    assert postures(resumed) == postures(whole)
+
+
+def test_it_can_be_switched_off_and_on_where_the_learner_stands():
+    session = Session(TOED)
+    session.run(3)
+    E = session.snapshot.E
+    session.change(rectify="off")
+    assert session.snapshot.rectification is None and abs(session.snapshot.E - E) > 0.1 * E
+    session.change(rectify="auto")
+    assert session.snapshot.E == pytest.approx(E, rel=1e-3)
+
+
+def test_a_frozen_transfer_of_rectified_images_carries_points_over_and_comes_back():
+    session = Session(TOED)
+    last = session.run(40)
+    seen = last.views
+    again = decode(encode([last]))[0].frozen.recover(seen.demo_left, seen.demo_right)
+    np.testing.assert_array_equal(again, last.frozen.recover(seen.demo_left, seen.demo_right))
+    np.testing.assert_allclose(again, seen.own, atol=0.5)

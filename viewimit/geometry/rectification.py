@@ -1,0 +1,127 @@
+"""Rectification of a stereo pair by its fundamental matrix: Hartley's homographies (1999), after which matches lie in
+equal rows, as those of cameras with parallel optical axes do.
+
+No camera is known: the right homography sends the epipole to infinity along the rows and changes least about the middle
+of the matches; the left one makes its rows the same, and the disparities least.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .affine import fit_affine_fundamental
+from .fundamental import epipoles, fit_fundamental, homogeneous, sampson_distance
+
+NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
+LEAST_PX = 0.05  # rms distance from any affine geometry below which nothing is to be mended
+FEWEST = 16  # matches
+TRIMMED, FAR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
+TELLING = 12.0  # F-ratio of what the three further parameters of F explain to what they leave
+MOST_PX = 3.0  # rms distance from F beyond which matches are wrong, and tell nothing
+
+
+@dataclass(frozen=True)
+class Rectification:
+    """left, right: (3, 3), of image points (x, y, 1) px."""
+
+    left: NDArray
+    right: NDArray
+
+    def apply(self, images: NDArray) -> NDArray:
+        """(..., N, 4) px in [l, r] or [L, R] → rectified px, which are those of the right image in its middle."""
+        return _both(images, self.left, self.right)
+
+    def restore(self, images: NDArray) -> NDArray:
+        """The inverse: rectified (..., N, 4) px → px."""
+        return _both(images, *self._inverses)
+
+    @cached_property
+    def _inverses(self) -> tuple[NDArray, NDArray]:
+        return np.linalg.inv(self.left), np.linalg.inv(self.right)
+
+
+def rectify(F: NDArray, left: NDArray, right: NDArray) -> Rectification:
+    """F: (3, 3); left, right: (M, 2) px, the matches in whose middle the images are to change least."""
+    middle = right.mean(0)
+    epipole = epipoles(F)[1]
+    x, y = epipole[:2] - epipole[2] * middle
+    angle = np.arctan2(y, x)
+    angle -= np.pi * np.round(angle / np.pi)  # to the nearer end of the row: no image is turned upside down
+    cos, sin = np.cos(angle), np.sin(angle)
+    to_row = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) @ np.array(
+        [[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, 1]]
+    )
+    along = cos * x + sin * y
+    to_infinity = np.array([[1, 0, 0], [0, 1, 0], [-epipole[2] / along, 0, 1]])
+    back = np.array([[1, 0, middle[0]], [0, 1, middle[1]], [0, 0, 1]])
+    H_right = back @ to_infinity @ to_row
+    rows = H_right @ _cross(epipole) @ F  # a point of the epipolar line of each left point; its first row is free
+    l = homogeneous(left)
+    H_left = rows / (l.mean(0) @ rows[2])
+    found = _mapped(right, H_right)[:, 0]
+    depth = np.maximum(l @ H_left[2], NEAREST)
+    H_left[0] = np.linalg.lstsq(l / depth[:, None], found, rcond=None)[0]
+    return Rectification(H_left, H_right)
+
+
+def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
+    """The matches' own, (M, 2) px each; None if they ask for none.
+
+    Cameras with parallel optical axes, also unlike ones, have an affine geometry: both epipoles are at infinity. What
+    no affine geometry fits, but F does, asks for rectification; noise and wrong matches are fitted by neither.
+    """
+    if len(left) < FEWEST or _squares(_affine_distance(left, right)) < len(left) * LEAST_PX**2:
+        return None
+    for distance in (_affine_distance, _distance):
+        left, right = _most(distance, left, right)
+    affine, left_over = _squares(_affine_distance(left, right)), _squares(_distance(left, right))
+    count = len(left)
+    if affine < count * LEAST_PX**2 or left_over > count * MOST_PX**2:
+        return None
+    told = (affine - left_over) / 3 > TELLING * left_over / (count - 7)
+    return rectify(fit_fundamental(left, right), left, right) if told else None
+
+
+def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:
+    """The matches without those that are far from the geometry of the others; all, if these would be too few."""
+    for _ in range(TRIMMED):
+        away = np.abs(distance(left, right))
+        near = away <= np.maximum(FAR * np.median(away), LEAST_PX / 10)
+        if near.all() or near.sum() < FEWEST:
+            break
+        left, right = left[near], right[near]
+    return left, right
+
+
+def _affine_distance(left: NDArray, right: NDArray) -> NDArray:
+    """(M,) px from their nearest affine epipolar geometry."""
+    f, f33 = fit_affine_fundamental(left, right)
+    return left @ f[:2] + right @ f[2:] + f33
+
+
+def _distance(left: NDArray, right: NDArray) -> NDArray:
+    """(M,) px from their nearest epipolar geometry."""
+    return sampson_distance(fit_fundamental(left, right), left, right)
+
+
+def _squares(distance: NDArray) -> float:
+    return float(distance @ distance)
+
+
+def _both(images: NDArray, left: NDArray, right: NDArray) -> NDArray:
+    return np.concatenate([_mapped(images[..., :2], left), _mapped(images[..., 2:], right)], -1)
+
+
+def _mapped(points: NDArray, H: NDArray) -> NDArray:
+    """(..., 2) → (..., 2)"""
+    mapped = points @ H[:, :2].T + H[:, 2]
+    return mapped[..., :2] / np.maximum(mapped[..., 2:], NEAREST)
+
+
+def _cross(v: NDArray) -> NDArray:
+    """[v]×"""
+    x, y, z = v
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

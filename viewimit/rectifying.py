@@ -1,0 +1,37 @@
+"""The step between views and transfer: rectification from the matches of all postures visited, if they ask for it."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .geometry.rectification import Rectification, rectification_of
+from .settings import Settings
+from .snapshot import Snapshot
+from .views import FourViews
+
+POOLED = 40  # moments whose matches are pooled; after as many motions the rectification stays
+
+
+def rectification_for(settings: Settings, moments: Sequence[Snapshot], views: FourViews) -> Rectification | None:
+    """For a moment that sees `views`, after those before it, the present one last; None if images stay as they are.
+
+    It is refined with every posture until POOLED of them are known, and found anew where the settings change.
+    """
+    if settings.rectify == "off":
+        return None
+    now = moments[-1]
+    if now.motion >= POOLED and now.settings == settings:
+        return now.rectification
+    matches = pooled([*(moment.views for moment in moments[-POOLED:]), views])
+    return rectification_of(matches[:, :2], matches[:, 2:])
+
+
+def pooled(seen: Iterable[FourViews]) -> NDArray:
+    """All different pairs of views of both bodies: matches (M, 4) px of the left and the right camera."""
+    pairs: dict[bytes, NDArray] = {}
+    for views in seen:
+        for images, visible in ((views.demo, views.visible[:, :2]), (views.own, views.visible[:, 2:])):
+            matched = images[visible.all(-1)]
+            pairs.setdefault(matched.tobytes(), matched)
+    return np.concatenate(list(pairs.values()))

@@ -64,9 +64,15 @@ PRESETS = (
     ),
     Preset(
         "Verged cameras",
-        Settings(scene="panda-verged", start_deg=(25, -45)),
+        Settings(scene="panda-verged", start_deg=(25, -45), rectify="off"),
         2,
         "Each camera looks at the gaze point itself: E is least at a wrong posture.",
+    ),
+    Preset(
+        "Toed-in cameras",
+        replace(BEST, scene="panda-toed", start_deg=(25, -45)),
+        2,
+        "Unlike eyes, turned inwards: their matches alone tell how to rectify them.",
     ),
     Preset(
         "Demonstrator faces the learner",

@@ -39,6 +39,7 @@ LESSONS: dict[str, Callable[[End], bool]] = {
     "Linear combination of views": lambda end: end.off < 3 and end.known.least,
     "Seven joints": lambda end: end.off < 0.3 and end.known.spread[5:].min() > 1.5 * end.known.spread[:5].max(),
     "Verged cameras": lambda end: end.known.least and end.off > 5,
+    "Toed-in cameras": lambda end: end.off < 0.2 and end.last.motion <= 12 and end.last.rectification is not None,
     "Demonstrator faces the learner": lambda end: end.known.least and end.off > 10 and end.last.E > 20,
     "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and len(end.known.untold) == 2,
     "Nearly coplanar points": lambda end: end.last.flatness > RED,

@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 from .geometry.affine import MIN_POINTS
 from .servo.observation import Conflict
 from .snapshot import Snapshot
+from .transfer import TRANSFERS
 from .transfer.noise import noise_weight
+from .transfer.transfer import Residuals
 from .views import FourViews
 
 DRIFT_MOMENTS = 3  # two displacements
 NO_DRIFT = np.zeros(())
+NEAR, NEAR_NOISE = 4.0, 1600.0  # px²; times the noise's square: E up to which own images are near the demonstrator's
+NEAR_POINTS = 8  # a homography of space is told by five; it takes more to tell their noise
 
 
 def demo_drift(moments: Sequence[Snapshot]) -> NDArray:
@@ -28,14 +32,24 @@ def demo_drift(moments: Sequence[Snapshot]) -> NDArray:
     return last if np.vdot(before, last) > 0 else NO_DRIFT
 
 
+def _near(now: Snapshot, views: FourViews, noise_px: float) -> Residuals | None:
+    """What weighs noise best near own images of one posture, if the transfer has such and they are near enough."""
+    near = TRANSFERS[now.settings.transfer].near
+    if near is None or now.rectification is None or len(views.own) < NEAR_POINTS:
+        return None
+    E = float(now.fit(views).conflict(views))
+    return near(views, now.rectification) if E < max(NEAR, NEAR_NOISE * noise_px**2) else None
+
+
 def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float = 0.0) -> Conflict:
     """What a servo may ask: residuals (..., n, C) px that own images (..., N, 4) px would have against the
     demonstrator as now seen, and displaced by `drift`, (N, 4) px; both rectified as now, if at all.
 
     Of the n points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
-    images (N, 4) px are given as `like`, as the noise of the demonstrator's would spread over those. With fewer points
-    than a transfer needs they are infinite. Behind a moving demonstrator seen with noise, noise_px > 0, the transfer of
-    the last convergence serves (Section 5.4): fitted anew at postures apart it would add its own noise to theirs.
+    images (N, 4) px are given as `like`, as the noise of the demonstrator's would spread over those, or that of all
+    images if these are rectified and `like` is near. With fewer points than a transfer needs they are infinite. Behind
+    a moving demonstrator seen with noise, noise_px > 0, the transfer of the last convergence serves (Section 5.4):
+    fitted anew at postures apart it would add its own noise to theirs.
     """
     demo, demo_seen = now.views.demo + drift, np.asarray(now.views.visible[:, :2].all(-1))
     frozen = now.frozen if drift.any() and noise_px > 0 else None
@@ -45,6 +59,10 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
         if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
             return np.full((*own.shape[:-2], 1, 4), np.inf)
         imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
+        if like is not None and not by and frozen is None:
+            near = _near(now, imagined.with_own(like[known]), noise_px)
+            if near is not None:
+                return near.residual(imagined)
         transfer = now.fit(imagined, by) if by or frozen is None else frozen
         e = transfer.residual(imagined)
         if like is None or transfer.weighs_noise:

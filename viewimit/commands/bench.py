@@ -36,8 +36,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         choices=(*PARTS, "all"),
         default="all",
         help="success: of every transfer and servo; robustness: with noise, missing and wrong points, seven joints; "
-        "following: a demonstrator that moves; scenes: drawn at random; pictures: rendered ones, and how "
-        "well markers are detected in them; all: speed and success (%(default)s)",
+        "following: a demonstrator that moves; scenes: drawn at random, also with any head; pictures: rendered ones, "
+        "and how well markers are detected in them; all: speed and success (%(default)s)",
     )
     parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
@@ -147,7 +147,7 @@ def _scenes(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
         lambda tell: random_scenes.run(settings, scenes, PAIRS_A_SCENE, args.seed, args.max_motions, tell=tell),
     )
     heading = f"{scenes} random scenes, {PAIRS_A_SCENE} random starts and demonstrators in each, seed {args.seed}"
-    return {"pairs": heading, **asdict(found)}, tables.success_table([found], heading)
+    return {"pairs": heading, "rows": [asdict(outcome) for outcome in found]}, tables.scenes_table(found, heading)
 
 
 def _pictures(args: argparse.Namespace, scene: Scene) -> tuple[dict, str]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments.bench import following, robustness, speed, success
+from ..experiments.bench import following, random_scenes, robustness, speed, success
 
 
 def speed_table(found: speed.Benchmark) -> str:
@@ -115,6 +115,20 @@ def robustness_table(outcomes: list[robustness.Outcome]) -> str:
         motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
         cells = (*errors, *motions, _share(o.claimed), _share(o.claimed_falsely))
         lines.append(f"  {o.case:<44}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
+    return "\n".join(lines)
+
+
+def scenes_table(outcomes: Sequence[random_scenes.Outcome], heading: str) -> str:
+    """For people: a row a kind of scenes."""
+    heads = *(f"ended ≤{near:g}°" for near in success.WITHIN_DEG), "motions", "95 %", "claimed"
+    heads = *heads, f"falsely, >{success.FALSE_DEG:g}°", "rms", "bound"
+    widths = (18, 18, 18, 9, 7, 18, 16, 10, 10)
+    lines = [heading, " " * 46 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
+    for o in outcomes:
+        motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
+        claims, exact = (_share(o.claimed), _share(o.claimed_falsely)), (f"{o.rms_deg:.3f}°", f"{o.bound_deg:.3f}°")
+        cells = (*map(_share, o.ended.values()), *motions, *claims, *exact)
+        lines.append(f"  {o.row:<44}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
     return "\n".join(lines)
 
 

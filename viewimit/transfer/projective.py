@@ -20,6 +20,7 @@ from ..geometry import cholesky
 from ..geometry.affine import centred, components_first, require_points
 from ..views import FourViews
 from .transfer import Transfer, TransferMethod
+from .weighted import Weighted
 
 STEPS = 3
 PRIOR = 3e-4  # weight of |p|² beside the squared residuals, relative to the mean square of the centred own points
@@ -148,4 +149,5 @@ METHOD = TransferMethod(
     fit=fit,
     stored=(ProjectiveTransfer,),
     equations=equations,
+    near=Weighted.like,
 )

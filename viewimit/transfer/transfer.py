@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..equations import Equation
 from ..evaluation import conflict
+from ..geometry.rectification import Rectification
 from ..views import FourViews
 
 FLATNESS = "σ₁/σ₃"  # of the centred [l r]
@@ -40,6 +41,12 @@ class FittedTransfer(Protocol):
         ...
 
 
+class Residuals(Protocol):
+    """e: (..., N, C) px of views whose squares make an E."""
+
+    def residual(self, views: FourViews) -> NDArray: ...
+
+
 @dataclass(frozen=True)
 class TransferMethod:
     """One way to recover points, with all that anybody says about it. Called with `FourViews` it is `fit`.
@@ -50,6 +57,8 @@ class TransferMethod:
     equations(fitted, demo, own, name): how one point, (4,) px in [l, r] and (4,) px in [L, R], is recovered; no batch.
     condition_name: what `condition` is; ill: what it means where it is too large.
     conflict_equation(E px²): in place of Eq. (6) where E is another function of the images.
+    near(views, rectification): what weighs noise better than the transfer's own residuals, of rectified images near own
+    ones that are like those of the views, of one posture; it gives residuals of any own images.
     """
 
     title: str
@@ -61,6 +70,7 @@ class TransferMethod:
     condition_name: str = FLATNESS
     ill: str = FLAT
     conflict_equation: Callable[[float], Equation] | None = None
+    near: Callable[[FourViews, Rectification], Residuals] | None = None
 
     def __call__(self, views: FourViews) -> FittedTransfer:
         return self.fit(views)

@@ -1,0 +1,117 @@
+"""The relation of rectified views as noise wants it: the maximum-likelihood fit near the demonstrator's posture.
+
+Rectified, a pair of views of a point is a triple t = (x_L, (y_L + y_R)/2, x_R), which is the point in space up to a
+projective map; so the demonstrator's images follow from the own ones by one homography G of space: ẑ_i = G [t_i; 1],
+read as (x_l, y, x_r, y). e_i = z_i - ẑ_i has the covariance Σ_i = D_i D_iᵀ + K_i K_iᵀ px² for noise of 1 px in all four
+images: D_i is the derivative of the rectification at the demonstrator's point, K_i that of ẑ_i by the own point in px.
+Σ_i is frozen at one own image; farther off it may be nearly singular.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.rectification import NEAREST, Rectification
+from ..views import FourViews
+
+OWN_SHARE = 1.0  # of the own images' variance
+STEPS = 3  # of Gauss and Newton
+STEADY = 1e-10  # of the normal equations' mean diagonal, added to it
+STEP_PX = 1e-3  # of difference quotients
+TO_TRIPLE = np.array([[1, 0, 0, 0], [0, 0.5, 0, 0.5], [0, 0, 1, 0]])
+TO_PAIR = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 0]])
+EQUAL = np.linalg.inv(np.linalg.cholesky(np.diag([1.0, 2, 1, 2])))  # weights before any are known: y counts once
+
+
+@dataclass(frozen=True)
+class Weighted:
+    """Weights for images that are like one own image. rectification: of all; weight: (N, 4, 4), Cᵀ with C Cᵀ = Σ⁻¹."""
+
+    rectification: Rectification
+    weight: NDArray
+
+    @classmethod
+    def like(cls, views: FourViews, rectification: Rectification) -> "Weighted":
+        """views: of one posture, whose own images are taken for the weights."""
+        z, t = rectification.apply(views.demo), _triples(rectification, views.own)
+        even = np.broadcast_to(EQUAL, (len(z), 4, 4))
+        G, scale = _fit(z, t, even)
+        aside = STEP_PX * np.eye(4)
+        moved = [_mapped(G, scale, _triples(rectification, views.own + step)) for step in aside]
+        K = (np.stack(moved, -1) - _mapped(G, scale, t)[..., None]) / STEP_PX
+        D = (np.stack([rectification.apply(views.demo + step) for step in aside], -1) - z[..., None]) / STEP_PX
+        covariance = D @ np.swapaxes(D, -1, -2) + OWN_SHARE * K @ np.swapaxes(K, -1, -2)
+        return cls(rectification, np.linalg.inv(np.linalg.cholesky(covariance)))
+
+    def residual(self, views: FourViews) -> NDArray:
+        """e C: (..., N, 4) px of the images as seen. views: own (..., N, 4) px, demo (N, 4)."""
+        z, t = self.rectification.apply(views.demo), _triples(self.rectification, views.own)
+        e = z - _mapped(*_fit(z, t, self.weight), t)
+        return np.einsum("nij,...nj->...ni", self.weight, e)
+
+
+def _triples(rectification: Rectification, own: NDArray) -> NDArray:
+    """(..., N, 4) px → (..., N, 3) rectified px."""
+    return rectification.apply(own) @ TO_TRIPLE.T
+
+
+Scale = tuple[NDArray, float]
+
+
+def _fit(z: NDArray, t: NDArray, weight: NDArray) -> tuple[NDArray, tuple[Scale, Scale]]:
+    """G: (..., 4, 4) between centred and scaled points, and how they are. z: (N, 4), t: (..., N, 3) rectified px."""
+    of_t = t.reshape(-1, 3).mean(0), float(t.reshape(-1, 3).std())
+    of_z = (z @ TO_TRIPLE.T).mean(0), float((z @ TO_TRIPLE.T).std())
+    h = _homogeneous((t - of_t[0]) / of_t[1])
+    target = (z @ TO_TRIPLE.T - of_z[0]) / of_z[1]
+    pair = TO_PAIR @ of_z[0]
+    left = (z - pair) / of_z[1]
+    hh = (h[..., :, None] * h[..., None, :]).reshape(*h.shape[:-1], 16)
+    A = weight @ TO_PAIR  # (N, 4, 3): of ẑ's three coordinates
+    # ẑ of a G is linear in G but for its depth: first as if that were 1, by the observed triple
+    M = _normal(np.concatenate([A, -(A @ target[:, :, None])], -1), hh, None)
+    G = np.zeros(M.shape[:-1])
+    G[..., 15] = 1.0
+    G[..., :15] = np.linalg.solve(_steadied(M[..., :15, :15]), -M[..., :15, 15:])[..., 0]
+    G = G.reshape(*M.shape[:-2], 4, 4)
+    for _ in range(STEPS):
+        q = h @ np.swapaxes(G, -1, -2)
+        depth = np.maximum(q[..., 3], NEAREST)
+        found = q[..., :3] / depth[..., None]
+        e = np.einsum("nij,...nj->...ni", weight, left - found @ TO_PAIR.T)
+        B = np.concatenate([np.broadcast_to(A, found.shape[:-1] + (4, 3)), -(A @ found[..., None])], -1)
+        M = _normal(B, hh, depth)
+        gauge = G.reshape(*G.shape[:-2], 16)
+        M = M + gauge[..., :, None] * gauge[..., None, :]  # G's scale moves nothing
+        slope = np.einsum("...nba,...nb,...nc->...ac", B, e, h / depth[..., None])
+        G = G + np.linalg.solve(_steadied(M), slope.reshape(*G.shape[:-2], 16, 1)).reshape(G.shape)
+        G = G / np.maximum(np.abs(G[..., 3:, 3:]), NEAREST)
+    return G, (of_t, of_z)
+
+
+def _mapped(G: NDArray, scales: tuple[Scale, Scale], t: NDArray) -> NDArray:
+    """ẑ: (..., N, 4) rectified px of triples t (..., N, 3)."""
+    (mean_t, scale_t), (mean_z, scale_z) = scales
+    q = _homogeneous((t - mean_t) / scale_t) @ np.swapaxes(G, -1, -2)
+    triple = q[..., :3] / np.maximum(q[..., 3:], NEAREST) * scale_z + mean_z
+    return triple @ TO_PAIR.T
+
+
+def _normal(B: NDArray, hh: NDArray, depth: NDArray | None) -> NDArray:
+    """Σ_n BᵀB ⊗ h hᵀ / depth²: (..., 16, 16). B: (..., N, 4, 4), hh: (..., N, 16), depth: (..., N)."""
+    BB = (np.swapaxes(B, -1, -2) @ B).reshape(*B.shape[:-2], 16)
+    if depth is not None:
+        hh = hh / (depth * depth)[..., None]
+    blocks = np.swapaxes(BB, -1, -2) @ hh
+    blocks = blocks.reshape(*blocks.shape[:-2], 4, 4, 4, 4)
+    return np.swapaxes(blocks, -3, -2).reshape(*blocks.shape[:-4], 16, 16)
+
+
+def _steadied(M: NDArray) -> NDArray:
+    size = np.trace(M, axis1=-2, axis2=-1)[..., None, None] / M.shape[-1]
+    return M + STEADY * size * np.eye(M.shape[-1])
+
+
+def _homogeneous(points: NDArray) -> NDArray:
+    return np.concatenate([points, np.ones(points.shape[:-1] + (1,))], -1)

@@ -62,7 +62,7 @@ def _attached(argv: list[str]) -> list[str]:
     """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
     joined: list[str] = []
     for word in argv:
-        if joined and joined[-1] in ("--demonstrator", "--start") and re.match(r"-[\d.]", word):
+        if joined and joined[-1] in ("--demonstrator", "--start", "--undistort") and re.match(r"-[\d.]", word):
             joined[-1] += "=" + word
         else:
             joined.append(word)

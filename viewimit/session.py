@@ -27,7 +27,9 @@ from .simulation.world import World
 from .snapshot import Snapshot
 from .views import FourViews
 
-BEGIN_ANEW = ("scene", "robot", "joints", "points", "start_deg", "camera", "delay")  # what changes body or camera
+BEGIN_ANEW = (  # what changes body or camera
+    "scene", "robot", "joints", "points", "start_deg", "undistort", "camera", "delay",
+)  # fmt: skip
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 OpenEyes = Callable[[str, Scene, int], Eyes]
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
@@ -191,7 +193,7 @@ class Session:
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
-        scene = load_scene(settings.scene, settings.robot, settings.joints)
+        scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort)
         settings, demo, start = _complete(settings, scene)
         build = settings.camera, scene, settings.points
         if build != self._built:

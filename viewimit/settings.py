@@ -29,6 +29,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     it. The learner is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
     robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
+    undistort: (k1, k2) of the radial distortion that images are rid of, in place of the scene's.
     rectify: of RECTIFY; auto rectifies the images by what all matches of both pairs of views tell of their cameras, if
     that is needed.
     camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers; ten,
@@ -51,6 +52,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     quantum_deg: Annotated[float, QUANTUM] = 0.0
     delay: int = 0
     seed: int = 7
+    undistort: tuple[float, float] | None = None
     rectify: str = "auto"
     camera: str = "points"
 

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from viewimit.geometry.distortion import Radial
 from viewimit.geometry.rigid import look_rotation, rigid_transform, rotation_from_rpy
 from viewimit.simulation.camera import Camera, Cameras, StereoHead, triangulate
-from viewimit.simulation.lens import Lens
+from viewimit.simulation.lens import Lens, undistorted
 
 LENS = Lens((256, 256), (320, 120))
 OBLONG = Lens((241.5, 263.0), (310, 125))
-BARREL, PINCUSHION = Lens((256, 250), (310, 125), (-0.12, 0.02)), Lens((256, 250), (310, 125), (0.1, 0.03))
+BARREL, PINCUSHION = (Lens((256, 250), (310, 125), Radial(*k)) for k in ((-0.12, 0.02), (0.1, 0.03)))
 HEAD = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, LENS, LENS)
 
 
@@ -29,7 +30,7 @@ def test_projection_is_opencvs(lens):
     (fx, fy), (cx, cy) = lens.focal, lens.centre
     matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
     rotation, _ = cv2.Rodrigues(T_camera_world[:3, :3])
-    distortion = np.array([*lens.distortion, 0, 0], float)
+    distortion = np.array([lens.distortion.k1, lens.distortion.k2, 0, 0])
     expected, _ = cv2.projectPoints(points.T.copy(), rotation, T_camera_world[:3, 3], matrix, distortion)
     np.testing.assert_allclose(image.T[visible], expected[visible, 0], atol=1e-8)
 
@@ -44,18 +45,36 @@ def test_a_ray_meets_the_point_whose_image_it_is_of(lens):
     np.testing.assert_allclose(camera.ray(image.T[visible]), (away / depth[:, None])[visible], atol=1e-9)
 
 
-def test_an_image_without_its_distortion_is_that_of_the_ideal_lens():
-    points = scattered(np.random.default_rng(5))
+def test_an_image_rid_of_its_distortion_is_that_of_the_ideal_lens():
+    points, T = scattered(np.random.default_rng(5)), HEAD.gaze([2, -0.7, 1])[0].T_world_camera
     for lens in (BARREL, PINCUSHION):
-        image, visible = Camera(640, 240, lens, HEAD.gaze([2, -0.7, 1])[0].T_world_camera).project(points)
-        ideal, _ = Camera(640, 240, Lens(lens.focal, lens.centre), HEAD.gaze([2, -0.7, 1])[0].T_world_camera).project(
-            points
-        )
-        np.testing.assert_allclose(lens.undistort(image.T[visible]), ideal.T[visible], atol=1e-7)
+        ideal, visible = Camera(640, 240, Lens(lens.focal, lens.centre), T).project(points)
+        rid = Lens(lens.focal, lens.centre, lens.distortion, lens.distortion)
+        np.testing.assert_array_equal(Camera(640, 240, rid, T).project(points)[0], ideal)
+        image, seen = Camera(640, 240, lens, T).project(points)
+        seen &= visible
+        found = undistorted(image.T[seen], lens.focal, lens.centre, lens.distortion)
+        np.testing.assert_allclose(found, ideal.T[seen], atol=1e-7)
+
+
+def test_what_is_undone_by_other_numbers_than_the_lenss_is_what_one_sees():
+    """Distorted by one, then undone by the other, with its rays and both at once in a pair."""
+    lens = Lens(BARREL.focal, BARREL.centre, BARREL.distortion, Radial(-0.08, 0.01))
+    camera = Camera(640, 240, lens, HEAD.gaze([2, -0.7, 1])[0].T_world_camera)
+    points = scattered(np.random.default_rng(6))
+    image, visible = camera.project(points)
+    raw, _ = Camera(640, 240, BARREL, camera.T_world_camera).project(points)
+    np.testing.assert_allclose(
+        image.T[visible], undistorted(raw.T[visible], lens.focal, lens.centre, lens.undone), atol=1e-7
+    )
+    along = camera.ray(image.T[visible])
+    away = points.T[visible] - camera.T_world_camera[:3, 3]
+    np.testing.assert_allclose(np.cross(along, away), 0, atol=1e-8)
+    np.testing.assert_allclose(Cameras([camera]).images(points.T)[0][0][visible], image.T[visible], atol=1e-9)
 
 
 def test_a_barrel_does_not_fold_what_is_far_outside_back_into_the_image():
-    lens = Lens((256, 256), (320, 120), (-0.2, 0.0))
+    lens = Lens((256, 256), (320, 120), Radial(-0.2))
     across = np.linspace(0.01, 30, 3000)
     image, visible = Camera(640, 240, lens, np.eye(4)).project(np.stack([across, 0 * across, 1 + 0 * across]))
     assert (np.diff(image[0]) > 0).all()

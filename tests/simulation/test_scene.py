@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from viewimit.geometry.distortion import Radial
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.eyes import require_eyes
@@ -43,7 +44,7 @@ def test_extends_takes_over_what_is_not_repeated(scene_file):
 def test_each_eye_may_have_a_lens_of_its_own_and_takes_the_heads_for_what_it_does_not_say(scene_file):
     text = 'extends = "panda"\n[head]\ntoe_in_deg = 5\n[head.left]\nfocal = [250, 260]\ndistortion = [-0.1, 0.01]\n'
     head = load_scene(scene_file(text)).stereo_head()
-    assert head.left == Lens((250, 260), (320, 120), (-0.1, 0.01)) and head.right == Lens((256, 256), (320, 120))
+    assert head.left == Lens((250, 260), (320, 120), Radial(-0.1, 0.01)) and head.right == Lens((256, 256), (320, 120))
     assert head.toe_in == np.radians(5)
 
 

@@ -6,16 +6,22 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..evaluation import conflict
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental, flatness
+from ..geometry.distortion import Radial
+from ..geometry.rectification import Rectification, rectification_of
 from ..perception.tracked import TrackedPoints, read_deeplabcut, read_tidy
+from ..rectifying import pooled
 from ..settings import Settings
+from ..simulation.lens import undistorted
 from ..transfer import TRANSFERS
+from ..transfer.rectified import fit
 from ..views import VIEWS, FourViews
 from . import BadInput, evaluate_report
 from .json_output import print_json
-from .options import DONE, MISSED, add_json_option, between, naming
+from .options import DONE, MISSED, add_json_option, add_rectify_option, add_undistort_option, between, lens, naming
 
 PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
 
@@ -34,6 +40,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="SHARE",
         help="points of less were not seen (%(default)s)",
     )
+    add_rectify_option(parser)
+    add_undistort_option(parser)
+    parser.add_argument(
+        "--lens", type=lens, metavar="FX,FY,CX,CY", help="of all cameras: focal lengths and centre px, for --undistort"
+    )
     parser.add_argument("--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .png")
     add_json_option(parser)
 
@@ -43,11 +54,15 @@ def run(args: argparse.Namespace) -> int:
         with naming("--out"):
             evaluate_report.require_format(args.out)
     tracked = _read(args)
-    views = tracked.views(args.min_confidence)
+    views = _pinhole(args, tracked.views(args.min_confidence))
+    each = [_frame(views, k) for k in range(len(tracked.frames))]
+    rectification = None if args.rectify == "off" else rectification_of(*np.split(pooled(each), 2, axis=1))
     frames = [
-        evaluate_frame(frame, tracked.points, _frame(views, k), args.transfer) for k, frame in enumerate(tracked.frames)
+        evaluate_frame(frame, tracked.points, seen, args.transfer, rectification)
+        for frame, seen in zip(tracked.frames, each)
     ]
-    result = {"transfer": args.transfer, "points": tracked.points, "frames": frames}
+    rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
+    result = {"transfer": args.transfer, "rectification": rectified, "points": tracked.points, "frames": frames}
     evaluated = [frame for frame in frames if frame["E"] is not None]
     if args.out and evaluated:
         with naming("--out"):
@@ -62,14 +77,16 @@ def run(args: argparse.Namespace) -> int:
     return DONE if evaluated else MISSED
 
 
-def evaluate_frame(frame: int, points: tuple[str, ...], views: FourViews, transfer: str) -> dict:
+def evaluate_frame(
+    frame: int, points: tuple[str, ...], views: FourViews, transfer: str, rectification: Rectification | None = None
+) -> dict:
     """What is to say of one frame; all but its number and usable points is None with too few of these."""
     usable = views.usable
     found = {"frame": frame, "usable": [name for name, seen in zip(points, usable) if seen]}
     if usable.sum() < MIN_POINTS:
         return found | dict.fromkeys(("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered"))
     seen = views.select(usable)
-    fitted = TRANSFERS[transfer](seen)
+    fitted = fit(TRANSFERS[transfer], seen, rectification)
     recovered = fitted.recover(seen.demo_left, seen.demo_right)
     image = dict(zip(VIEWS, (seen.demo_left, seen.demo_right, seen.own_left, seen.own_right)))
     fundamental = {}
@@ -85,6 +102,21 @@ def evaluate_frame(frame: int, points: tuple[str, ...], views: FourViews, transf
         "seen": image,
         "recovered": {"L": recovered[:, :2], "R": recovered[:, 2:]},
     }
+
+
+def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
+    """The views without the lenses' distortion, if the user knows that. Raises BadInput."""
+    if (args.undistort is None) != (args.lens is None):
+        raise BadInput("--undistort and --lens go together: a distortion is about a centre, in focal lengths")
+    if args.undistort is None:
+        return views
+    (fx, fy, *centre), by = args.lens, Radial(*args.undistort)
+
+    def pair(images: NDArray) -> NDArray:
+        halves = (undistorted(images[..., side], (fx, fy), tuple(centre), by) for side in (slice(2), slice(2, 4)))
+        return np.concatenate(list(halves), -1)
+
+    return FourViews(pair(views.demo), pair(views.own), views.visible)
 
 
 def _frame(views: FourViews, k: int) -> FourViews:
@@ -103,7 +135,8 @@ def _read(args: argparse.Namespace) -> TrackedPoints:
 
 
 def _report(result: dict) -> None:
-    print(f"{result['transfer']} transfer, {len(result['points'])} points, {len(result['frames'])} frames")
+    how = "" if result["rectification"] is None else ", images rectified"
+    print(f"{result['transfer']} transfer{how}, {len(result['points'])} points, {len(result['frames'])} frames")
     print(f"{'frame':>7}{'usable':>8}{'E px²':>12}{'rms px':>9}{'condition':>11}{'flatness':>10}")
     for frame in result["frames"]:
         numbers = [

@@ -18,6 +18,7 @@ from .options import (
     add_json_option,
     add_run_options,
     add_setting_options,
+    add_undistort_option,
     between,
     naming,
     posture,
@@ -27,6 +28,7 @@ from .options import (
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_setting_options(parser, BEST)
+    add_undistort_option(parser)
     add_camera_option(parser)
     add_run_options(parser, BEST)
     number = between(int, 0, MAX_HISTORY)

@@ -40,6 +40,40 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
     parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
 
 
+def add_undistort_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--undistort",
+        type=radial,
+        metavar="K1,K2",
+        help="rid images of this radial distortion, by OpenCV's model, first (none)",
+    )
+
+
+def radial(text: str) -> tuple[float, float]:
+    """A type for argparse: k1 and k2."""
+    k1, k2 = _numbers(text, 2, "-0.05,0.01")
+    return k1, k2
+
+
+def lens(text: str) -> tuple[float, ...]:
+    """A type for argparse: focal lengths and centre of a lens, px."""
+    found = _numbers(text, 4, "600,600,320,240")
+    if min(found[:2]) <= 0:
+        raise argparse.ArgumentTypeError(f"focal lengths must be more than 0, got {text!r}")
+    return found
+
+
+def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
+    """Finite ones, separated by commas."""
+    try:
+        found = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        found = ()
+    if len(found) != count or not np.isfinite(found).all():
+        raise argparse.ArgumentTypeError(f"needs {count} numbers such as {such_as}, got {text!r}")
+    return found
+
+
 def add_rectify_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rectify",
@@ -83,7 +117,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     if args.scene is None and args.robot in scene_names():
         args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
     settings = defaults
-    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "rectify", "camera")
+    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "undistort", "rectify", "camera")
     given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():
         if value is not None:
@@ -96,6 +130,8 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     freed = tuple(range(1, len(scene.posture_deg) + 1)) if args.joints == ALL else args.joints
     with naming("--joints"):
         scene = load_scene(args.scene or settings.scene, args.robot, freed)
+    with naming("--undistort"):
+        scene = load_scene(args.scene or settings.scene, args.robot, freed, settings.undistort)
     with naming("--camera"):
         require_eyes(settings.camera, scene)
     points = layout(args, scene)

@@ -16,7 +16,7 @@ from .affine import fit_affine_fundamental
 from .fundamental import epipoles, fit_fundamental, homogeneous, sampson_distance
 
 NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
-LEAST_PX = 0.05  # rms distance from any affine geometry below which nothing is to be mended
+LEAST_PX = 1e-3  # rms distance from any affine geometry below which nothing is to be mended
 FEWEST = 16  # matches
 TRIMMED, FAR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
 TELLING = 12.0  # F-ratio of what the three further parameters of F explain to what they leave
@@ -89,7 +89,7 @@ def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, N
     """The matches without those that are far from the geometry of the others; all, if these would be too few."""
     for _ in range(TRIMMED):
         away = np.abs(distance(left, right))
-        near = away <= np.maximum(FAR * np.median(away), LEAST_PX / 10)
+        near = away <= np.maximum(FAR * np.median(away), LEAST_PX)
         if near.all() or near.sum() < FEWEST:
             break
         left, right = left[near], right[near]

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
+from ..geometry.distortion import Radial
 from .camera import StereoHead
 from .lens import Lens
 from .robot import BodyPoints, Robot
@@ -28,7 +29,8 @@ class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The stereo head: position m, baseline m, image and focal length px, gaze points m.
 
-    toe_in_deg: how far each camera is turned inwards from parallel, if they are not `verged` on the gaze point.
+    toe_in_deg: how far each camera is turned inwards from parallel, if they are not `verged` on the gaze point;
+    undistort: (k1, k2) of the distortion that images are rid of before anybody sees them.
     """
 
     position: Vector
@@ -40,11 +42,13 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     gaze_learner: Vector
     verged: bool = False
     toe_in_deg: float = 0.0
+    undistort: tuple[float, float] = (0.0, 0.0)
     left: Eye = Eye()
     right: Eye = Eye()
 
     def lens(self, eye: Eye) -> Lens:
-        return Lens(eye.focal or (self.focal, self.focal), eye.centre or self.centre, eye.distortion)
+        focal, centre = eye.focal or (self.focal, self.focal), eye.centre or self.centre
+        return Lens(focal, centre, Radial(*eye.distortion), Radial(*self.undistort))
 
 
 class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -132,14 +136,17 @@ def robot_names() -> list[str]:
 
 
 def load_scene(
-    name: str | Path = "panda", robot: str | Path | None = None, joints: tuple[int, ...] | None = None
+    name: str | Path = "panda",
+    robot: str | Path | None = None,
+    joints: tuple[int, ...] | None = None,
+    undistort: tuple[float, float] | None = None,
 ) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
     scene of that name beside the file, or else from the shipped one.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
-    robot's limits and start at rest.
+    robot's limits and start at rest. undistort: (k1, k2) in place of the head's.
     Raises ValueError that names the file and the field.
     """
     path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
@@ -151,6 +158,8 @@ def load_scene(
         scene = msgspec.convert(_read(path), Scene)
         robot = str(robot) if robot is not None else _beside(path, scene.robot)
         scene = msgspec.structs.replace(scene, robot=robot)
+        if undistort is not None:
+            scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
         _check(scene)
         scene = scene if joints is None else _freed(scene, joints)
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
@@ -170,7 +179,8 @@ def _check_head(head: Head) -> None:
         if min(lens.focal) <= 0:
             raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
         if not lens.shows(corners):
-            raise ValueError(f"head.{name}: distortion {lens.distortion} folds its image before the corners")
+            told = f"{eye.distortion}, undistorted by {head.undistort}," if lens.undone.bends else f"{eye.distortion}"
+            raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
 
 
 def load_robot(name: str | Path) -> Robot:

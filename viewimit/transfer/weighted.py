@@ -2,9 +2,9 @@
 
 Rectified, a pair of views of a point is a triple t = (x_L, (y_L + y_R)/2, x_R), which is the point in space up to a
 projective map; so the demonstrator's images follow from the own ones by one homography G of space: ẑ_i = G [t_i; 1],
-read as (x_l, y, x_r, y). e_i = z_i - ẑ_i has the covariance Σ_i = D_i D_iᵀ + K_i K_iᵀ px² for noise of 1 px in all four
-images: D_i is the derivative of the rectification at the demonstrator's point, K_i that of ẑ_i by the own point in px.
-Σ_i is frozen at one own image; farther off it may be nearly singular.
+read as (x_l, y, x_r, y). e_i = z_i - ẑ_i has the covariance Σ_i = D_i D_iᵀ + κ K_i K_iᵀ px² for noise of 1 px in the
+demonstrator's images and of √κ px in the own ones: D_i is the derivative of the rectification at the demonstrator's
+point, K_i that of ẑ_i by the own point in px. Σ_i is frozen at one own image; farther off it may be nearly singular.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..geometry.rectification import NEAREST, Rectification
 from ..views import FourViews
 
-OWN_SHARE = 1.0  # of the own images' variance
+OWN_SHARE = 0.1  # of the own images' variance to the demonstrator's: many visits tell of each of them
 STEPS = 3  # of Gauss and Newton
 STEADY = 1e-10  # of the normal equations' mean diagonal, added to it
 STEP_PX = 1e-3  # of difference quotients
@@ -26,28 +26,30 @@ EQUAL = np.linalg.inv(np.linalg.cholesky(np.diag([1.0, 2, 1, 2])))  # weights be
 
 @dataclass(frozen=True)
 class Weighted:
-    """Weights for images that are like one own image. rectification: of all; weight: (N, 4, 4), Cᵀ with C Cᵀ = Σ⁻¹."""
+    """Weights for images that are like one own image. rectification: of all; frame: about which they are fitted;
+    weight: (N, 4, 4), Cᵀ with C Cᵀ = Σ⁻¹."""
 
     rectification: Rectification
+    frame: "Frame"
     weight: NDArray
 
     @classmethod
     def like(cls, views: FourViews, rectification: Rectification) -> "Weighted":
         """views: of one posture, whose own images are taken for the weights."""
         z, t = rectification.apply(views.demo), _triples(rectification, views.own)
-        even = np.broadcast_to(EQUAL, (len(z), 4, 4))
-        G, scale = _fit(z, t, even)
+        frame = Frame.of(z, t)
+        G = _fit(z, t, np.broadcast_to(EQUAL, (len(z), 4, 4)), frame)
         aside = STEP_PX * np.eye(4)
-        moved = [_mapped(G, scale, _triples(rectification, views.own + step)) for step in aside]
-        K = (np.stack(moved, -1) - _mapped(G, scale, t)[..., None]) / STEP_PX
+        moved = [_mapped(G, _triples(rectification, views.own + step), frame) for step in aside]
+        K = (np.stack(moved, -1) - _mapped(G, t, frame)[..., None]) / STEP_PX
         D = (np.stack([rectification.apply(views.demo + step) for step in aside], -1) - z[..., None]) / STEP_PX
         covariance = D @ np.swapaxes(D, -1, -2) + OWN_SHARE * K @ np.swapaxes(K, -1, -2)
-        return cls(rectification, np.linalg.inv(np.linalg.cholesky(covariance)))
+        return cls(rectification, frame, np.linalg.inv(np.linalg.cholesky(covariance)))
 
     def residual(self, views: FourViews) -> NDArray:
         """e C: (..., N, 4) px of the images as seen. views: own (..., N, 4) px, demo (N, 4)."""
         z, t = self.rectification.apply(views.demo), _triples(self.rectification, views.own)
-        e = z - _mapped(*_fit(z, t, self.weight), t)
+        e = z - _mapped(_fit(z, t, self.weight, self.frame), t, self.frame)
         return np.einsum("nij,...nj->...ni", self.weight, e)
 
 
@@ -56,17 +58,27 @@ def _triples(rectification: Rectification, own: NDArray) -> NDArray:
     return rectification.apply(own) @ TO_TRIPLE.T
 
 
-Scale = tuple[NDArray, float]
+@dataclass(frozen=True)
+class Frame:
+    """In which equations are well conditioned: means (3,) and scales px of the own and the demonstrator's triples."""
+
+    own_mean: NDArray
+    own_scale: float
+    demo_mean: NDArray
+    demo_scale: float
+
+    @classmethod
+    def of(cls, z: NDArray, t: NDArray) -> "Frame":
+        """z: (N, 4), t: (N, 3) rectified px."""
+        demo = z @ TO_TRIPLE.T
+        return cls(t.mean(0), float(t.std()), demo.mean(0), float(demo.std()))
 
 
-def _fit(z: NDArray, t: NDArray, weight: NDArray) -> tuple[NDArray, tuple[Scale, Scale]]:
-    """G: (..., 4, 4) between centred and scaled points, and how they are. z: (N, 4), t: (..., N, 3) rectified px."""
-    of_t = t.reshape(-1, 3).mean(0), float(t.reshape(-1, 3).std())
-    of_z = (z @ TO_TRIPLE.T).mean(0), float((z @ TO_TRIPLE.T).std())
-    h = _homogeneous((t - of_t[0]) / of_t[1])
-    target = (z @ TO_TRIPLE.T - of_z[0]) / of_z[1]
-    pair = TO_PAIR @ of_z[0]
-    left = (z - pair) / of_z[1]
+def _fit(z: NDArray, t: NDArray, weight: NDArray, frame: Frame) -> NDArray:
+    """G: (..., 4, 4), in the frame. z: (N, 4), t: (..., N, 3) rectified px."""
+    h = _homogeneous((t - frame.own_mean) / frame.own_scale)
+    target = (z @ TO_TRIPLE.T - frame.demo_mean) / frame.demo_scale
+    wanted = (z - TO_PAIR @ frame.demo_mean) / frame.demo_scale
     hh = (h[..., :, None] * h[..., None, :]).reshape(*h.shape[:-1], 16)
     A = weight @ TO_PAIR  # (N, 4, 3): of ẑ's three coordinates
     # ẑ of a G is linear in G but for its depth: first as if that were 1, by the observed triple
@@ -79,7 +91,7 @@ def _fit(z: NDArray, t: NDArray, weight: NDArray) -> tuple[NDArray, tuple[Scale,
         q = h @ np.swapaxes(G, -1, -2)
         depth = np.maximum(q[..., 3], NEAREST)
         found = q[..., :3] / depth[..., None]
-        e = np.einsum("nij,...nj->...ni", weight, left - found @ TO_PAIR.T)
+        e = np.einsum("nij,...nj->...ni", weight, wanted - found @ TO_PAIR.T)
         B = np.concatenate([np.broadcast_to(A, found.shape[:-1] + (4, 3)), -(A @ found[..., None])], -1)
         M = _normal(B, hh, depth)
         gauge = G.reshape(*G.shape[:-2], 16)
@@ -87,14 +99,13 @@ def _fit(z: NDArray, t: NDArray, weight: NDArray) -> tuple[NDArray, tuple[Scale,
         slope = np.einsum("...nba,...nb,...nc->...ac", B, e, h / depth[..., None])
         G = G + np.linalg.solve(_steadied(M), slope.reshape(*G.shape[:-2], 16, 1)).reshape(G.shape)
         G = G / np.maximum(np.abs(G[..., 3:, 3:]), NEAREST)
-    return G, (of_t, of_z)
+    return G
 
 
-def _mapped(G: NDArray, scales: tuple[Scale, Scale], t: NDArray) -> NDArray:
+def _mapped(G: NDArray, t: NDArray, frame: Frame) -> NDArray:
     """ẑ: (..., N, 4) rectified px of triples t (..., N, 3)."""
-    (mean_t, scale_t), (mean_z, scale_z) = scales
-    q = _homogeneous((t - mean_t) / scale_t) @ np.swapaxes(G, -1, -2)
-    triple = q[..., :3] / np.maximum(q[..., 3:], NEAREST) * scale_z + mean_z
+    q = _homogeneous((t - frame.own_mean) / frame.own_scale) @ np.swapaxes(G, -1, -2)
+    triple = q[..., :3] / np.maximum(q[..., 3:], NEAREST) * frame.demo_scale + frame.demo_mean
     return triple @ TO_PAIR.T
 
 

@@ -125,8 +125,7 @@ def _turns(axis: NDArray, angle) -> NDArray:
 def _project(camera: Camera, points: NDArray) -> NDArray:
     """points: (..., 3) m in the world → (..., 2) px."""
     in_camera = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, :3]
-    on_plane, (k1, k2) = in_camera[..., :2] / in_camera[..., 2:], camera.lens.distortion
-    if k1 or k2:
-        squared = (on_plane**2).sum(-1, keepdims=True)
-        on_plane = on_plane * (1 + k1 * squared + k2 * squared**2)
+    on_plane = in_camera[..., :2] / in_camera[..., 2:]
+    if camera.lens.bends:
+        on_plane = on_plane * camera.lens.stretch((on_plane**2).sum(-1, keepdims=True))
     return camera.lens.focal * on_plane + camera.lens.centre

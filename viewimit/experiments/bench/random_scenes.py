@@ -235,7 +235,8 @@ def _any_head(head: Head, rng: np.random.Generator) -> Head:
     for side in ("left", "right"):
         across = head.focal * float(rng.uniform(*ZOOM))
         focal = across, across * float(rng.uniform(*OBLONG))
-        eyes[side] = Eye(focal, _moved(head.centre, rng.uniform(-OFFSET_PX, OFFSET_PX, 2)))
+        x, y = _moved(head.centre, rng.uniform(-OFFSET_PX, OFFSET_PX, 2))
+        eyes[side] = Eye(focal, (x, y))
     return msgspec.structs.replace(head, toe_in_deg=float(rng.uniform(*TOE_IN_DEG)), **eyes)
 
 
@@ -247,8 +248,8 @@ def _between(known: list[tuple], rng: np.random.Generator) -> list[tuple]:
         others = [point[1:] for point in known if point[0] == link and list(point[1:]) != first]
         if others:
             second, share = others[int(rng.integers(len(others)))], rng.uniform()
-            point = np.array(first) + share * (np.array(second) - first)
-            points[(link, *point.tolist())] = None
+            new = link, *(np.array(first) + share * (np.array(second) - first)).tolist()
+            points[new] = None
     return list(points)
 
 

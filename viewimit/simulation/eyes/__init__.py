@@ -41,7 +41,8 @@ def require_eyes(camera: str, scene: Scene) -> None:
         raise ValueError(f"camera images need what is not installed: pip install 'viewimit[{extras}]'")
     if scene.robot not in marker_names():
         raise ValueError(f"camera images need markers on the arm, which {' and '.join(marker_names())} have")
-    if any(eye.distortion != (0.0, 0.0) for eye in (scene.head.left, scene.head.right)):
+    head = scene.stereo_head()
+    if head.left.bends or head.right.bends:
         raise ValueError("camera images are rendered without distortion: leave it out of the scene's head")
 
 

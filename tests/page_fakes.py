@@ -27,6 +27,7 @@ from viewimit.app.control.commands.method import (
     change_servo,
     change_transfer,
     switch_camera,
+    switch_rectify,
 )
 from viewimit.app.control.commands.session import (
     ChoosePreset,
@@ -65,6 +66,7 @@ CONTROLS = {  # what a browser's values become
     "joints": FreeJoints.parse,
     "seed": change_seed,
     "points": change_points,
+    "rectify": switch_rectify,
     "camera": switch_camera,
     "transfer": change_transfer,
     "servo": change_servo,

@@ -7,7 +7,7 @@ from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
 from ..control.commands.display import ChoosePoint, FitView, Switch
-from ..control.commands.method import change_points, switch_camera
+from ..control.commands.method import change_points, switch_camera, switch_rectify
 from ..control.names import NO_POINT
 from ..control.state import PageState
 from .panel import Layout, Panel
@@ -31,12 +31,14 @@ class DisplayPanel(Panel):
         with gui.add_folder("Display", expand_by_default=False):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
+            self._rectify = gui.add_checkbox("Rectify if needed", True)
             self._camera = gui.add_checkbox("Camera images", False)
             self._why_not = gui.add_html("", visible=False)
             self._switches = {name: gui.add_checkbox(label, state.view.on(name)) for label, name in SWITCHES}
             fit = gui.add_button("Fit view")
         queue.on_value(self._chosen, ChoosePoint.parse)
         queue.on_value(self._points, change_points)
+        queue.on_value(self._rectify, switch_rectify)
         queue.on_value(self._camera, switch_camera)
         for name, handle in self._switches.items():
             queue.on_value(handle, partial(Switch.parse, name))
@@ -58,6 +60,7 @@ class DisplayPanel(Panel):
             self._offer(state)
         put(self._chosen, NO_POINT if view.chosen is None else str(view.chosen))
         put(self._points, self._markers or f"{settings.points} points")
+        put(self._rectify, settings.rectify == "auto")
         put(self._camera, settings.camera == "rendered")
         for name, handle in self._switches.items():
             put(handle, view.on(name))

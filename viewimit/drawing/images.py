@@ -59,8 +59,9 @@ def draw_images(
         if view in "LR" and chosen is not None:
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
+    rectified = "" if snapshot.rectification is None else ", then rectified"
     parts += [
-        f'<div class="vi-caption vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
+        f'<div class="vi-caption vi-over-{pair}">{words}{rectified} {ask(f"{pair}_views")}</div>'
         for pair, words in CAPTIONS.items()
     ]
     parts.append(draw_legend(whole_frames, gain, chosen))

@@ -57,6 +57,10 @@ def change_points(value: object) -> Change:
     return Change("points", round(number(words(value, "layout").split(" ")[0])))
 
 
+def switch_rectify(value: object) -> Change:
+    return Change("rectify", "auto" if switch(value) else "off")
+
+
 def switch_camera(value: object) -> Change:
     return Change("camera", "rendered" if switch(value) else "points")
 

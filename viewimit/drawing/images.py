@@ -20,6 +20,7 @@ SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, bu
 INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T  # views that a line is drawn in, and whose points it is of
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
 CAPTIONS = {"own": "the learner sees itself", "demo": "sees the demonstrator"}  # over L and R, over l and r
+RECTIFIED = {**CAPTIONS, "own": "the learner sees itself; all four then rectified"}
 
 
 def draw_images(
@@ -59,10 +60,10 @@ def draw_images(
         if view in "LR" and chosen is not None:
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
-    rectified = "" if snapshot.rectification is None else ", then rectified"
+    captions = CAPTIONS if snapshot.rectification is None else RECTIFIED
     parts += [
-        f'<div class="vi-caption vi-over-{pair}">{words}{rectified} {ask(f"{pair}_views")}</div>'
-        for pair, words in CAPTIONS.items()
+        f'<div class="vi-caption vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
+        for pair, words in captions.items()
     ]
     parts.append(draw_legend(whole_frames, gain, chosen))
     parts.append(draw_metrics(snapshot, lengths))

@@ -144,8 +144,8 @@ def equations(fitted: ProjectiveTransfer, demo: NDArray, own: NDArray, name: str
 
 METHOD = TransferMethod(
     title="Projective combination",
-    assumes="Parallel optical axes: both images of a pair have one depth. Then it is exact.",
-    fails="Verged cameras, and much noise: the demonstrator's is amplified, so average its frames.",
+    assumes="Parallel optical axes, or rectified images: both of a pair have one depth. Then it is exact.",
+    fails="Lenses that distort, and much noise: the demonstrator's is amplified, so average its frames.",
     fit=fit,
     stored=(ProjectiveTransfer,),
     equations=equations,

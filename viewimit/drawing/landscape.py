@@ -135,14 +135,17 @@ class LandscapePicture:
         return Placed((len(history), cursor), present, free, others, own, words)
 
     def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> "Placed | None":
-        """After one motion more the labels stay, if that keeps off them: they do not jump, and need not be placed."""
+        """While more motions keep off the labels, these stay: they do not jump, and need not be placed."""
         placed, present = self._placed, history[cursor]
-        if placed is None or placed.about != (cursor, cursor - 1) or history[cursor - 1] is not placed.present:
+        if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
             return None
-        line = self._plane.place(np.degrees([placed.present.theta, present.theta]))
+        since = history[placed.about[1] : cursor + 1]
+        if since[0] is not placed.present:
+            return None
+        line = self._plane.place(np.degrees([moment.theta for moment in since]))
         path = Labels(*placed.free.bounds)
         path.take_line(line, CLEAR)
-        path.take_points(line[1], NOW)
+        path.take_points(line[-1], NOW)
         if path.covers(placed.others).any():
             return None
         free = placed.free.copy()

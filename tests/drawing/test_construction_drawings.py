@@ -1,7 +1,7 @@
 """The chosen point's construction, drawn stage by stage."""
 
 import pytest
-from drawn import EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, marked, parsed
+from drawn import CHOSEN_POINT, EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, IMAGE_L, SPREAD, STEPS, marked, parsed
 
 from viewimit.analysis.construction import construct
 from viewimit.drawing.construction import describe, last_stage
@@ -21,7 +21,7 @@ def drawn(transfer, stage, whole=False):
     windows = image_windows(reach(session.world), session.scene.head.image)
     found = construct(snapshot, POINT)
     html = draw_images(snapshot, bodies, windows, POINT, whole, construction=found, stage=stage)
-    return {box.get("class").split("-")[-1]: box for box in parsed(html).iter("svg") if "vi-at-" in box.get("class")}
+    return {view: marked(parsed(html), "svg", IMAGE_L[:-1] + view)[0] for view in "lrLR"}
 
 
 def count(boxes, views, tag, kind):
@@ -35,21 +35,21 @@ def count(boxes, views, tag, kind):
 )  # fmt: skip
 def test_each_stage_adds_to_the_one_before(stage, rings, lines, ellipses):
     boxes = drawn("epipolar", stage)
-    assert [view for view in "lrLR" if marked(boxes[view], "circle", "vi-ring")] == list(rings)
+    assert [view for view in "lrLR" if marked(boxes[view], "circle", CHOSEN_POINT)] == list(rings)
     for view in "LR":
         assert [path.get("class") for path in marked(boxes[view], "path", EPIPOLAR_LINE)] == lines
     assert count(boxes, "lr", "path", EPIPOLAR_LINE) == [0, 0]
-    assert count(boxes, "LR", "ellipse", "vi-spread") == [ellipses] * 2
+    assert count(boxes, "LR", "ellipse", SPREAD) == [ellipses] * 2
 
 
 def test_all_of_it_has_the_lines_of_the_partner_too_and_the_ellipse():
     boxes = drawn("epipolar", None)
-    assert count(boxes, "LR", "path", EPIPOLAR_LINE) == [3, 3] and count(boxes, "LR", "ellipse", "vi-spread") == [1, 1]
+    assert count(boxes, "LR", "path", EPIPOLAR_LINE) == [3, 3] and count(boxes, "LR", "ellipse", SPREAD) == [1, 1]
 
 
 @pytest.mark.parametrize("transfer", ["linear", "rank3", "projective"])
 def test_where_no_lines_are_crossed_none_are_drawn_but_steps_are_carried_over(transfer):
-    steps = [count(drawn(transfer, stage), "lrLR", "path", "vi-steps") for stage in (0, 1, 2, None)]
+    steps = [count(drawn(transfer, stage), "lrLR", "path", STEPS) for stage in (0, 1, 2, None)]
     assert steps == [[0, 0, 0, 0], [1, 1, 0, 0], [1, 1, 1, 1], [1, 1, 1, 1]]
     assert not any(count(drawn(transfer, None), "lrLR", "path", EPIPOLAR_LINE))
 

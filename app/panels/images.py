@@ -14,7 +14,6 @@ class ImagesPanel(Panel):
         self._address = layout.address
         with layout.upper_tab("Images"):
             self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
-            self._large = layout.gui.add_html("")
 
     @property
     def html(self) -> str:
@@ -41,9 +40,9 @@ class ImagesPanel(Panel):
         )
         if self._address is not None:
             views = state.looked.views
-            put_html(self._links, point_links(self._address, len(views.demo), view.whole_frames))
+            points = point_links(self._address, len(views.demo), view.whole_frames)
+            put_html(self._links, points + _large(self._address, view.large))
             drawn += point_places(views.demo, views.own, views.visible, windows, view.whole_frames)
-            put_html(self._large, _large(self._address, view.large))
         put_html(self._images, drawn)
 
 

@@ -16,7 +16,7 @@ from . import svg
 
 # width and height of each view's drawing, in its own units, by whether whole frames are shown
 SIZES = {
-    False: {"l": (76, 142), "r": (76, 142), "L": (130, 211), "R": (130, 211)},
+    False: {"l": (76, 140), "r": (76, 140), "L": (130, 209), "R": (130, 209)},
     True: dict.fromkeys("lrLR", (210, 79)),
 }
 MARGIN = 10  # image px around the points: about half a link's thickness

@@ -14,7 +14,7 @@ from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
 COLUMNS, LETTER = (0, 86, 152, 258, 352), 5.4  # px, LETTER of a label
-LEGEND_SIZE, METRICS_SIZE = (424, 33), (424, 36)  # px
+LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px
 
 
 @lru_cache(256)

@@ -107,5 +107,5 @@ def _require_range(name: str, value: float, low: float, high: float) -> None:
         raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
 
 
-# What the page and `imitate` begin with; 25 images at each posture are a second of video
+# What `imitate` begins with, the page's second preset; 25 images at each posture are a second of video
 BEST = Settings(transfer="projective", servo="trust-region", frames=25)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ..control.commands.command import Command
-from ..control.commands.display import FitView, LetGo, NextPoint, ToggleHelp
+from ..control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp
 from ..control.commands.session import Play, Reset, Step, Undo
 from ..control.state import PageState
 from .help import help_html
@@ -18,7 +18,7 @@ class Key:
     named in the left panel, too."""
 
     cap: str
-    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H", "escape"]
+    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H", "C", "M", "escape"]
     word: str
     sentence: str
     command: Command
@@ -31,9 +31,11 @@ KEYS = (
     Key("←", "arrowleft", "undo", "Undo: one motion back; at a start, what was before it", Undo()),
     Key("R", "R", "reset", "Reset to the start", Reset()),
     Key("N", "N", "next point", "Choose the next point", NextPoint()),
+    Key("C", "C", "construct", "Build up, step by step, how the chosen point is recovered", BuildUp()),
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),
-    Key("Esc", "escape", "let go", "Let the see-through arm go", LetGo()),
+    Key("M", "M", "large", "Images large, then figures, then all as before", NextLarger()),
+    Key("Esc", "escape", "let go", "Let go of the see-through arm and of what is large", LetGo()),
 )
 
 

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..checks import number
+from ..checks import choice, number
 from ..page_model import PageModel
 from .command import Command
-from .display import ChoosePoint, LayOut, LetGo, PreferDark
+from .display import BuildUp, ChoosePoint, Enlarge, LetGo, Switch
 from .session import Scrub, StartAt
 
 
@@ -64,11 +64,18 @@ class StartThere(Command):
         StartAt(tuple(np.degrees(moment.theta).tolist())).apply(model, now)
 
 
+def _told(name: str) -> Callable[[str], Command]:
+    """What a browser says of itself, by a picture that it chooses: see `told` among the panels."""
+    return lambda value: Switch(name, choice(value, {"0": False, "1": True}, name))
+
+
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
-    "dark": PreferDark.parse,
+    "dark": _told("prefers_dark"),
     "point": TogglePoint.parse,
-    "layout": LayOut.parse,
+    "layout": _told("wide"),
     "posture": TouchPosture.parse,
+    "construction": lambda value: BuildUp(),
+    "large": Enlarge.parse,
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,

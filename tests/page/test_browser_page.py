@@ -432,5 +432,4 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_
     page.get_by_role("tab", name="Experiments").click()
     choose(page, "Experiment", "Fig. 10: trajectory imitation")
     click(page, "Run")
-    wait_for_progress(page, "done")
-    assert "<b>wave</b>" in page.text_content(EXPERIMENT)
+    wait(page, lambda: "<b>wave</b>" in page.text_content(EXPERIMENT) and "done" in progress(page))

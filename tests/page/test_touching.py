@@ -102,12 +102,12 @@ def test_a_click_on_a_moment_of_the_curves_goes_there_also_while_the_arm_moves(p
 
 def test_a_changed_preset_says_so_is_restored_by_choosing_it_and_brought_back_by_undo(page):
     shown = lambda: page.get_by_label("Preset", exact=True).first.input_value()
-    preset = shown().removesuffix(" (modified)")
+    preset = shown().removeprefix("(modified) ")
     set_number(page, "θ₂", 60)
-    wait(page, lambda: shown() == f"{preset} (modified)")
+    wait(page, lambda: shown() == f"(modified) {preset}")
     choose(page, "Preset", preset)
     wait(page, lambda: shown() == preset)
     wait_for_status(page, "Ready")
     press(page, "ArrowLeft")
     wait_for_status(page, "Back is what was here before")
-    wait(page, lambda: shown() == f"{preset} (modified)")
+    wait(page, lambda: shown() == f"(modified) {preset}")

@@ -88,12 +88,15 @@ class LayOut(Value):
 
 
 class LetGo(Command):
-    """Of the see-through arm."""
+    """Of the help, or else of the see-through arm."""
 
     commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.see_through.let_go()
+        if model.view.help:
+            model.view = replace(model.view, help=False)
+        else:
+            model.see_through.let_go()
 
 
 class FitView(Command):

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from html import escape
 from typing import ClassVar
 
 import numpy as np
 
-from ..checks import number
+from viewimit.drawing.glossary import glossary
+
+from ..checks import choice, number
 from ..page_model import PageModel
+from ..presets import Preset
 from .command import Command
 from .display import ChoosePoint, LayOut, LetGo, PreferDark
-from .session import Scrub, StartAt
+from .session import Play, Scrub, StartAt
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,28 @@ class StartThere(Command):
         StartAt(tuple(np.degrees(moment.theta).tolist())).apply(model, now)
 
 
+@dataclass(frozen=True)
+class ShowWord(Command):
+    """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
+
+    key: str
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> ShowWord:
+        choice(value, glossary(), "entry of the glossary")
+        return cls(value)
+
+    def apply(self, model: PageModel, now: float) -> None:
+        entry = glossary()[self.key]
+        speed = 0.0 if entry.plays else model.player.speed
+        lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
+        model.begin_preset(Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)))
+        model.view = replace(model.view, help=False)
+        if entry.plays:
+            Play().apply(model, now)
+
+
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dark": PreferDark.parse,
     "point": TogglePoint.parse,
@@ -72,4 +98,5 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
+    "show": ShowWord.parse,
 }

@@ -33,13 +33,13 @@ KEYS = (
     Key("N", "N", "next point", "Choose the next point", NextPoint()),
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),
-    Key("Esc", "escape", "let go", "Let the see-through arm go", LetGo()),
+    Key("Esc", "escape", "close", "Close the help, or let the see-through arm go", LetGo()),
 )
 
 
 class KeysPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._gui, self._queue = layout.gui, layout.queue
+        self._gui, self._queue, self._address = layout.gui, layout.queue, layout.address
         self._help: Any = None  # the open modal, whose class viser does not name
         self._gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
         for key in KEYS:
@@ -55,8 +55,8 @@ class KeysPanel(Panel):
         if state.view.help:
             self._help = self._gui.add_modal("viewimit: what is seen here")
             with self._help:
-                self._gui.add_html(help_html(key_caps(KEYS)))
-                done = self._gui.add_button("Close")
+                done = self._gui.add_button("Close")  # first, so that it has the focus and is in sight
+                self._gui.add_html(help_html(key_caps(KEYS), self._address))
             self._queue.on_click(done, ToggleHelp())
 
     def _add_hotkey(self, key: Key) -> None:

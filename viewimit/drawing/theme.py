@@ -16,6 +16,7 @@ ROLES = {
     "demonstrator-edge": ("#8a5a00", "#ffdf9e"),
     "recovered": ("#007f5c", "#3fd0a2"),
     "residual": ("#d55e00", "#ff8440"),
+    "residual-edge": ("#b34e00", "#ff8440"),  # for its words
     "opponent": ("#6a3fa0", "#b99cf5"),
     "chosen": ("#b0508a", "#e79ac6"),
     "stopped": ("#d0342c", "#ff6b61"),

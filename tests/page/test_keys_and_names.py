@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from browsing import HELP, choose, open_page, pause, press, row, wait, wait_for_count, wait_for_status
+from browsing import HELP, POSTURE, choose, open_page, pause, posture, press, row, wait, wait_for_count, wait_for_status
 
 pytestmark = pytest.mark.browser
 TABS = ("Curves", "Equations", "Duel", "Experiments", "Motions", "Landscape")
@@ -185,3 +185,26 @@ def test_no_hint_is_seen_while_a_slider_is_dragged(page):
     page.mouse.move(box["x"] + 40, box["y"] + 4, steps=4)
     assert float(thumb.get_attribute("aria-valuenow")) > 0 and not any(one.is_visible() for one in hint.all())
     page.mouse.up()
+
+
+def test_who_asks_for_less_motion_sees_arms_jump_and_folders_open_at_once(page):
+    page.emulate_media(reduced_motion="reduce")
+    long = "[...document.querySelectorAll('*')].filter(e => parseFloat(getComputedStyle(e).transitionDuration) > .001)"
+    moving = "document.getAnimations().filter(a => a.effect.getComputedTiming().duration > 1)"
+    assert page.evaluate(f"[...{long}, ...{moving}].length") == 0
+    press(page, "r")
+    wait_for_status(page, "Ready")
+    before = posture(page)
+    page.evaluate(
+        """where => {
+      window.postures = [];
+      const told = () => window.postures.push([...document.querySelectorAll(where)].map(e => e.textContent).join());
+      new MutationObserver(told).observe(document.body, {childList: true, subtree: true});
+    }""",
+        POSTURE,
+    )
+    press(page, "ArrowRight")
+    wait(page, lambda: posture(page) != before)
+    pause(page)
+    assert len(set(page.evaluate("window.postures"))) <= 2  # where it was and where it is
+    page.emulate_media(reduced_motion="no-preference")

@@ -73,6 +73,21 @@ class PreferDark(Command):
 
 
 @dataclass(frozen=True)
+class PreferStill(Command):
+    """Whether the browser asks for less motion: arms are then seen where they arrive, not on their way."""
+
+    still: bool
+    commutes: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> PreferStill:
+        return cls(choice(value, {"0": False, "1": True}, "preference"))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.player.still = self.still
+
+
+@dataclass(frozen=True)
 class LayOut(Value):
     """For a window with room for more, or not. Browsers ask for it by themselves."""
 

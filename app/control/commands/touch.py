@@ -15,7 +15,7 @@ from ..checks import choice, number
 from ..page_model import PageModel
 from ..presets import Preset
 from .command import Command
-from .display import ChoosePoint, LayOut, LetGo, PreferDark
+from .display import ChoosePoint, LayOut, LetGo, PreferDark, PreferStill
 from .session import Play, Scrub, StartAt
 
 
@@ -92,6 +92,7 @@ class ShowWord(Command):
 
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dark": PreferDark.parse,
+    "still": PreferStill.parse,
     "point": TogglePoint.parse,
     "layout": LayOut.parse,
     "posture": TouchPosture.parse,

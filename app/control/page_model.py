@@ -28,6 +28,7 @@ from .duel import Duel
 from .experiments import Experiments
 from .joints import Freedom
 from .landscapes import Basins, DuelLandscapes, OwnLandscape
+from .moments.imitated import Imitated
 from .moments.past import Left, Past
 from .moments.see_through import SeeThrough
 from .motions import Motions
@@ -61,7 +62,7 @@ class PageModel:
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
         self.view, self.freedom, self.on_the_way = View(), Freedom(), OnTheWay()
-        self.see_through = SeeThrough(self.session)
+        self.see_through, self.imitated = SeeThrough(self.session), Imitated(self.session)
         self.presets = presets_from(settings)
         self.preset = next(iter(self.presets.values()))
         self._of_presets: dict[str, Settings] = {}  # as a session has them
@@ -175,6 +176,7 @@ class PageModel:
             self.view = replace(self.view, chosen=None)
         self.on_the_way, self._appearance = OnTheWay(), None
         self.see_through.let_go()
+        self.imitated.stop()
         self.generation += 1
 
     def go_on(self, memory: SavedSession) -> None:
@@ -226,6 +228,8 @@ class PageModel:
     def poses(self, now: float) -> tuple[NDArray, ...]:
         """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
         is one."""
+        if (seen := self.imitated.moment(now)) is not None:
+            return seen.theta, seen.theta_demo
         learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
         if not others and (moment := self.see_through.moment) is not None:
             others = [moment.theta]
@@ -238,7 +242,7 @@ class PageModel:
         if player.runners[0].duration < shortest_motion:
             theta, moving = present.theta, False
         looked, shown = self.on_the_way.of(session, theta, moving)
-        see_through = self.see_through.moment
+        imitated, see_through = self.imitated.moment(now), self.see_through.moment
         if self.message is not None and now > self.message.until:
             self.message = None
         return PageState(
@@ -247,12 +251,13 @@ class PageModel:
             session=session,
             settings=session.settings,
             present=present,
-            looked=see_through or looked,
+            looked=imitated or see_through or looked,
             look_at=self._look_at,
             pictures=session.eyes.pictures(looked) if isinstance(session.eyes, RemoteEyes) else {},
-            shown=see_through or shown,
+            shown=imitated or see_through or shown,
             on_its_way=theta if moving else None,
-            see_through=see_through,
+            see_through=None if imitated else see_through,
+            imitated=self.imitated.describe() if imitated else None,
             playing=player.playing,
             speed=player.speed,
             cursor=player.cursor,

@@ -103,7 +103,7 @@ class LayOut(Value):
 
 
 class LetGo(Command):
-    """Of the help, or else of the see-through arm."""
+    """Of the help, or else of an imitation and the see-through arm."""
 
     commutes: ClassVar[bool] = True
 
@@ -111,6 +111,7 @@ class LetGo(Command):
         if model.view.help:
             model.view = replace(model.view, help=False)
         else:
+            model.imitated.stop()
             model.see_through.let_go()
 
 

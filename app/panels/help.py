@@ -25,7 +25,8 @@ PARAGRAPHS = (
      " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
      " picture is taken on the way. Landscapes and experiments remain those of projected points."),
     ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
-     "paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab Motions."),
+     "paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab Motions;"
+     " See it shows both arms as it was imitated."),
 )  # fmt: skip
 
 

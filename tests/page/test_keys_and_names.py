@@ -191,7 +191,7 @@ def test_who_asks_for_less_motion_sees_arms_jump_and_folders_open_at_once(page):
     page.emulate_media(reduced_motion="reduce")
     long = "[...document.querySelectorAll('*')].filter(e => parseFloat(getComputedStyle(e).transitionDuration) > .001)"
     moving = "document.getAnimations().filter(a => a.effect.getComputedTiming().duration > 1)"
-    assert page.evaluate(f"[...{long}, ...{moving}].length") == 0
+    wait(page, lambda: page.evaluate(f"[...{long}, ...{moving}].length") == 0)
     press(page, "r")
     wait_for_status(page, "Ready")
     before = posture(page)

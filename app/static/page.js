@@ -6,12 +6,14 @@ const labelOf = element => {
 };
 const set = (element, name, value) => element.getAttribute(name) === value || element.setAttribute(name, value);
 const ICONS = {"list-search": "Commands", adjustments: "Settings", "arrow-back": "Back to the controls"};
+const NUMBER = "input[inputmode]";
 const FOLDER = ".mantine-Paper-root[data-with-border]>.mantine-Paper-root:first-child";
 
 // A slider's thumb and number box get the name and the range that stand around them; icons get names, folders a role
 const describe = () => {
   for (const thumb of document.querySelectorAll("[role=slider]")) {
-    const name = labelOf(thumb), box = thumb.closest(".mantine-Slider-root").parentElement.querySelector("input[type=text]");
+    const name = labelOf(thumb);
+    const box = thumb.closest(".mantine-Slider-root").parentElement.querySelector(NUMBER);
     const range = ["min", "max"].map(end => thumb.getAttribute(`aria-value${end}`).replace("-", "−")).join(" … ");
     set(thumb, "aria-label", name);
     if (box) {
@@ -64,11 +66,11 @@ document.addEventListener("click", event => {
 });
 
 // A number box that is left without a number shows its value again, and one out of its range says which that is
-const NUMBER = "input[inputmode=decimal],input[inputmode=numeric]";
 let value = "";
 document.addEventListener("focusin", event => { if (event.target.matches(NUMBER)) value = event.target.value; });
 document.addEventListener("input", event => {
-  const box = event.target, thumb = box.matches(NUMBER) && box.closest(".mantine-Flex-root").querySelector("[role=slider]");
+  const box = event.target;
+  const thumb = box.matches(NUMBER) && box.closest(".mantine-Flex-root").querySelector("[role=slider]");
   if (!thumb) return;
   const [low, high] = ["min", "max"].map(end => Number(thumb.getAttribute(`aria-value${end}`)));
   const out = box.value !== "" && !(low <= Number(box.value) && Number(box.value) <= high);

@@ -146,6 +146,16 @@ def test_a_number_box_without_a_number_shows_its_value_again_and_says_its_range(
     wait(page, lambda: seed.input_value() == "7")
 
 
+def test_a_number_box_writes_a_real_minus(page):
+    width = """(box, [text, font]) => {
+      const pen = document.createElement("canvas").getContext("2d");
+      pen.font = `20px ${font || getComputedStyle(box).fontFamily}`;
+      return pen.measureText(text).width;
+    }"""
+    box = page.get_by_label("θ₄, −180 … 0", exact=True)
+    assert box.evaluate(width, ["-", ""]) == box.evaluate(width, ["−", "Inter"]) != box.evaluate(width, ["-", "Inter"])
+
+
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)], ids=str)
 def test_the_help_closes_by_its_button_which_stays_in_sight_and_by_escape(page, size):
     page.set_viewport_size(dict(zip(("width", "height"), size)))

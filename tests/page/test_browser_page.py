@@ -77,7 +77,6 @@ def session(used_page):
     choose(used_page, "Preset", PRESETS[1].name)
     choose(used_page, "Preset", PRESETS[0].name)
     used_page.get_by_role("tab", name="Landscape").click()
-    used_page.evaluate("document.activeElement.blur()")  # arrows choose among tabs there
     wait(used_page, lambda: used_page.text_content(LESSON) == PRESETS[0].lesson)
     wait_for_status(used_page, "Ready")
     assert posture(used_page) == [25, -25]

@@ -33,6 +33,7 @@ from .experiments import Experiments
 from .joints import Freedom
 from .landscapes import Basins, DuelLandscapes, OwnLandscape
 from .moments.building import BuildingUp
+from .moments.imitated import Imitated
 from .moments.past import Left, Past
 from .moments.see_through import SeeThrough
 from .motions import Motions
@@ -67,7 +68,7 @@ class PageModel:
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
         self.view = View(chosen=_farthest_off(self.session.snapshot))
         self.freedom, self.on_the_way = Freedom(), OnTheWay()
-        self.see_through = SeeThrough(self.session)
+        self.see_through, self.imitated = SeeThrough(self.session), Imitated(self.session)
         self.building = BuildingUp()
         self.presets = presets_from(settings)
         self.preset = next(iter(self.presets.values()))
@@ -182,6 +183,7 @@ class PageModel:
         self.on_the_way, self._appearance = OnTheWay(), None
         self.see_through.let_go()
         self.building.end()
+        self.imitated.stop()
         self.generation += 1
 
     def go_on(self, memory: SavedSession) -> None:
@@ -233,6 +235,8 @@ class PageModel:
     def poses(self, now: float) -> tuple[NDArray, ...]:
         """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
         is one."""
+        if (seen := self.imitated.moment(now)) is not None:
+            return seen.theta, seen.theta_demo
         learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
         if not others and (moment := self.see_through.moment) is not None:
             others = [moment.theta]
@@ -245,7 +249,7 @@ class PageModel:
         if player.runners[0].duration < shortest_motion:
             theta, moving = present.theta, False
         looked, shown = self.on_the_way.of(session, theta, moving)
-        see_through = self.see_through.moment
+        imitated, see_through = self.imitated.moment(now), self.see_through.moment
         crossed = TRANSFERS[session.settings.transfer].crosses_lines
         if self.message is not None and now > self.message.until:
             self.message = None
@@ -255,12 +259,13 @@ class PageModel:
             session=session,
             settings=session.settings,
             present=present,
-            looked=see_through or looked,
+            looked=imitated or see_through or looked,
             look_at=self._look_at,
             pictures=session.eyes.pictures(looked) if isinstance(session.eyes, RemoteEyes) else {},
-            shown=see_through or shown,
+            shown=imitated or see_through or shown,
             on_its_way=theta if moving else None,
-            see_through=see_through,
+            see_through=None if imitated else see_through,
+            imitated=self.imitated.describe() if imitated else None,
             stage=None if self.view.chosen is None else self.building.stage(now, last_stage(crossed)),
             playing=player.playing,
             speed=player.speed,

@@ -68,8 +68,9 @@ class PageState:
 
     present: the session's moment; looked: what the images show, which `look_at` computes the arms' look of; pictures:
     JPEGs by view, of those that were taken; shown: what all else does; on_its_way: (m,) rad, where the arm is seen
-    while it moves; see_through: what would be seen elsewhere, which then is looked and shown, too. stage: up to which
-    the chosen point's construction is shown, None for all of it. speed: motions a
+    while it moves; see_through: what would be seen elsewhere, which then is looked and shown, too; imitated: a
+    sentence on an imitation that is looked and shown instead. stage: up to which the chosen point's construction is
+    shown, None for all of it. speed: motions a
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
     message: for the visitor; unsaved: why the session is not kept, None as far as is known. Session, duel, experiments
@@ -88,6 +89,7 @@ class PageState:
     on_its_way: NDArray | None
     see_through: Snapshot | None
     stage: int | None
+    imitated: str | None
     playing: bool
     speed: float
     cursor: int

@@ -35,13 +35,13 @@ KEYS = (
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),
     Key("M", "M", "large", "Images large, then figures, then all as before", NextLarger()),
-    Key("Esc", "escape", "let go", "Let go of the see-through arm and of what is large", LetGo()),
+    Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", LetGo()),
 )
 
 
 class KeysPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._gui, self._queue = layout.gui, layout.queue
+        self._gui, self._queue, self._address = layout.gui, layout.queue, layout.address
         self._help: Any = None  # the open modal, whose class viser does not name
         self._gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
         for key in KEYS:
@@ -57,8 +57,8 @@ class KeysPanel(Panel):
         if state.view.help:
             self._help = self._gui.add_modal("viewimit: what is seen here")
             with self._help:
-                self._gui.add_html(help_html(key_caps(KEYS)))
-                done = self._gui.add_button("Close")
+                done = self._gui.add_button("Close")  # first, so that it has the focus and is in sight
+                self._gui.add_html(help_html(key_caps(KEYS), self._address))
             self._queue.on_click(done, ToggleHelp())
 
     def _add_hotkey(self, key: Key) -> None:

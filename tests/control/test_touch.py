@@ -157,3 +157,15 @@ def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
     page.page.touch("start", "0")
     page.tick(1.0)
     assert "nothing has moved" not in page.shown and page.widget("Start θ₂").value == 20
+
+
+def test_who_asks_for_less_motion_sees_the_arm_where_it_arrives(visit):
+    model, visitor = visit
+    for value, seen_moving in (("1", False), ("0", True)):
+        touch(model, "still", value)
+        for motion in ("step", "undo"):
+            visitor.act(motion, now=5.0)
+            theta, moving = model.player.theta(5.1)
+            assert moving == seen_moving
+            assert seen_moving or theta is model.session.snapshot.theta
+        model.player.settle()

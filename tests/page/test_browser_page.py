@@ -37,6 +37,7 @@ from browsing import (
     posture,
     press,
     progress,
+    row,
     set_number,
     status,
     switch,
@@ -72,6 +73,7 @@ def used_page(browser, server):
 @pytest.fixture
 def session(used_page):
     """A page on which others have been, with its session as at first. Who changes more than that puts it right."""
+    press(used_page, "Escape")  # nothing is large
     choose(used_page, "Preset", PRESETS[1].name)
     choose(used_page, "Preset", PRESETS[0].name)
     used_page.get_by_role("tab", name="Landscape").click()
@@ -89,8 +91,8 @@ def test_a_new_visitor_sees_everything(page):
     assert posture(page) == [25, -25]
     tabs = ["Images", "Landscape", "Curves", "Equations", "Duel", "Experiments", "Motions"]
     assert page.get_by_role("tab").all_inner_texts() == tabs
-    assert "Epipolar (paper)" in [box.input_value() for box in page.locator("input[readonly]:visible").all()]
-    assert chosen_point(page) and page.locator(EPIPOLAR_LINE).count() == 12  # three in each image
+    assert row(page, "Transfer").locator("input:visible").first.input_value() == "Epipolar (paper)"
+    assert chosen_point(page) and page.locator(EPIPOLAR_LINE).count() == 15  # three in each image, and the legend's
 
 
 def test_playing_converges_and_says_so(session):
@@ -264,7 +266,7 @@ def test_keys_choose_points_and_show_the_help(session):
     before = chosen_point(page)
     press(page, "n")
     wait(page, lambda: chosen_point(page) != before)
-    assert page.locator(CHOSEN_POINT).count() == 4 and page.locator(EPIPOLAR_LINE).count() >= 8
+    assert page.locator(CHOSEN_POINT).count() >= 4 and page.locator(EPIPOLAR_LINE).count() >= 8
     press(page, "h")
     page.wait_for_selector(HELP)
     page.wait_for_timeout(500)
@@ -289,7 +291,7 @@ def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):
     usual = width(IMAGE_L), width(LEVELS)
     page.get_by_role("link", name="Images, large or not").click()
     wait(page, lambda: width(IMAGE_L) > 1.3 * usual[0] and not page.locator(LEVELS).first.is_visible())
-    page.get_by_role("link", name="image L, large or not").click()
+    page.get_by_role("link", name="image L, large or not", exact=True).click()
     wait(page, lambda: page.locator(f"{VIEW_NAME}:visible").all_text_contents() == ["L"])
     press(page, "Escape")
     wait(page, lambda: width(IMAGE_L) == usual[0])
@@ -429,5 +431,4 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_
     page.get_by_role("tab", name="Experiments").click()
     choose(page, "Experiment", "Fig. 10: trajectory imitation")
     click(page, "Run")
-    wait_for_progress(page, "done")
-    assert "<b>wave</b>" in page.text_content(EXPERIMENT)
+    wait(page, lambda: "<b>wave</b>" in page.text_content(EXPERIMENT) and "done" in progress(page))

@@ -88,6 +88,21 @@ class Enlarge(Command):
         model.view = replace(model.view, large=None if model.view.large == self.what else self.what)
 
 
+@dataclass(frozen=True)
+class PreferStill(Command):
+    """Whether the browser asks for less motion: arms are then seen where they arrive, not on their way."""
+
+    still: bool
+    commutes: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> PreferStill:
+        return cls(choice(value, {"0": False, "1": True}, "preference"))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.player.still = self.still
+
+
 class NextLarger(Command):
     """The images large, then the figures, then all as before."""
 
@@ -99,13 +114,17 @@ class NextLarger(Command):
 
 
 class LetGo(Command):
-    """Of the see-through arm, and of what is large."""
+    """Of the help, or else of an imitation, the see-through arm and what is large."""
 
     commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.see_through.let_go()
-        model.view = replace(model.view, large=None)
+        if model.view.help:
+            model.view = replace(model.view, help=False)
+        else:
+            model.imitated.stop()
+            model.see_through.let_go()
+            model.view = replace(model.view, large=None)
 
 
 class FitView(Command):

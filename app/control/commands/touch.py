@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from html import escape
 from typing import ClassVar
 
 import numpy as np
 
+from viewimit.drawing.glossary import glossary
+
 from ..checks import choice, number
 from ..page_model import PageModel
+from ..presets import Preset
 from .command import Command
-from .display import BuildUp, ChoosePoint, Enlarge, LetGo, Switch
-from .session import Scrub, StartAt
+from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
+from .session import Play, Scrub, StartAt
 
 
 @dataclass(frozen=True)
@@ -69,8 +73,31 @@ def _told(name: str) -> Callable[[str], Command]:
     return lambda value: Switch(name, choice(value, {"0": False, "1": True}, name))
 
 
+@dataclass(frozen=True)
+class ShowWord(Command):
+    """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
+
+    key: str
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> ShowWord:
+        choice(value, glossary(), "entry of the glossary")
+        return cls(value)
+
+    def apply(self, model: PageModel, now: float) -> None:
+        entry = glossary()[self.key]
+        speed = 0.0 if entry.plays else model.player.speed
+        lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
+        model.begin_preset(Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)))
+        model.view = replace(model.view, help=False)
+        if entry.plays:
+            Play().apply(model, now)
+
+
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dark": _told("prefers_dark"),
+    "still": PreferStill.parse,
     "point": TogglePoint.parse,
     "layout": _told("wide"),
     "posture": TouchPosture.parse,
@@ -79,4 +106,5 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
+    "show": ShowWord.parse,
 }

@@ -9,9 +9,12 @@ from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
 from .geometry.pairs import PairGeometry, fit_pairs
+from .servo import Certificate
 from .settings import Settings
 from .transfer import TRANSFERS, FittedTransfer
 from .views import FourViews
+
+AT_REST = ("converged", "rests", "untold", "stalled")  # statuses in which a servo asks for no motion worth making
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +25,7 @@ class Snapshot:
     views: what the learner saw, of all N points; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: ready, moving, converged, stalled, stopped; servo_state: None before the servo was asked;
+    status: ready, moving, converged, rests, untold, stalled, stopped; servo_state: None before the servo was asked;
     lag: looks that images come late, None until a motion has shown it;
     frozen: the transfer as it was fitted at the last convergence, None before.
     """
@@ -74,10 +77,14 @@ class Snapshot:
         return self.views.own - self.recovered
 
     @property
+    def certificate(self) -> Certificate | None:
+        """What the servo can tell of its posture; None if it gives none."""
+        return getattr(self.servo_state, "certificate", None)
+
+    @property
     def expected_error(self) -> float | None:
-        """rad, a standard deviation: what the noise of the images leaves to the worst joint, as the servo reckons;
-        None if it gives none."""
-        return getattr(self.servo_state, "expected", None)
+        """rad, the standard deviation of the worst joint's error, as the servo reckons; None if it gives none."""
+        return None if self.certificate is None else float(self.certificate.expected.max())
 
     def with_fields(self, **changes) -> "Snapshot":
         """As dataclasses.replace; what was found already is not found anew if views and transfer stay.

@@ -83,8 +83,8 @@ class Snapshot:
 
     @property
     def expected_error(self) -> float | None:
-        """rad, the standard deviation of the worst joint's error, as the servo reckons; None if it gives none."""
-        return None if self.certificate is None else float(self.certificate.expected.max())
+        """rad, of the worst joint, as the servo reckons: `Certificate.worst`; None if it gives none."""
+        return None if self.certificate is None else self.certificate.worst
 
     def with_fields(self, **changes) -> "Snapshot":
         """As dataclasses.replace; what was found already is not found anew if views and transfer stay.

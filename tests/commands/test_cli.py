@@ -54,7 +54,7 @@ def test_joints_that_nothing_tells_are_named_and_nothing_is_claimed(ask_json, as
     assert status == 0 and [joint["name"] for joint in told["joints"]] == ["theta2", "theta4"]
     assert all(joint["told"] for joint in told["joints"])
     assert [joint["deg"] for joint in told["joints"]] == told["final_deg"]
-    assert told["expected_error_deg"] == max(joint["expected_error_deg"] for joint in told["joints"])
+    assert told["expected_error_deg"] > max(joint["expected_error_deg"] for joint in told["joints"])
     few = "imitate", "--points", 5, "--demonstrator", "20,-30"
     status, told = ask_json(*few)
     assert status == 1 and told["status"] == "untold" and not told["converged"]

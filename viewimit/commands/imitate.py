@@ -92,7 +92,7 @@ def outcome(session: Session) -> dict:
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
         "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
-        "expected_error_deg": None if expected is None else np.degrees(expected.max()),
+        "expected_error_deg": None if known is None else np.degrees(known.certificate.worst),
         "joints": [
             {
                 "name": f"theta{joint}",

@@ -133,8 +133,8 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
     why = f"; {says}." if says else "."
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status == "converged":
-        if known is not None and known.expected.max() > EXACT:
-            why = f"; expects to be about {svg.short(float(np.degrees(known.expected.max())))}° off."
+        if known is not None and known.worst > EXACT:
+            why = f"; expects to be about {svg.short(float(np.degrees(known.worst)))}° off."
         return Said("arrived", f"{E} {after}{why}")
     if known is not None and known.untold:
         names = " and ".join(svg.joint_symbol(joints[k]) for k in known.untold)

@@ -10,6 +10,7 @@ How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of th
 """
 
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,13 @@ class Certificate:
     def claim(self) -> str:
         """The status in which a servo may rest where E is small."""
         return "untold" if not self.told.all() else "converged" if self.shown else "rests"
+
+    @property
+    def worst(self) -> float:
+        """rad: twice this holds the largest joint error as often as twice `expected` holds each (Šidák 1967)."""
+        each, together = NormalDist(), 2 * NormalDist().cdf(2.0) - 1
+        surely = each.inv_cdf((1 + together ** (1 / len(self.expected))) / 2)
+        return float(self.expected.max() * surely / 2)
 
     @property
     def untold(self) -> list[int]:

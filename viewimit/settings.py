@@ -100,5 +100,8 @@ def _require_range(name: str, value: float, low: float, high: float) -> None:
         raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
 
 
-# What the page and `imitate` begin with; 25 images at each posture are a second of video
+# `Settings()` is the paper's estimator, as `landscape`, `reproduce`, `evaluate` and the library's examples have it: it
+# assumes nothing of the cameras but that they are far away. This is what arrives, and what the page and `imitate` begin
+# with: the projective transfer is exact where optical axes are parallel, as in the shipped scene, which nobody knows of
+# his own pictures; 25 images at each posture are a second of video.
 BEST = Settings(transfer="projective", servo="trust-region", frames=25)

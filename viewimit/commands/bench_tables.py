@@ -120,8 +120,19 @@ def robustness_table(outcomes: list[robustness.Outcome]) -> str:
 
 def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
     """For people: a row a case. Shares of all runs, then of claims."""
-    heads = ("claimed", "not told", "no end", "median", "95 %", "off >1°", "and >3 exp.", "within 2 exp.")
-    heads, widths = (*heads, "rms", "expected"), (17, 17, 15, 8, 6, 19, 19, 20, 8, 10)
+    heads = (
+        "claimed",
+        "not told",
+        "no end",
+        "median",
+        "95 %",
+        "off >1°",
+        "and >3 exp.",
+        "within 2 exp.",
+        "rms",
+        "exp.",
+    )
+    widths = (17, 17, 15, 8, 6, 19, 19, 20, 8, 8)
     lines = [" " * 38 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
         shares = [_share(share) for share in (o.claimed, o.untold, o.unended)]

@@ -1,10 +1,11 @@
-"""Make fonts/Inter-Regular.ttf and fonts/Inter-SemiBold.ttf from fonts/Inter.woff2.
+"""Make fonts/Inter-Regular.ttf, fonts/Inter-SemiBold.ttf and fonts/Minus.woff2 from fonts/Inter.woff2.
 
     pip install fonttools brotli
     python assets/build_fonts.py
 
 Browsers take the variable font; what makes PNGs of drawings takes one file a weight, and not compressed. The raised T
-of a transposed matrix, which Inter lacks, is made of its T.
+of a transposed matrix, which Inter lacks, is made of its T. Minus has one character: the hyphen, as which browsers
+write the sign of a number in a box, looks like a real minus in it.
 """
 
 from pathlib import Path
@@ -38,6 +39,18 @@ def build(style: str, weight: int) -> None:
     font.save(FONTS / f"{FAMILY}-{style}.ttf")
 
 
+def build_minus() -> None:
+    font = instantiateVariableFont(TTFont(FONTS / "Inter.woff2", recalcTimestamp=False), {"wght": WEIGHTS["Regular"]})
+    minus = font.getBestCmap()[ord("−")]
+    for table in font["cmap"].tables:
+        table.cmap = {ord("-"): minus}
+    reduced = subset.Subsetter(subset.Options(layout_features=[], hinting=False, name_IDs=[]))
+    reduced.populate(unicodes=[ord("-")])
+    reduced.subset(font)
+    font.flavor = "woff2"
+    font.save(FONTS / "Minus.woff2")
+
+
 def _add_raised_t(font: TTFont) -> None:
     big = font.getBestCmap()[ord("T")]
     pen = TTGlyphPen(font.getGlyphSet())
@@ -54,3 +67,4 @@ def _add_raised_t(font: TTFont) -> None:
 if __name__ == "__main__":
     for each in WEIGHTS.items():
         build(*each)
+    build_minus()

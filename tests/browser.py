@@ -18,6 +18,7 @@ FLAGS = [
     "--use-gl=angle",
     "--use-angle=swiftshader",  # WebGL without a graphics card
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # what is not WebGL costs a third where no graphics card is imitated for it
 ]
 
 

@@ -23,6 +23,8 @@ LESSON = css(drawn.LESSON)
 KEYS = css(drawn.KEYS)
 VIEW_NAME = css(drawn.VIEW_NAME)
 EPIPOLAR_LINE = css(drawn.EPIPOLAR_LINE)
+HOW = f"{css(drawn.IMAGES)} {css(drawn.HOW)}"  # the chosen point is recovered
+IMAGE_L = f"{css(drawn.IMAGES)} {css(drawn.IMAGE_L)}"
 CHOSEN_POINT = f"circle{css(drawn.CHOSEN_POINT)}"
 LARGE_FIGURE = css(drawn.LARGE_FIGURE)
 LEVELS = css(drawn.LEVELS)
@@ -122,6 +124,11 @@ def pause(page) -> None:
 def posture(page) -> list[float]:
     """The learner's read-out, degrees."""
     return [float(text.replace("−", "-").rstrip("°")) for text in page.locator(POSTURE).all_text_contents()]
+
+
+def chosen_point(page) -> str:
+    """Its name, as the legend has it."""
+    return re.search(r"point (\S+), its", page.text_content(FOUR_IMAGES))[1]
 
 
 def stands(session) -> list[float]:

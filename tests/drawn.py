@@ -11,6 +11,10 @@ from collections.abc import Iterable
 VIEW_NAME = "vi-name"
 IMAGE_PLANE = "vi-plane"
 CHOSEN_POINT = "vi-ring"
+SPREAD = "vi-spread"  # ellipse, where it may be recovered
+STEPS = "vi-steps"  # from the middle of all points to it
+HOW = "vi-how"  # words
+IMAGE_L = "vi-at-L"
 EPIPOLAR_LINE = "vi-line"  # of any of the three other images
 FROM_LEFT = "vi-line"
 FROM_RIGHT = "vi-line vi-from-right"

@@ -99,6 +99,15 @@ class Snapshot:
         vars(other).update(kept, **changes)
         return other
 
+    def recovered_by(self, transfer: FittedTransfer) -> "Snapshot":
+        """The same views as a transfer that was fitted elsewhere recovers them."""
+        other = self.without_cache().with_fields()
+        if self.usable.any():
+            vars(other)["transfer"] = transfer
+            square = (other.e[self.usable] ** 2).sum()
+            vars(other)["E"] = float(square / (2 * self.usable.sum()))
+        return other
+
     def without_cache(self) -> "Snapshot":
         """A moment that holds its fields only: this one, if nothing that follows from them has been asked for yet."""
         return self if vars(self).keys() <= FIELDS else replace(self)

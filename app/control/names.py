@@ -24,8 +24,8 @@ def servo_names() -> dict[str, str]:
 
 
 def modified(preset: str) -> str:
-    """A preset whose settings have been changed."""
-    return f"{preset} (modified)"
+    """A preset whose settings have been changed; first of all that, as a narrow list cuts off what is last."""
+    return f"(modified) {preset}"
 
 
 def motions(count: int) -> str:

@@ -6,17 +6,21 @@ Commands are carried out on it; `state` tells the panels what to show.
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from typing import Any
 
 import msgspec
+import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.motion import Motion
 from viewimit.analysis.motion import encode as encode_motion
+from viewimit.drawing.construction import last_stage
 from viewimit.drawing.image_planes import Windows
 from viewimit.session import Session, complete
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.snapshot import Snapshot
+from viewimit.transfer import TRANSFERS
 
 from ..jobs.experiments import Run
 from ..jobs.session_eyes import RemoteEyes, SessionEyes
@@ -28,6 +32,8 @@ from .duel import Duel
 from .experiments import Experiments
 from .joints import Freedom
 from .landscapes import Basins, DuelLandscapes, OwnLandscape
+from .moments.building import BuildingUp
+from .moments.imitated import Imitated
 from .moments.past import Left, Past
 from .moments.see_through import SeeThrough
 from .motions import Motions
@@ -60,8 +66,10 @@ class PageModel:
         self.session = Session(settings, self._eyes, DENSE)
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
-        self.view, self.freedom, self.on_the_way = View(), Freedom(), OnTheWay()
-        self.see_through = SeeThrough(self.session)
+        self.view = View(chosen=_farthest_off(self.session.snapshot))
+        self.freedom, self.on_the_way = Freedom(), OnTheWay()
+        self.see_through, self.imitated = SeeThrough(self.session), Imitated(self.session)
+        self.building = BuildingUp()
         self.presets = presets_from(settings)
         self.preset = next(iter(self.presets.values()))
         self._of_presets: dict[str, Settings] = {}  # as a session has them
@@ -170,11 +178,12 @@ class PageModel:
 
     def _show_anew(self) -> None:
         """The world is another."""
-        chosen = self.view.chosen
-        if chosen is not None and chosen >= len(self.session.world.body):
-            self.view = replace(self.view, chosen=None)
+        if self.view.chosen is not None:
+            self.view = replace(self.view, chosen=min(self.view.chosen, len(self.session.world.body) - 1))
         self.on_the_way, self._appearance = OnTheWay(), None
         self.see_through.let_go()
+        self.building.end()
+        self.imitated.stop()
         self.generation += 1
 
     def go_on(self, memory: SavedSession) -> None:
@@ -226,6 +235,8 @@ class PageModel:
     def poses(self, now: float) -> tuple[NDArray, ...]:
         """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
         is one."""
+        if (seen := self.imitated.moment(now)) is not None:
+            return seen.theta, seen.theta_demo
         learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
         if not others and (moment := self.see_through.moment) is not None:
             others = [moment.theta]
@@ -238,7 +249,8 @@ class PageModel:
         if player.runners[0].duration < shortest_motion:
             theta, moving = present.theta, False
         looked, shown = self.on_the_way.of(session, theta, moving)
-        see_through = self.see_through.moment
+        imitated, see_through = self.imitated.moment(now), self.see_through.moment
+        crossed = TRANSFERS[session.settings.transfer].crosses_lines
         if self.message is not None and now > self.message.until:
             self.message = None
         return PageState(
@@ -247,12 +259,14 @@ class PageModel:
             session=session,
             settings=session.settings,
             present=present,
-            looked=see_through or looked,
+            looked=imitated or see_through or looked,
             look_at=self._look_at,
             pictures=session.eyes.pictures(looked) if isinstance(session.eyes, RemoteEyes) else {},
-            shown=see_through or shown,
+            shown=imitated or see_through or shown,
             on_its_way=theta if moving else None,
-            see_through=see_through,
+            see_through=None if imitated else see_through,
+            imitated=self.imitated.describe() if imitated else None,
+            stage=None if self.view.chosen is None else self.building.stage(now, last_stage(crossed)),
             playing=player.playing,
             speed=player.speed,
             cursor=player.cursor,
@@ -286,7 +300,7 @@ class PageModel:
     def _show_as(self, head: SavedPage) -> None:
         self.preset = self.presets.get(head.preset, self.preset)
         self.player.speed = head.speed
-        shown = {name: head.show[name] for name in SWITCHES if name in head.show}
+        shown: dict[str, Any] = {name: head.show[name] for name in SWITCHES if name in head.show}
         self.view = replace(self.view, dark=head.dark, **shown)
 
     def _make_motion(self, make: Callable[[], object]) -> None:
@@ -306,6 +320,12 @@ class PageModel:
         if self._encoded is None or self._encoded[0] is not motion:
             self._encoded = motion, encode_motion(motion)
         return self._encoded[1]
+
+
+def _farthest_off(moment: Snapshot) -> int | None:
+    """The point with the largest residual, which shows best what a conflict is."""
+    squares = np.nansum(moment.e**2, -1)
+    return None if moment.transfer is None else int(np.argmax(squares))
 
 
 def on_points(settings: Settings) -> Settings:

@@ -29,10 +29,10 @@ class Runner:
         self._motion = None
 
     def move(self, now: float, duration: float) -> None:
-        """One motion, seen for so long."""
+        """One motion, seen for so long, 0 for not on its way."""
         before, motion = self.session.snapshot.theta, self.session.snapshot.motion
         self.step()
-        if self.session.snapshot.motion > motion:
+        if duration and self.session.snapshot.motion > motion:
             self._motion = before, now, duration
 
     def seen_from(self, now: float, asked: float) -> None:
@@ -71,7 +71,8 @@ class Runner:
 
 
 class Player:
-    """speed: motions a second, 0 as fast as it computes. While all servos rest nothing is stepped.
+    """speed: motions a second, 0 as fast as it computes; still: arms are not seen on their way. While all servos rest
+    nothing is stepped.
 
     runners: the visitor's own first; all are stepped motion for motion, and one that rests waits for the others.
     """
@@ -79,7 +80,7 @@ class Player:
     def __init__(self, session: Session):
         self.runners = [Runner(session)]
         self.speed = 2.0
-        self.playing = False
+        self.playing = self.still = False
         self._next = 0.0
 
     @property
@@ -131,12 +132,12 @@ class Player:
         else:
             self._next = max(self._next, now - LATE) + 1 / self.speed
             for runner in self._awake:
-                runner.move(now, min(MOTION_SHARE / self.speed, LONGEST_MOTION))
+                runner.move(now, self._seen_for(min(MOTION_SHARE / self.speed, LONGEST_MOTION)))
 
     def step(self, now: float) -> None:
         """One motion, as when playing slowly."""
         for runner in self.runners:
-            runner.move(now, SINGLE_STEP)
+            runner.move(now, self._seen_for(SINGLE_STEP))
 
     def undo(self, now: float) -> None:
         """One motion back, seen as one."""
@@ -146,11 +147,14 @@ class Player:
         """To the moment after that many motions, if there is one; a runner that made fewer stays at its last."""
         if 0 <= motion <= self.last:
             for runner in self.runners:
-                runner.scrub(motion, now)
+                runner.scrub(motion, None if self.still else now)
 
     def theta(self, now: float) -> tuple[NDArray, bool]:
         """Where the visitor's own arm is seen, (m,) rad, and whether it is on its way."""
         return self.runners[0].theta(now)
+
+    def _seen_for(self, duration: float) -> float:
+        return 0.0 if self.still else duration
 
     @property
     def _awake(self) -> list[Runner]:

@@ -21,16 +21,16 @@ class Preset:
 
 PRESETS = (
     Preset(
-        "Beyond the paper",
-        BEST,
-        2,
-        "No bias, a handful of motions: it asks for E of images that it predicts.",
-    ),
-    Preset(
         "Paper, Section 5.3",
         Settings(),
         2,
         "Ten points in four images: where their conflict E is least, arms nearly agree.",
+    ),
+    Preset(
+        "Beyond the paper",
+        BEST,
+        2,
+        "No bias, a handful of motions: it asks for E of images that it predicts.",
     ),
     Preset(
         "The paper's own law",

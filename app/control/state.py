@@ -6,6 +6,7 @@ from functools import cached_property
 
 from numpy.typing import NDArray
 
+from viewimit.analysis.construction import Construction, construct
 from viewimit.analysis.joint_errors import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.image_planes import Windows
@@ -23,6 +24,7 @@ from .experiments import Experiments
 from .motions import Motions
 from .presets import Preset
 
+LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by their names
 
 
@@ -30,8 +32,8 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by th
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
     whether it is open; fits: how often the visitor has asked for the default camera; wide: whether the window has room
-    for more, as it says itself; look_only: a posture that is touched is looked at by a see-through arm, and nothing
-    moves."""
+    for more, as it says itself; large: of LARGE, which fills the window beside the controls; look_only: a posture that
+    is touched is looked at by a see-through arm, and nothing moves."""
 
     chosen: int | None = None
     rays: bool = False
@@ -44,6 +46,7 @@ class View:
     fits: int = 0
     wide: bool = False
     look_only: bool = False
+    large: str | None = None
 
     def on(self, switch: str) -> bool:
         """Whether a switch is, by its name."""
@@ -66,7 +69,9 @@ class PageState:
 
     present: the session's moment; looked: what the images show, which `look_at` computes the arms' look of; pictures:
     JPEGs by view, of those that were taken; shown: what all else does; on_its_way: (m,) rad, where the arm is seen
-    while it moves; see_through: what would be seen elsewhere, which then is looked and shown, too. speed: motions a
+    while it moves; see_through: what would be seen elsewhere, which then is looked and shown, too; imitated: a
+    sentence on an imitation that is looked and shown instead. stage: up to which the chosen point's construction is
+    shown, None for all of it. speed: motions a
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
     message: for the visitor; unsaved: why the session is not kept, None as far as is known. Session, duel, experiments
@@ -84,6 +89,8 @@ class PageState:
     shown: Snapshot
     on_its_way: NDArray | None
     see_through: Snapshot | None
+    stage: int | None
+    imitated: str | None
     playing: bool
     speed: float
     cursor: int
@@ -106,6 +113,11 @@ class PageState:
     def arms_in_images(self) -> tuple[Bodies, Windows]:
         """What the arms look like in the four images, and the windows of these."""
         return self.look_at(self.looked)
+
+    @cached_property
+    def construction(self) -> Construction | None:
+        """How the chosen point is recovered."""
+        return None if self.view.chosen is None else construct(self.looked, self.view.chosen)
 
     @cached_property
     def errors_deg(self) -> list[float]:

@@ -1,6 +1,7 @@
 """What runs in an experiment's own process: the experiment, its figure, its files. Nothing of viser is loaded here.
 
-It sends tuples: ("share", share done), ("figure", html), ("found", html, claims), ("files", zip), ("failed", why).
+It sends tuples: ("share", share done), ("figure", html), ("imitation", it), ("found", html, claims), ("files", zip),
+("failed", why).
 """
 
 import io
@@ -43,6 +44,8 @@ def _carry_out(connection: Connection, name: str, settings, options: dict, folde
     experiment = EXPERIMENTS[name]
     progress = Progress(connection.send, experiment.figure)
     result = experiment.run(settings, progress.tell, **options)
+    if experiment.imitation is not None:
+        connection.send(("imitation", experiment.imitation(result)))
     connection.send(("found", experiment.figure(result), tuple(result.claims)))
     connection.send(("files", _zipped(files.write(name, experiment, result, folder))))
 

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 
+from viewimit.analysis.trajectory import Imitation
 from viewimit.experiments.paper.claims import Claim
 from viewimit.settings import Settings
 
@@ -36,7 +37,8 @@ class Run:
     """All that a page knows of its experiment; each message brings it whole.
 
     state: waiting, running, writing (its files), done, failed, cancelled; before: runs that are first;
-    figure: html, of what is there so far; archive: zip of the files; seconds: since it began to run.
+    figure: html, of what is there so far; imitation: a motion that can be seen; archive: zip of the files;
+    seconds: since it began to run.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Run:
     share: float = 0.0
     figure: str = ""
     claims: tuple[Claim, ...] = ()
+    imitation: Imitation | None = None
     archive: bytes = b""
     problem: str = ""
     seconds: float = 0.0
@@ -205,6 +208,8 @@ def _news(kind: str, *content) -> dict:
         return {"share": content[0]}
     if kind == "figure":
         return {"figure": content[0]}
+    if kind == "imitation":
+        return {"imitation": content[0]}
     if kind == "found":
         return {"state": "writing", "share": 1.0, "figure": content[0], "claims": content[1]}
     if kind == "files":

@@ -20,7 +20,6 @@ from .method import MethodPanel
 from .motions import MotionsPanel
 from .panel import Panel
 from .playback import PlaybackPanel
-from .start import StartPanel
 from .status import StatusPanel
 from .views import ViewsPanel
 
@@ -40,7 +39,6 @@ PANELS: list[type[Panel]] = [
     ConflictPanel,
     LandscapePanel,
     LawPanel,
-    StartPanel,
     CurvesPanel,
     EquationsPanel,
     DuelPanel,

@@ -1,6 +1,7 @@
-"""E and the joint errors, motion by motion: a card over the scene of a wide window, or a tab."""
+"""E and the joint errors, motion by motion, each of which is touched there: a card over a wide window's scene, or a
+tab."""
 
-from viewimit.drawing.curves import draw_curves
+from viewimit.drawing.curves import draw_curves, moment_links, moments_made
 from viewimit.drawing.over.links import sink
 
 from ..control.state import PageState
@@ -12,12 +13,12 @@ CARD_WIDTH, TAB_WIDTH = 860, 424  # px
 
 class CurvesPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._address = layout.address
-        self._card = layout.gui.add_html("", visible=False)
+        gui, self._address = layout.gui, layout.address
+        self._card, self._over_card = gui.add_html("", visible=False), gui.add_html("", visible=False)
         with layout.tab("Curves"):
-            self._tab = layout.gui.add_html("")
+            self._tab, self._over_tab = gui.add_html(""), gui.add_html("")
             if self._address is not None:
-                layout.gui.add_html(sink())
+                gui.add_html(sink())
 
     def period(self, state: PageState) -> float:
         return SLOW
@@ -28,15 +29,14 @@ class CurvesPanel(Panel):
     def show(self, state: PageState) -> None:
         session, wide = state.session, state.view.wide
         E_true = None if state.landscape is None else state.landscape.E_true
-        width = CARD_WIDTH if wide else TAB_WIDTH
-        drawn = draw_curves(
-            session.history,
-            session.cursor,
-            E_true,
-            session.scene.moving_joints,
-            width,
-            state.errors_deg,
-            self._address,
-        )
+        width, last = CARD_WIDTH if wide else TAB_WIDTH, len(session.history) - 1
+        joints = session.scene.moving_joints
+        drawn = draw_curves(session.history, session.cursor, E_true, joints, width, state.errors_deg)
+        if self._address is not None:
+            drawn += moments_made(last)
+            links = moment_links(self._address, last, width)
+            put_html(self._over_card, f'<div class="vi-card-over">{links}</div>' if wide else "")
+            put_html(self._over_tab, "" if wide else f'<div class="vi-over">{links}</div>')
         put_html(self._card if wide else self._tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
         put_visible(self._card, wide)
+        put_visible(self._over_card, wide)

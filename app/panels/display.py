@@ -28,6 +28,7 @@ class DisplayPanel(Panel):
         gui = self._gui
         if layout.address is not None:
             gui.add_html(told(f"{layout.address}/dark", "(prefers-color-scheme:dark)"))
+            gui.add_html(told(f"{layout.address}/still", "(prefers-reduced-motion:reduce)"))
         with gui.add_folder("Display", expand_by_default=False):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")

@@ -5,7 +5,13 @@ from viser import Icon
 from viewimit.drawing.glossary import asks
 from viewimit.experiments import EXPERIMENTS
 
-from ..control.commands.experiments import ChooseExperiment, ChooseMotion, Download, RunOrCancel
+from ..control.commands.experiments import (
+    ChooseExperiment,
+    ChooseMotion,
+    Download,
+    RunOrCancel,
+    ShowImitation,
+)
 from ..control.experiments import titles
 from ..control.motions import NAMES
 from ..control.state import PageState
@@ -13,6 +19,7 @@ from .panel import Layout, Panel
 from .verdict import draw_progress, draw_verdict
 from .widgets import put, put_html, put_label, put_visible
 
+SEE, STOP = ("See it", Icon.MOVIE), ("Stop", Icon.PLAYER_STOP)  # what is imitated, in 3-D and in the images
 POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
 
 
@@ -28,6 +35,7 @@ class ExperimentsPanel(Panel):
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row"></span>')
                 self._progress = gui.add_html(draw_progress(None, ""))
+                self._see = gui.add_button(SEE[0], icon=SEE[1], visible=False)
                 self._download = gui.add_button("Download figure and data", icon=Icon.DOWNLOAD, disabled=True)
             self._note = gui.add_html("")
             self._figure = gui.add_html("")
@@ -36,12 +44,14 @@ class ExperimentsPanel(Panel):
         queue.on_value(self._experiment, ChooseExperiment.parse)
         queue.on_value(self._trajectory, ChooseMotion.parse)
         queue.on_click(self._run, RunOrCancel())
+        queue.on_click(self._see, ShowImitation())
         queue.on_click(self._download, Download())
 
     def depends_on(self, state: PageState) -> tuple:
         experiments, motion = state.experiments, state.motions.name
         runs = experiments.latest, experiments.shown
-        return state.generation, experiments.chosen, *runs, experiments.sets_pictures_aside, motion, state.refusals
+        seen = state.imitated is not None, experiments.sets_pictures_aside
+        return state.generation, experiments.chosen, *runs, *seen, motion, state.refusals
 
     def show(self, state: PageState) -> None:
         experiments, scene = state.experiments, state.session.scene
@@ -56,5 +66,7 @@ class ExperimentsPanel(Panel):
         put_html(self._note, POINTS_ONLY if experiments.sets_pictures_aside else "")
         put_html(self._figure, f'<div class="vi-panel">{figure}</div>')
         put_html(self._verdict, draw_verdict(run))
+        put_visible(self._see, run is not None and run.imitation is not None)
+        put_label(self._see, *(SEE if state.imitated is None else STOP))
         if self._download.disabled != (run is None or not run.archive):
             self._download.disabled = not self._download.disabled

@@ -1,17 +1,43 @@
-"""The glossary's cards, unseen until a "?" opens one."""
+"""The glossary's cards, unseen until a "?" opens one, and what its numbers are now."""
 
-from viewimit.drawing.glossary import cards
+import numpy as np
+
+from viewimit.drawing.glossary import cards, told_now
+from viewimit.drawing.metrics import residual_lengths
 
 from ..control.state import PageState
-from .panel import Layout, Panel
+from .panel import SLOWEST, Layout, Panel
+from .widgets import put_html
 
 
 class GlossaryPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        layout.gui.add_html(f'<div class="vi-words">{cards()}</div>')
+        layout.gui.add_html(f'<div class="vi-words">{cards(layout.address)}</div>')
+        self._now = layout.gui.add_html("")
+
+    def period(self, state: PageState) -> float:
+        return SLOWEST
 
     def depends_on(self, state: PageState) -> tuple:
-        return ()
+        return (state.present,)
 
     def show(self, state: PageState) -> None:
-        """Which one is open is the browser's own matter."""
+        """Which card is open is the browser's own matter."""
+        put_html(self._now, told_now(numbers_now(state)))
+
+
+def numbers_now(state: PageState) -> dict[str, float]:
+    """By their keys in the glossary, in the units of their scales; NaN where there is none."""
+    moment = state.present
+    lengths = residual_lengths(moment)
+    known = moment.transfer is not None
+    mean = float(lengths.mean()) if known else np.nan
+    return {
+        "E": moment.E,
+        "mean_e": mean,
+        "largest_e": float(lengths.max()) / mean if known and mean > 0 else np.nan,
+        "condition": float(moment.transfer.condition) if moment.transfer is not None else np.nan,
+        "flatness": moment.flatness,
+        "points_seen": float(moment.usable.sum()),
+        "truth": state.errors_deg[-1],
+    }

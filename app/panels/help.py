@@ -25,15 +25,16 @@ PARAGRAPHS = (
      " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
      " picture is taken on the way. Landscapes and experiments remain those of projected points."),
     ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
-     "paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab Motions."),
+     "paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab Motions;"
+     " See it shows both arms as it was imitated."),
 )  # fmt: skip
 
 
 METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 
-def help_html(keys: str) -> str:
-    """For a modal. keys: what they are, as html."""
+def help_html(keys: str, address: str | None = None) -> str:
+    """For a modal. keys: what they are, as html; address: that links begin with, None for none."""
     texts = "".join(f"<p><b>{title}</b> {text}</p>" for title, text in PARAGRAPHS)
     note = (
         "<p class='vi-help-note'>Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the "
@@ -45,5 +46,5 @@ def help_html(keys: str) -> str:
         + "</dl>"
         for title, methods in METHODS
     )
-    words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
+    words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed(address)}</div>'
     return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{words}{note}</div>'

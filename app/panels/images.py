@@ -1,9 +1,10 @@
 """The four images."""
 
 from viewimit.drawing.images import draw_images
-from viewimit.drawing.over.points import point_links, point_places
+from viewimit.drawing.over.links import link
+from viewimit.drawing.over.points import LESS, MORE, point_links, point_places
 
-from ..control.state import PageState
+from ..control.state import LARGE, PageState
 from .panel import Layout, Panel
 from .widgets import put_html
 
@@ -21,7 +22,8 @@ class ImagesPanel(Panel):
 
     def depends_on(self, state: PageState) -> tuple:
         view = state.view
-        return state.generation, state.looked, view.chosen, view.whole_frames, *state.pictures.values()
+        shown = view.chosen, view.whole_frames, view.large, state.stage
+        return state.generation, state.looked, *shown, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
         view, (bodies, windows) = state.view, state.arms_in_images
@@ -32,10 +34,27 @@ class ImagesPanel(Panel):
             view.chosen,
             view.whole_frames,
             pictures=state.pictures,
+            construction=state.construction,
+            stage=state.stage,
             standing=None if state.see_through is None else state.look_at(state.present)[0],
         )
         if self._address is not None:
             views = state.looked.views
-            put_html(self._links, point_links(self._address, len(views.demo), view.whole_frames))
+            points = point_links(self._address, len(views.demo), view.whole_frames)
+            put_html(self._links, points + _large(self._address, view.large))
             drawn += point_places(views.demo, views.own, views.visible, windows, view.whole_frames)
         put_html(self._images, drawn)
+
+
+def _large(address: str, large: str | None) -> str:
+    """Links that enlarge the panels, and which of them or of the images is large: layout.css does it."""
+    icon = f'<svg viewBox="-6 -6 12 12" aria-hidden="true"><path d="{LESS if large else MORE}"/></svg>'
+    links = "".join(
+        f'<div class="vi-enlarge vi-enlarge-{what}">{link(address, f"large/{LARGE.index(shown)}", name, icon)}</div>'
+        for what, shown, name in (
+            ("images", large if large not in (None, "figures") else "images", "Images, large or not"),
+            ("figures", "figures", "Figures, large or not"),
+        )
+    )
+    mark = f'<i class="vi-large vi-large-{large}"></i>' if large else ""
+    return f'<div class="vi-larger-links">{links}</div>{mark}'

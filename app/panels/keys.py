@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ..control.commands.command import Command
-from ..control.commands.display import FitView, LetGo, NextPoint, ToggleHelp
+from ..control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp
 from ..control.commands.session import Play, Reset, Step, Undo
 from ..control.state import PageState
 from .help import help_html
@@ -18,7 +18,7 @@ class Key:
     named in the left panel, too."""
 
     cap: str
-    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H", "escape"]
+    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H", "C", "M", "escape"]
     word: str
     sentence: str
     command: Command
@@ -31,15 +31,17 @@ KEYS = (
     Key("←", "arrowleft", "undo", "Undo: one motion back; at a start, what was before it", Undo()),
     Key("R", "R", "reset", "Reset to the start", Reset()),
     Key("N", "N", "next point", "Choose the next point", NextPoint()),
+    Key("C", "C", "construct", "Build up, step by step, how the chosen point is recovered", BuildUp()),
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),
-    Key("Esc", "escape", "let go", "Let the see-through arm go", LetGo()),
+    Key("M", "M", "large", "Images large, then figures, then all as before", NextLarger()),
+    Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", LetGo()),
 )
 
 
 class KeysPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._gui, self._queue = layout.gui, layout.queue
+        self._gui, self._queue, self._address = layout.gui, layout.queue, layout.address
         self._help: Any = None  # the open modal, whose class viser does not name
         self._gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
         for key in KEYS:
@@ -55,8 +57,8 @@ class KeysPanel(Panel):
         if state.view.help:
             self._help = self._gui.add_modal("viewimit: what is seen here")
             with self._help:
-                self._gui.add_html(help_html(key_caps(KEYS)))
-                done = self._gui.add_button("Close")
+                done = self._gui.add_button("Close")  # first, so that it has the focus and is in sight
+                self._gui.add_html(help_html(key_caps(KEYS), self._address))
             self._queue.on_click(done, ToggleHelp())
 
     def _add_hotkey(self, key: Key) -> None:

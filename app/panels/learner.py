@@ -1,25 +1,34 @@
-"""The learner's joints beside the demonstrator's, as bars."""
+"""The learner's joints beside the demonstrator's, as bars; and where it starts, folded: a slider a joint, which asks
+for the same as a click on the landscape."""
 
 from numpy.typing import NDArray
 
 from viewimit.drawing.learner_bars import draw_learner
+from viewimit.settings import given
 
+from ..control.commands.session import StartJoint
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import put_html
+from .widgets import JointSliders, put_html
 
 
 class LearnerPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         with layout.gui.add_folder("Learner"):
             self._bars = layout.gui.add_html("")
+            inside = layout.gui.add_folder("Start", expand_by_default=False)
+        hint = "degrees; the learner begins anew there"
+        self._start = JointSliders(layout, inside, "Start {}", StartJoint.parse, hint)
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.generation, _stands(state).tobytes(), state.present.theta_demo.tobytes(), state.present.status
+        present, own = state.present, _stands(state).tobytes()
+        shown = own, present.theta_demo.tobytes(), present.status
+        return state.generation, *shown, state.settings.start_deg, state.refusals
 
     def show(self, state: PageState) -> None:
         arms = _stands(state), state.present.theta_demo
         put_html(self._bars, draw_learner(state.session.scene, *arms, state.assessment))
+        self._start.show(state, given(state.settings.start_deg))
 
 
 def _stands(state: PageState) -> NDArray:

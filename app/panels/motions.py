@@ -4,6 +4,8 @@ from html import escape
 
 from viser import Icon
 
+from viewimit.drawing.theme import rgb
+
 from ..control.commands.experiments import ChooseMotion, LoadMotion, Record, Replay, SaveMotion, ShowMoment
 from ..control.motions import NAMES
 from ..control.state import PageState
@@ -24,7 +26,7 @@ class MotionsPanel(Panel):
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row"></span>')
                 self._motion = gui.add_dropdown("Chosen motion", list(NAMES.values()))
-                self._record = gui.add_button("Record", icon=Icon.PLAYER_RECORD, color="red")
+                self._record = gui.add_button("Record", icon=Icon.PLAYER_RECORD, color=rgb("stopped"))
                 self._replay = gui.add_button("Replay", icon=Icon.PLAYER_PLAY)
             self._moment = gui.add_slider("Time s", 0.0, 1.0, 0.05, 0.0, hint="of the chosen motion")
             with gui.add_folder(None):

@@ -38,9 +38,10 @@ class PlaybackPanel(Panel):
         put_label(self._play, *(("Pause", Icon.PLAYER_PAUSE) if state.playing else ("Play", Icon.PLAYER_PLAY)))
 
     def _show_preset(self, state: PageState) -> None:
-        """One that was changed is an entry of its own, so that the preset itself can be chosen again."""
+        """One that was changed is an entry of its own, so that the preset itself can be chosen again, and so is one
+        that is not of the list."""
         name = modified(state.preset.name) if state.modified else state.preset.name
-        more = (name,) if state.modified else ()
+        more = tuple(shown for shown in dict.fromkeys((state.preset.name, name)) if shown not in state.presets)
         if more != self._more:
             self._more = more
             self._preset.options = (*state.presets, *more)

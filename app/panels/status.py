@@ -29,7 +29,8 @@ class StatusPanel(Panel):
         return self._status.content
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.message, state.unsaved, state.present, state.playing, state.see_through, _busy(state)
+        moments = state.present, state.see_through, state.imitated
+        return state.message, state.unsaved, *moments, state.playing, _busy(state)
 
     def show(self, state: PageState) -> None:
         said, self._truth = _said(state), _truth(state)
@@ -63,14 +64,16 @@ def _said(state: PageState) -> Said:
 
 
 def _truth(state: PageState) -> str:
-    off = following(state.errors_deg) if _busy(state) is not None else ""
+    off = following(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
     if off:
         return off + "."
-    present = state.present
-    return describe_truth(state.session.scene.moving_joints, present.theta, present.theta_demo)
+    seen = state.present if state.imitated is None else state.shown
+    return describe_truth(state.session.scene.moving_joints, seen.theta, seen.theta_demo)
 
 
 def _busy(state: PageState) -> tuple[str, str] | None:
-    """State and sentence while a motion is recorded or replayed."""
+    """State and sentence while a motion is recorded or replayed, or an imitation is seen."""
     motions = state.motions
+    if state.imitated is not None:
+        return "replaying", state.imitated
     return motions.describe() if motions.recording or motions.replaying else None

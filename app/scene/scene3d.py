@@ -92,7 +92,7 @@ class Scene3D:
             self._view.fit(self._landmarks(state.present))
         self._draw(state)
         self._standing.show_pictures(state.pictures)
-        self._gizmo.show(view.gizmo, self._world, state.present.theta_demo)
+        self._gizmo.show(view.gizmo, self._world, state.shown.theta_demo)
 
     def _draw(self, state: PageState) -> None:
         """The moment that is shown."""

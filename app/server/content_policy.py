@@ -1,7 +1,8 @@
 """The content security policy of the page: what it may load and run, and where it may connect to.
 
-viser's page is one file: a script that unpacks another one, with WebAssembly, and puts it into the document. Both are
-named by their hashes, so that no other script runs, in a handler of an element as little as in an element of its own.
+viser's page is one file: a script that unpacks another one, with WebAssembly, and puts it into the document. Both and
+the page's own are named by their hashes, so that no other script runs, in a handler of an element as little as in an
+element of its own.
 """
 
 import base64
@@ -13,6 +14,8 @@ from pathlib import Path
 import numpy as np
 import viser
 import zstandard
+
+from ..static import PAGE_JS
 
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 DIGITS = r"!#$%()*+,-./0123456789:;=?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\]^_abcdefghijklmnopqrstuvwxyz{|}~"  # of base 88
@@ -45,14 +48,15 @@ def content_policy(host: str) -> str:
 
 @cache
 def script_hashes() -> tuple[str, ...]:
-    """SHA-256 of every script of viser's page, in base 64. Raises RuntimeError for a page that is built otherwise."""
+    """SHA-256 of the page's own script and of those of viser's page, in base 64. Raises RuntimeError for a page that is
+    built otherwise."""
     page = PAGE.read_text()
     loader = _LOADER.search(page)
     if loader is None or page.count("<script") != 1:
         raise RuntimeError("viser's page is built in a way that its content security policy is not known for")
     sizes = int(loader["style"]), int(loader["code"])
     unpacked = zstandard.ZstdDecompressor().decompress(_from_base_88(loader["packed"]), max_output_size=sum(sizes))
-    return tuple(_hash(script) for script in (loader["script"].encode(), unpacked[sizes[0] :]))
+    return tuple(_hash(script) for script in (PAGE_JS.encode(), loader["script"].encode(), unpacked[sizes[0] :]))
 
 
 def _hash(script: bytes) -> str:

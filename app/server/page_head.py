@@ -1,4 +1,4 @@
-"""The page's title and icon, in place of those that viser's one file of HTML has."""
+"""The page's title and icon, in place of those that viser's one file of HTML has, and its own script."""
 
 import gzip
 import re
@@ -9,7 +9,9 @@ from websockets.http11 import Response
 
 from viewimit.drawing.theme import ROLES
 
-TITLE = b"viewimit"
+from ..static import PAGE_JS
+
+TITLE = "viewimit"
 _BLUE, _ORANGE, _ARROW = (ROLES[role][0] for role in ("learner", "demonstrator", "residual"))
 ICON = (  # a point of the learner, one of the demonstrator, and the residual between them
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
@@ -30,6 +32,7 @@ def with_own_head(response: Response) -> None:
 @lru_cache(4)  # viser keeps the page as one object, packed and not
 def _named(body: bytes, packed: bool) -> bytes:
     page = gzip.decompress(body) if packed else body
-    page = _TITLE.sub(b"<title>%s</title>" % TITLE, page, count=1)
+    head = f"<title>{TITLE}</title><script>{PAGE_JS}</script>".encode()
+    page = _TITLE.sub(lambda _: head, page, count=1)
     page = _ICON.sub(rb"\g<1>data:image/svg+xml,%s" % quote(ICON).encode() + b'"', page, count=1)
     return gzip.compress(page) if packed else page

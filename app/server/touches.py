@@ -18,7 +18,7 @@ from .rate_limits import TokenBucket
 TOUCHES_A_SECOND, TOUCHES_AT_ONCE = 5, 30  # of one tab
 ROOT = "/touch/"
 _WORKER = re.compile(rb"GET /touch/(\d{1,3})\.")
-_TOUCH = re.compile(r"(/touch/\d{1,3}\.[\w-]{32})/([a-z]{1,20})/([-+.,\d]{1,40})", re.ASCII)
+_TOUCH = re.compile(r"(/touch/\d{1,3}\.[\w-]{32})/([a-z]{1,20})/([-+.,\w]{1,40})", re.ASCII)
 
 
 class NotTouched(Refused):

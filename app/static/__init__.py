@@ -1,13 +1,16 @@
-"""What the browser is given as it is: the page's stylesheet, complete with the drawings' and the font. No script."""
+"""What the browser is given as it is: the page's stylesheet, complete with the drawings' and the font, and its script,
+which names for keys and screen readers what viser leaves without a name."""
 
 from pathlib import Path
 
-from viewimit.drawing.theme import DRAWING_CSS, font_face, variables
+from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 
 PAGE_CSS, LAYOUT_CSS = (Path(__file__).with_name(name).read_text("utf-8") for name in ("page.css", "layout.css"))
+
+PAGE_JS = Path(__file__).with_name("page.js").read_text("utf-8")
 
 
 def stylesheet() -> str:
     """All of the page's CSS, for both colour schemes."""
     schemes = f':root{{{variables(False)}}}:root[data-mantine-color-scheme="dark"]{{{variables(True)}}}'
-    return "\n".join((schemes, font_face(), PAGE_CSS, LAYOUT_CSS, DRAWING_CSS))
+    return "\n".join((schemes, font_faces(), PAGE_CSS, LAYOUT_CSS, DRAWING_CSS))

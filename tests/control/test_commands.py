@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
 from viewimit.app.control.commands.command import Arrival, Refused
-from viewimit.app.control.commands.display import ChoosePoint, PreferDark, Switch
+from viewimit.app.control.commands.display import ChoosePoint, Switch
 from viewimit.app.control.commands.session import ChoosePreset, ChooseSpeed, Play, PoseJoint, Reset, Step
+from viewimit.app.control.commands.touch import TOUCHES
 from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
 from viewimit.app.control.joints import joint_choices
 from viewimit.app.control.names import servo_names, transfer_names
@@ -432,8 +433,8 @@ def test_posing_by_a_motion_wakes_the_loop(page):
 def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
     model, _ = quiet_model(Settings())
     for dark in ("1", "0", "1"):
-        PreferDark.parse(dark).apply(model, 0.0)
+        TOUCHES["dark"](dark).apply(model, 0.0)
         assert model.view.on("dark") == (dark == "1")
     Hands(model).set("dark", False)
-    PreferDark.parse("1").apply(model, 0.0)
+    TOUCHES["dark"]("1").apply(model, 0.0)
     assert not model.view.on("dark") and model.memory().head.dark is False

@@ -5,8 +5,11 @@ import pytest
 from page_fakes import Hands, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
+from viewimit.app.control.commands.display import BuildUp
 from viewimit.app.control.commands.session import StartJoint
 from viewimit.app.control.commands.touch import TOUCHES
+from viewimit.app.control.names import NO_POINT
+from viewimit.app.control.state import LARGE
 
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -26,12 +29,44 @@ def touch(model, control, value):
 
 
 def test_a_point_is_chosen_and_chosen_again_is_none(visit):
-    model, _ = visit
+    model, visitor = visit
+    visitor.set("chosen", NO_POINT)
     for value, chosen in (("3", 3), ("4", 4), ("4", None)):
         touch(model, "point", value)
         assert model.view.chosen == chosen
     with pytest.raises(ValueError, match="no point 10"):
         touch(model, "point", "10")
+
+
+def test_a_page_begins_with_the_point_that_is_farthest_off():
+    model, _ = quiet_model(Settings())
+    squares = (model.session.snapshot.e**2).sum(1)
+    assert squares[model.view.chosen] == squares.max()
+
+
+def test_a_construction_is_built_up_stage_by_stage_and_ends_by_itself(visit):
+    model, visitor = visit
+    visitor.set("transfer", "Epipolar (paper)")
+    visitor.set("chosen", NO_POINT)
+    BuildUp().apply(model, 10.0)
+    assert model.view.chosen is not None
+    stages = [model.state(10.0 + 0.25 + 0.5 * k).stage for k in range(6)]
+    assert stages == [0, 1, 2, 3, 4, 5] and model.state(14.0).stage == 5 and model.state(17.0).stage is None
+    BuildUp().apply(model, 20.0)
+    BuildUp().apply(model, 20.1)
+    assert model.state(20.2).stage is None
+
+
+@pytest.mark.parametrize("value, large", [(str(k), what) for k, what in enumerate(LARGE)])
+def test_a_panel_or_an_image_is_large_until_it_is_touched_again_or_let_go(visit, value, large):
+    model, _ = visit
+    for after in (large, None, large):
+        touch(model, "large", value)
+        assert model.view.large == after
+    touch(model, "dismiss", "0")
+    assert model.view.large is None
+    with pytest.raises(ValueError, match="no panel or image"):
+        touch(model, "large", "6")
 
 
 def test_the_learner_starts_where_the_landscape_is_touched(visit):
@@ -122,3 +157,15 @@ def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
     page.page.touch("start", "0")
     page.tick(1.0)
     assert "nothing has moved" not in page.shown and page.widget("Start θ₂").value == 20
+
+
+def test_who_asks_for_less_motion_sees_the_arm_where_it_arrives(visit):
+    model, visitor = visit
+    for value, seen_moving in (("1", False), ("0", True)):
+        touch(model, "still", value)
+        for motion in ("step", "undo"):
+            visitor.act(motion, now=5.0)
+            theta, moving = model.player.theta(5.1)
+            assert moving == seen_moving
+            assert seen_moving or theta is model.session.snapshot.theta
+        model.player.settle()

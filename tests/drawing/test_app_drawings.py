@@ -36,7 +36,7 @@ from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing import curves, equations, images, metrics, relief, status, svg, theme
+from viewimit.drawing import curves, equations, glossary, images, metrics, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.image_planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
@@ -491,7 +491,8 @@ class TestEverything:
 
     def test_names_only_roles_that_exist(self, drawings):
         used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
-        sizes = set(re.findall(r"--([a-z-]+):", LAYOUT_CSS))
+        places = LAYOUT_CSS + glossary.cards() + glossary.told_now({"E": 1.0})
+        sizes = set(re.findall(r"--([a-z-]+):", places))
         assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES) | sizes
 
     def test_has_both_schemes_of_every_role(self):

@@ -2,13 +2,18 @@
 
 import re
 
+import numpy as np
 import pytest
 from drawn import parsed
+from quiet_page import QuietPage
+from viewimit.app.control.commands.session import Undo
+from viewimit.app.panels.glossary import numbers_now
 from viewimit.app.panels.help import help_html
 
 from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES
-from viewimit.session import Session
+from viewimit.session import complete
+from viewimit.settings import BEST
 from viewimit.transfer import TRANSFERS
 
 ENTRIES = glossary.glossary()
@@ -24,10 +29,38 @@ def test_an_entry_has_a_card_and_stands_in_the_help(key):
     assert glossary.listed() in help_html("")
 
 
-@pytest.mark.parametrize("key", [key for key, entry in ENTRIES.items() if entry.show is not None])
-def test_what_an_entry_shows_can_be_shown(key):
-    session = Session(ENTRIES[key].show)
-    assert session.step() or session.snapshot.transfer is None
+@pytest.mark.parametrize("key", ENTRIES)
+def test_what_an_entry_shows_can_be_shown_and_undone(key):
+    page = QuietPage(BEST, address="/touch/0.x")
+    page.tick(1.0)
+    link = f'href="/touch/0.x/show/{key}"'
+    assert link in page.shown and link in help_html("", "/touch/0.x")
+    assert page.page.touch("show", key)
+    page.tick(1.0)
+    model = page.page.model
+    assert not model.modified and model.session.settings == complete(ENTRIES[key].show)
+    assert page.widget("Preset").value == f"Show me: {ENTRIES[key].symbol}"
+    model.player.scrub(0)
+    Undo().apply(model, page.now)
+    assert model.session.settings == complete(BEST) and model.preset.settings == BEST
+
+
+@pytest.mark.parametrize("key", [key for key, entry in ENTRIES.items() if entry.scale is not None])
+def test_a_number_that_is_shown_is_a_bad_one(key):
+    entry, page = ENTRIES[key], QuietPage(BEST, address="/touch/0.x")
+    page.page.touch("show", key)
+    page.tick(1.0)
+    page.tick_until(lambda: not entry.plays or page.page.model.session.snapshot.status == "converged")
+    scale, value = entry.scale, numbers_now(page.page.model.state(page.now))[key]
+    assert value > scale.bad if scale.good < scale.bad else value < scale.bad
+
+
+def test_what_a_number_is_now_is_told_at_its_place_on_the_scale():
+    assert glossary.told_now({"condition": 31.62}) == '<style>#vi-word-condition{--now:50.0%;--told:"now 31.6"}</style>'
+    assert "--now:100.0%" in glossary.told_now({"E": 1e9}) and "--now:0.0%" in glossary.told_now({"E": 0.0})
+    assert glossary.told_now({"E": np.nan, "condition": np.inf}) == "<style></style>"
+    scale = next(box for box in parsed(glossary.cards()).iter("div") if box.get("class") == "vi-scale vi-scale-up")
+    assert [mark.text for mark in scale.iter("span")] == ["1", "20", "10", "5"]  # of points seen, many are good
 
 
 def test_every_question_has_its_card():
@@ -47,9 +80,9 @@ def test_the_condition_of_every_transfer_is_explained():
 @pytest.mark.parametrize(
     "text, said",
     [
-        ('[E]\nname = "a"\nsymbol = "b"\n', "entry 'E': Object missing required field `sentence`"),
+        ('[E]\nname = "a"\nsymbol = "b"\nshow = {}\n', "entry 'E': Object missing required field `sentence`"),
         ('[E]\nname = "a"\nsymbol = "b"\nsentence = 3\n', r"entry 'E': .*\$\.sentence"),
-        ('[E]\nname = "a"\nsymbol = "b"\nsentence = "c"\nmood = "d"\n', "entry 'E': .*`mood`"),
+        ('[E]\nname = "a"\nsymbol = "b"\nsentence = "c"\nshow = {}\nmood = "d"\n', "entry 'E': .*`mood`"),
         (
             '[E]\nname = "a"\nsymbol = "b"\nsentence = "c"\nshow = { noise_px = -1 }\n',
             r"entry 'E': noise_px .*\$\.show",

@@ -58,9 +58,8 @@ def inside(points, box):
     return (x > left) & (x < right) & (y > top) & (y < bottom)
 
 
-@pytest.mark.parametrize("name", SITUATIONS)
-def test_labels_keep_off_each_other_the_path_the_marks_and_the_inset(name):
-    session, root = drawn(SITUATIONS[name])
+def require_free(session, root):
+    """Labels keep off each other, the path, the marks and the inset."""
     labels = boxes(root)
     assert len(labels) >= 3
     for k, (left, top, right, bottom) in enumerate(labels):
@@ -76,6 +75,28 @@ def test_labels_keep_off_each_other_the_path_the_marks_and_the_inset(name):
         x, y, w, h = (float(frame.get(side)) for side in ("x", "y", "width", "height"))
         apart = (labels[:, 2] < x) | (x + w < labels[:, 0]) | (labels[:, 3] < y) | (y + h < labels[:, 1])
         assert apart.all()
+
+
+@pytest.mark.parametrize("name", SITUATIONS)
+def test_labels_keep_off_each_other_the_path_the_marks_and_the_inset(name):
+    require_free(*drawn(SITUATIONS[name]))
+
+
+@pytest.mark.parametrize("name, least", (("paper", 45), ("searching", 1)))
+def test_while_the_path_grows_labels_give_way_to_it_and_else_stay_where_they_are(name, least):
+    session = Session(SITUATIONS[name])
+    views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
+    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    picture = LandscapePicture(made, session.scene, session.snapshot)
+    before, stayed = None, 0
+    for _ in range(60):
+        root = parsed(picture.draw_path(session.history, session.cursor))
+        require_free(session, root)
+        levels = [(mark.get("x"), mark.get("y"), mark.text) for mark in marked(root, "text", LEVEL_NUMBERS)]
+        stayed += levels == before
+        before = levels
+        session.step()
+    assert stayed >= least
 
 
 def test_a_label_without_room_is_left_out():

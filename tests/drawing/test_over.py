@@ -8,7 +8,7 @@ import pytest
 from drawn import classes, marked, parsed, paths
 
 from viewimit.analysis.basin import Basin, Ending
-from viewimit.drawing.curves import draw_curves
+from viewimit.drawing.curves import draw_curves, moment_links, moments_made
 from viewimit.drawing.image_planes import SIZES, image_windows
 from viewimit.drawing.over.basin import describe_basin, draw_basin
 from viewimit.drawing.over.links import SINK
@@ -48,7 +48,7 @@ def places():
 class TestPoints:
     def test_every_point_is_a_link_in_every_image_and_has_a_name_where_tab_stops(self):
         root = parsed(point_links(ADDRESS, 10, False))
-        links = list(root.iter("a"))
+        links = [link for link in root.iter("a") if "/point/" in link.get("href")]
         assert {link.get("href") for link in links} == {f"{ADDRESS}/point/{i}" for i in range(10)}
         stops = [link for link in links if link.get("tabindex") is None]
         assert [link.get("aria-label") for link in stops] == [f"point {i}" for i in range(10)]
@@ -94,12 +94,25 @@ class TestPostures:
         assert posture_links(ADDRESS, load_scene("panda", joints=(1, 2, 3))) == ""
 
 
-def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_in_a_file():
+def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_of_their_own():
     session = Session(Settings(start_deg=(25, -45)))
     session.run(6)
-    html = draw_curves(session.history, 2, None, (2, 4), address=ADDRESS)
-    assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(len(session.history))]
     assert hrefs(draw_curves(session.history, 2, None, (2, 4))) == []
+    for width in (424, 860):
+        html = moment_links(ADDRESS, 6, width)
+        assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(9)]  # as far as the axis goes
+        assert moments_made(6) == "<style>.vi-moments a:nth-child(n+8){display:none}</style>"
+
+
+@pytest.mark.parametrize("last", [0, 7, 8, 9, 100, 3000])
+def test_links_to_moments_stay_as_long_as_the_axis_and_hide_those_to_come(last):
+    asked = [int(href.rpartition("/")[2]) for href in hrefs(moment_links(ADDRESS, last))]
+    asked = asked[: len(asked) // 2]  # of one plot
+    first_hidden = int(re.search(r"n\+(\d+)", moments_made(last))[1]) - 1
+    assert max(asked[:first_hidden]) <= last and all(motion > last for motion in asked[first_hidden:])
+    assert len(asked) <= 91 and asked[0] == 0
+    ends = 4 * (asked[-1] // 4) if last else 8
+    assert moment_links(ADDRESS, max(last, ends - 1)) == moment_links(ADDRESS, last)
 
 
 class TestBasin:

@@ -19,7 +19,7 @@ def by_name(result):
 @pytest.fixture(scope="module")
 def seventh():
     told = []
-    result = fig7.run(claims.PAPER, lambda share, partial: told.append((share, partial)), step_deg=2.0)
+    result = fig7.run(claims.PAPER, lambda share, partial: told.append((share, partial)), step_deg=2.0, study=(2, 2))
     return result, told
 
 
@@ -33,9 +33,16 @@ def test_fig7_has_one_minimum_beside_the_demonstrator(seventh):
     assert sum(claim.holds is True for claim in seventh[0].claims) == 4
 
 
-def test_fig7_other_demonstrators_have_the_bias_that_is_known(seventh):
-    """Over 30 others a single minimum for 28, mean bias 1.2°/0.6°, at most 3°/2°: a prototype's, on another grid."""
+def test_fig7_other_demonstrators_have_their_lowest_minimum_near_them(seventh):
     study = seventh[0].studies["epipolar"]
+    assert (study.on_grid >= study.minima).all() and (study.minima >= 1).all()
+    assert (np.abs(study.bias_deg).max(0) < (3.2, 2.4)).all()
+
+
+@pytest.mark.slow
+def test_fig7_other_demonstrators_have_the_bias_that_is_known():
+    """Over 30 others a single minimum for 28, mean bias 1.2°/0.6°, at most 3°/2°: a prototype's, on another grid."""
+    study = fig7.run(claims.PAPER, step_deg=2.0).studies["epipolar"]
     assert len(study.minima) == 30
     assert abs((study.minima - study.on_limit == 1).sum() - 28) <= 1
     np.testing.assert_allclose(np.abs(study.bias_deg).mean(0), [1.2, 0.6], atol=0.15)
@@ -48,7 +55,7 @@ def test_fig7_progress_grows_to_one_and_its_parts_with_it(seventh):
     shares = [share for share, _ in told]
     assert shares == sorted(shares) and shares[-1] == pytest.approx(1)
     rows = [sum(len(study.minima) for study in partial.studies.values()) for _, partial in told]
-    assert rows == sorted(rows) and rows[-1] == 30 * len(result.studies)
+    assert rows == sorted(rows) and rows[-1] == 4 * len(result.studies)
     assert told[0][1].claims  # what is there can be judged at once
 
 

@@ -16,6 +16,8 @@ from browsing import (
     EXPERIMENT,
     FOUR_IMAGES,
     HELP,
+    HOW,
+    IMAGE_L,
     LARGE_FIGURE,
     LESSON,
     LEVELS,
@@ -27,6 +29,7 @@ from browsing import (
     VIEW_NAME,
     canvas_colours,
     choose,
+    chosen_point,
     click,
     demonstrator,
     downloaded,
@@ -34,6 +37,7 @@ from browsing import (
     posture,
     press,
     progress,
+    row,
     set_number,
     status,
     switch,
@@ -68,9 +72,11 @@ def used_page(browser, server):
 
 @pytest.fixture
 def session(used_page):
-    """A page on which others have been, with its session as at first: for what changes nothing else of it."""
+    """A page on which others have been, with its session as at first. Who changes more than that puts it right."""
+    press(used_page, "Escape")  # nothing is large
     choose(used_page, "Preset", PRESETS[1].name)
     choose(used_page, "Preset", PRESETS[0].name)
+    used_page.get_by_role("tab", name="Landscape").click()
     wait(used_page, lambda: used_page.text_content(LESSON) == PRESETS[0].lesson)
     wait_for_status(used_page, "Ready")
     assert posture(used_page) == [25, -25]
@@ -85,6 +91,8 @@ def test_a_new_visitor_sees_everything(page):
     assert posture(page) == [25, -25]
     tabs = ["Images", "Landscape", "Curves", "Equations", "Duel", "Experiments", "Motions"]
     assert page.get_by_role("tab").all_inner_texts() == tabs
+    assert row(page, "Transfer").locator("input:visible").first.input_value() == "Epipolar (paper)"
+    assert chosen_point(page) and page.locator(EPIPOLAR_LINE).count() == 15  # three in each image, and the legend's
 
 
 def test_playing_converges_and_says_so(session):
@@ -190,9 +198,11 @@ def test_noise_and_seed_repeat(session):
     set_number(page, "Steps °", 2)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page)[1] == -8)
+    click(page, "Arm and chance")
 
 
-def test_all_joints_can_be_freed_and_held_again(page):
+def test_all_joints_can_be_freed_and_held_again(session):
+    page = session
     choose(page, "Joints", "all seven")
     wait(page, lambda: len(posture(page)) == 7)
     assert "of 16" in page.text_content(FOUR_IMAGES)
@@ -211,7 +221,8 @@ def test_all_joints_can_be_freed_and_held_again(page):
     page.wait_for_selector(ALL_TRANSFERS, state="detached")
 
 
-def test_two_methods_race_from_one_start(page):
+def test_two_methods_race_from_one_start(session):
+    page = session
     page.get_by_role("tab", name="Duel").click()
     choose(page, "Opponent's transfer", "Rank 3, all views")
     choose(page, "Opponent's servo", "Broyden on images")
@@ -232,9 +243,11 @@ def test_two_methods_race_from_one_start(page):
     assert posture(page) == [40, -25]
 
 
-def test_display_switches(page):
+def test_display_switches(session):
+    page = session
     page.get_by_text("Display", exact=True).click()
-    for label in ("Rays", "Residuals, 3-D", "Hand gizmo", "Whole frames", "Dark"):
+    switches = ("Rays", "Residuals, 3-D", "Hand gizmo", "Whole frames", "Dark")
+    for label in switches:
         switch(page, label)
     page.wait_for_selector(":root[data-mantine-color-scheme=dark]")
     choose(page, "Layout", "16 points")
@@ -242,17 +255,52 @@ def test_display_switches(page):
     choose(page, "Point", "12")
     wait_for_text(page, "12: ")
     assert page.locator(CHOSEN_POINT).count() >= 4
+    for label in switches:
+        switch(page, label)
+    page.wait_for_selector(":root[data-mantine-color-scheme=light]")
+    page.get_by_text("Display", exact=True).click()
 
 
-def test_keys_choose_points_and_show_the_help(page):
+def test_keys_choose_points_and_show_the_help(session):
+    page = session
+    before = chosen_point(page)
     press(page, "n")
-    wait_for_count(page, CHOSEN_POINT, 4)
-    assert page.locator(EPIPOLAR_LINE).count() >= 8
+    wait(page, lambda: chosen_point(page) != before)
+    assert page.locator(CHOSEN_POINT).count() >= 4 and page.locator(EPIPOLAR_LINE).count() >= 8
     press(page, "h")
     page.wait_for_selector(HELP)
     page.wait_for_timeout(500)
     press(page, "h")
     page.wait_for_selector(HELP, state="detached")
+
+
+def test_how_a_point_is_recovered_is_built_up(session):
+    page, seen = session, []
+    assert "lines cross at" in page.text_content(HOW)
+    press(page, "c")
+    wait(page, lambda: seen.append(page.text_content(HOW)) or seen[-1].startswith("6/6"))
+    assert any(words.startswith(("1/6", "2/6", "3/6")) for words in seen)
+    wait(page, lambda: "lines cross at" in page.text_content(HOW), 20)
+    choose(page, "Transfer", "Linear combination")
+    wait(page, lambda: "no lines" in page.text_content(HOW) and page.locator(EPIPOLAR_LINE).count() == 0)
+
+
+def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):
+    page = session
+    width = lambda selector: page.locator(selector).first.bounding_box()["width"]
+    usual = width(IMAGE_L), width(LEVELS)
+    page.get_by_role("link", name="Images, large or not").click()
+    wait(page, lambda: width(IMAGE_L) > 1.3 * usual[0] and not page.locator(LEVELS).first.is_visible())
+    page.get_by_role("link", name="image L, large or not", exact=True).click()
+    wait(page, lambda: page.locator(f"{VIEW_NAME}:visible").all_text_contents() == ["L"])
+    press(page, "Escape")
+    wait(page, lambda: width(IMAGE_L) == usual[0])
+    press(page, "m")
+    press(page, "m")
+    wait(page, lambda: width(LEVELS) > 1.3 * usual[1] and not page.locator(IMAGE_L).first.is_visible())
+    assert all(page.get_by_text(words, exact=True).is_visible() for words in ("Play", "Step"))
+    page.get_by_role("link", name="Figures, large or not").click()
+    wait(page, lambda: (width(IMAGE_L), width(LEVELS)) == usual)
 
 
 def test_history_can_be_scrubbed(session):
@@ -267,7 +315,8 @@ def test_history_can_be_scrubbed(session):
     wait(page, lambda: posture(page) == [40, -10])
 
 
-def test_nothing_is_sent_when_nothing_changes(page):
+def test_nothing_is_sent_when_nothing_changes(session):
+    page = session
     before = -1
     while before < (before := len(page.frames_received)):  # what opening it brings
         page.wait_for_timeout(500)
@@ -276,14 +325,16 @@ def test_nothing_is_sent_when_nothing_changes(page):
     assert page.frames_received == []
 
 
-def test_nothing_leaves_the_machine(page):
+def test_nothing_leaves_the_machine(session):
+    page = session
     press(page, "Space")
     wait_for_status(page, "Arrived")
     hosts = {urlparse(url).hostname for url in page.requested if not url.startswith(("data:", "blob:"))}
     assert hosts == {"127.0.0.1"}
 
 
-def test_two_tabs_are_two_sessions(browser, server, page):
+def test_two_tabs_are_two_sessions(browser, server, session):
+    page = session
     other = open_page(browser, server)
     set_number(other, "θ₂", 80)
     press(other, "ArrowRight")
@@ -293,7 +344,8 @@ def test_two_tabs_are_two_sessions(browser, server, page):
     other.close()
 
 
-def test_a_reloaded_tab_goes_on_where_it_was(page):
+def test_a_reloaded_tab_goes_on_where_it_was(session):
+    page = session
     press(page, "ArrowRight")
     wait(page, lambda: posture(page) == [40, -25])
     page.reload()
@@ -302,15 +354,13 @@ def test_a_reloaded_tab_goes_on_where_it_was(page):
 
 
 @pytest.fixture
-def laboratory(browser, server):
-    """A page with the tab Experiments open."""
-    page = open_page(browser, server, "small")
-    choose(page, "Preset", "Paper, Section 5.3")
-    page.get_by_role("tab", name="Experiments").click()
-    page.wait_for_selector(EXPERIMENT)
-    yield page
-    page.close()
-    assert page.problems == []
+def laboratory(session):
+    """A page with the tab Experiments open, in a small window."""
+    session.set_viewport_size(dict(zip(("width", "height"), SIZES["small"])))
+    session.get_by_role("tab", name="Experiments").click()
+    session.wait_for_selector(EXPERIMENT)
+    yield session
+    session.set_viewport_size(dict(zip(("width", "height"), SIZES["least"])))
 
 
 def test_an_experiment_is_run_judged_and_downloaded(laboratory):
@@ -336,7 +386,8 @@ def test_an_experiment_is_run_judged_and_downloaded(laboratory):
     assert "Demonstrator (45.0°, −90.0°)" in page.text_content(EXPERIMENT)
 
 
-def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(page):
+def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(session):
+    page = session
     page.get_by_role("tab", name="Experiments").click()
     choose(page, "Experiment", "Fig. 9: posture imitation")
     click(page, "Run")
@@ -350,7 +401,8 @@ def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(page):
     assert "0 of" in page.text_content(EXPERIMENT) and page.locator(VERDICT_ROW).count() == 0
 
 
-def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_path):
+def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_path):
+    page = session
     page.get_by_role("tab", name="Motions").click()
     choose(page, "Chosen motion", "recorded")
     wait_for_status(page, "nothing is recorded yet")
@@ -379,5 +431,4 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(page, tmp_pat
     page.get_by_role("tab", name="Experiments").click()
     choose(page, "Experiment", "Fig. 10: trajectory imitation")
     click(page, "Run")
-    wait_for_progress(page, "done")
-    assert "<b>wave</b>" in page.text_content(EXPERIMENT)
+    wait(page, lambda: "<b>wave</b>" in page.text_content(EXPERIMENT) and "done" in progress(page))

@@ -3,6 +3,7 @@
 import pytest
 from browsing import (
     CHOSEN_POINT,
+    CURVES,
     FOUR_IMAGES,
     choose,
     open_page,
@@ -98,16 +99,26 @@ def test_a_click_on_a_moment_of_the_curves_goes_there_also_while_the_arm_moves(p
     wait(page, lambda: posture(page) != start)
     touch(page, ".vi-at-L7 .vi-nearest")  # which is redrawn all the time
     wait_for_chosen(page, 7)
+    press(page, "Space")
+    pressed = page.locator("a[href$='/moment/0']").first.element_handle()
+    page.mouse.move(*middle(page, "a[href$='/moment/0'] path"))
+    page.mouse.down()
+    before = page.locator(CURVES).first.get_attribute("d")
+    page.keyboard.press("ArrowLeft")
+    wait(page, lambda: page.locator(CURVES).first.get_attribute("d") != before)  # drawn anew under the pointer
+    page.mouse.up()
+    wait(page, lambda: posture(page) == start)
+    assert pressed.evaluate("link => link.isConnected")
 
 
 def test_a_changed_preset_says_so_is_restored_by_choosing_it_and_brought_back_by_undo(page):
     shown = lambda: page.get_by_label("Preset", exact=True).first.input_value()
-    preset = shown().removesuffix(" (modified)")
+    preset = shown().removeprefix("(modified) ")
     set_number(page, "θ₂", 60)
-    wait(page, lambda: shown() == f"{preset} (modified)")
+    wait(page, lambda: shown() == f"(modified) {preset}")
     choose(page, "Preset", preset)
     wait(page, lambda: shown() == preset)
     wait_for_status(page, "Ready")
     press(page, "ArrowLeft")
     wait_for_status(page, "Back is what was here before")
-    wait(page, lambda: shown() == f"{preset} (modified)")
+    wait(page, lambda: shown() == f"(modified) {preset}")

@@ -13,7 +13,7 @@ from viewimit.app.server import access, connection
 from waiting import stays, wait_until
 
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 
 
 @pytest.fixture
@@ -219,7 +219,7 @@ def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
 
 @pytest.mark.browser
 def test_a_page_that_is_reloaded_is_as_it_was(browser, server):
-    alone = Session(BEST)
+    alone = Session(Settings())
     for _ in range(3):
         alone.step()
     page = open_page(browser, server, "small")

@@ -22,7 +22,7 @@ from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 
 pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="processes cannot hand over sockets here")
 HEAD = "GET / HTTP/1.1\r\nHost: here:80\r\nCookie: viewimit-80={}\r\n\r\n"
@@ -262,7 +262,7 @@ def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd):
 
 @pytest.mark.browser
 def test_pages_of_two_workers_run_and_come_back_after_a_reload(browser):
-    server, alone = Server("--workers", "2"), Session(BEST)
+    server, alone = Server("--workers", "2"), Session(Settings())
     alone.step()
     pages = [open_page(browser, server.url, "small") for _ in range(2)]
     for page in pages:

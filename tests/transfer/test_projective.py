@@ -113,3 +113,14 @@ def test_coplanar_points_have_no_condition_and_still_a_transfer():
     fitted = projective.fit(seen(plane, rng.normal(0, 30, (12, 4))))
     assert fitted.condition == np.inf
     assert np.isfinite(fitted.recover(plane[:, :2], plane[:, 2:])).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_one_posture_alone_is_fitted_as_in_a_batch(seed):
+    views = heads_views(np.random.default_rng(seed))
+    other = views.own + np.random.default_rng(seed).standard_normal(views.own.shape)
+    batch = projective.fit(seen(views.demo, np.stack([views.own, other])))
+    for k, own in enumerate((views.own, other)):
+        alone = projective.fit(seen(views.demo, own))
+        np.testing.assert_allclose(alone.p, batch.p[k], atol=1e-12)
+        np.testing.assert_allclose(alone.coefficients, batch.coefficients[k], atol=1e-9)

@@ -17,7 +17,9 @@ from ..servo import Observation
 from ..servo.image_based import towards
 from ..servo.image_model import ImageModel
 from ..session import Session
+from ..settings import Settings
 from ..simulation.kinematics import hand_position
+from ..transfer import FittedTransfer
 from .motion import Motion
 
 APPROACH = 20  # motions at most to the first frame; then one a frame
@@ -55,6 +57,18 @@ class Trajectory:
     def joint_deg(self) -> NDArray:
         """(T,) largest joint error."""
         return np.degrees(np.abs(self.theta - self.theta_demo)).max(-1)
+
+
+@dataclass(frozen=True)
+class Imitation:
+    """A motion as it was imitated, to be seen: theta_demo, theta: (T, m) rad; transfer: that stayed as it was."""
+
+    name: str
+    settings: Settings
+    transfer: FittedTransfer
+    step_s: float
+    theta_demo: NDArray
+    theta: NDArray
 
 
 def hand_points(session: Session) -> NDArray:

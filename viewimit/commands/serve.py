@@ -3,7 +3,6 @@
 import argparse
 import sys
 
-from ..settings import BEST
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
 
@@ -33,12 +32,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="processes that share the visitors (1 on this machine alone, else one a core, 4 at most)",
     )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
-    add_setting_options(parser, BEST)
-    add_run_options(parser, BEST)
+    add_setting_options(parser)
+    add_run_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    settings = settings_from(args, BEST)
+    settings = settings_from(args)
     from ..app.serve import ServerOptions, serve, usual_workers  # the one place below the page that knows it
     from ..app.sessions.stores import open_store
 

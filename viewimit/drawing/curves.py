@@ -28,30 +28,65 @@ def draw_curves(
     joints: Sequence[int],
     width: int = 424,
     errors_deg: Sequence[float] = (),
-    address: str | None = None,
 ) -> str:
     """HTML of both plots. E_true: E with the learner in the demonstrator's posture, truth for the viewer;
     joints: numbers of the moving joints, from 1; width: px, of the drawing's units; errors_deg: the largest joint
-    error of each moment up to the cursor; address: that links to the moments begin with, None for none."""
-    beside = width >= SIDE_BY_SIDE
-    height = CARD_HEIGHT if beside else TAB_HEIGHT
-    w = (width - 28) / 2 if beside else width
+    error of each moment up to the cursor."""
     kept = svg.thinned(len(history), LIMIT, cursor)
     snapshots = [history[k] for k in kept]
     motions = np.array(kept, float)
-    box, step = (LEFT, TOP, w - RIGHT, height - BOTTOM), _x_step(len(history) - 1)
+    box, step = _box(width), _x_step(len(history) - 1)
     first = _draw_E(box, step, snapshots, motions, cursor, E_true)
     second = _draw_angles(box, step, snapshots, motions, cursor, joints)
-    second += svg.text(w, 12, following(errors_deg), "vi-end")
-    if address is not None:
-        links = _moment_links(address, box, step, kept)
-        first, second = first + links, second + links
-    shift = f"{w + 28:.1f} 0" if beside else f"0 {height + 6}"
-    total = height if beside else 2 * height + 6
-    return (
-        f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {width} {total}">{first}'
-        f'<g transform="translate({shift})">{second}</g></svg></div>'
+    second += svg.text(box[2] + RIGHT, 12, following(errors_deg), "vi-end")
+    return f'<div class="vi-panel">{_plots(width, first, second)}</div>'
+
+
+def moment_links(address: str, last: int, width: int = 424) -> str:
+    """HTML that lies over both plots: a cell around each moment that their axis has room for, of which Tab stops at
+    those with a number below. It stays the same until the axis changes, so that a click survives a motion."""
+    left, top, right, bottom = box = _box(width)
+    step, every = _x_step(last), _between_links(last)
+    axes, motions = Axes(*box, (0.0, 4.0 * step), (0.0, 1.0)), np.arange(0, 4 * step + 1, every)
+    edges = axes.x_px(np.append(motions - every / 2, motions[-1] + every / 2))
+    edges[0], edges[-1] = left - 4, right + 4
+    cells = "".join(
+        link(
+            address,
+            f"moment/{motion}",
+            f"after {motion} motions",
+            f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
+            stop=motion % step == 0,
+        )
+        for k, motion in enumerate(motions.tolist())
     )
+    group = f'<g class="vi-moments">{cells}</g>'
+    return f'<div class="vi-panel vi-links">{_plots(width, group, group)}</div>'
+
+
+def moments_made(last: int) -> str:
+    """A style that hides the links to moments after the last."""
+    return f"<style>.vi-moments a:nth-child(n+{last // _between_links(last) + 2}){{display:none}}</style>"
+
+
+def _between_links(last: int) -> int:
+    """Motions from one link to the next: there are LIMIT at most, and one."""
+    return -(-4 * _x_step(last) // LIMIT)
+
+
+def _box(width: int) -> Box:
+    """Of each plot."""
+    beside = width >= SIDE_BY_SIDE
+    return LEFT, TOP, ((width - 28) / 2 if beside else width) - RIGHT, (CARD_HEIGHT if beside else TAB_HEIGHT) - BOTTOM
+
+
+def _plots(width: int, first: str, second: str) -> str:
+    """A drawing of two plots, beside or under each other."""
+    beside, (_, _, right, bottom) = width >= SIDE_BY_SIDE, _box(width)
+    height = bottom + BOTTOM
+    shift = f"{right + RIGHT + 28:.1f} 0" if beside else f"0 {height + 6}"
+    total = height if beside else 2 * height + 6
+    return f'<svg class="vi" viewBox="0 0 {width} {total}">{first}<g transform="translate({shift})">{second}</g></svg>'
 
 
 def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Sequence[Tick]) -> str:
@@ -133,26 +168,6 @@ def _curve(points: NDArray, done: int, probes: NDArray, role: str) -> str:
     if done and seen[-1]:
         parts.append(f'<path class="vi-last vi-dot-{role}" d="{svg.dots(points[-1:])}"/>')
     return "".join(parts)
-
-
-def _moment_links(address: str, box: Box, step: int, kept: Sequence[int]) -> str:
-    """A cell around each moment that is drawn, over a plot. Tab stops at those with a number below, and at the last."""
-    left, top, right, bottom = box
-    axes = Axes(*box, (0.0, 4.0 * step), (0.0, 1.0))
-    motions = np.array(kept, float)
-    edges = axes.x_px(np.concatenate([motions[:1], (motions[1:] + motions[:-1]) / 2, motions[-1:]]))
-    edges[0], edges[-1] = max(edges[0] - 4, left - 4), min(edges[-1] + 4, right + 4)
-    cells = [
-        link(
-            address,
-            f"moment/{motion}",
-            f"after {motion} motions",
-            f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
-            stop=motion % step == 0 or k == len(kept) - 1,
-        )
-        for k, motion in enumerate(kept)
-    ]
-    return f'<g class="vi-links vi-moments">{"".join(cells)}</g>'
 
 
 def _x_step(last: int) -> int:

@@ -5,31 +5,50 @@ none is closed when the numbers beside its "?" change. Buttons are inputs, as th
 Escape closes the card, and Space asks.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
 from ..assets import ROOT
 from ..settings import Settings
 from . import svg
 from .equations import mathml
+from .over.links import link, sink
 
 FILE = ROOT / "glossary.toml"
 
 
+class Scale(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Of a number, logarithmic, between its ends; up to good, or down to it, it is good, and from bad on bad."""
+
+    ends: tuple[float, float]
+    good: float
+    bad: float
+    unit: str = ""
+
+    def share(self, value: float) -> float:
+        """Of the scale's length, 0 … 1, that lies before a value."""
+        low, high, here = np.log([*self.ends, np.clip(value, *self.ends)])
+        return float((here - low) / (high - low))
+
+
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """name: a few words; symbol: as the page has it; formula: LaTeX; good, bad: in words, from where on; show: settings
-    in which it is bad."""
+    in which it is bad, or is seen at all; plays: whether that takes motions; scale: of a number that the page knows at
+    every moment."""
 
     name: str
     symbol: str
     sentence: str
+    show: Settings
+    plays: bool = False
     formula: str = ""
     good: str = ""
     bad: str = ""
-    show: Settings | None = None
+    scale: Scale | None = None
 
 
 def load(path: Path = FILE) -> dict[str, Entry]:
@@ -77,22 +96,48 @@ def beside(key: str) -> str:
     return f'<div class="vi-at-label">{ask(key)}</div>'
 
 
-def cards() -> str:
-    """HTML of all popovers, which are seen only when opened, each at the "?" that asks for it."""
+def cards(address: str | None = None) -> str:
+    """HTML of all popovers, which are seen only when opened, each at the "?" that asks for it. address: that the links
+    to what they show begin with, None for none."""
     anchors = "".join(
         f".vi-ask[popovertarget=vi-word-{key}]{{anchor-name:--vi-word-{key}}}#vi-word-{key}{{position-anchor:--vi-word-{key}}}"
         for key in glossary()
     )
-    return f"<style>{anchors}</style>" + "".join(
+    words = "".join(
         f'<div class="vi-word" id="vi-word-{key}" popover="auto"><input type="button" class="vi-close" value="×"'
-        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"/>{_described(entry)}</div>'
+        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"/>{_show(address, key)}'
+        f"{_described(entry)}</div>"
         for key, entry in glossary().items()
+    )
+    return f"<style>{anchors}</style>{words}{sink() if address else ''}"
+
+
+def listed(address: str | None = None) -> str:
+    """HTML of all entries, for the help."""
+    return "".join(
+        f'<div class="vi-entry">{_show(address, key)}{_described(entry)}</div>' for key, entry in glossary().items()
     )
 
 
-def listed() -> str:
-    """HTML of all entries, for the help."""
-    return "".join(f'<div class="vi-entry">{_described(entry)}</div>' for entry in glossary().values())
+def told_now(values: Mapping[str, float]) -> str:
+    """A style that says on the cards' scales what the numbers are now, by key; those that are NaN are not said. The
+    cards themselves stay as they are, and so open."""
+    rules = []
+    for key, value in values.items():
+        scale = glossary()[key].scale
+        if scale is not None and np.isfinite(value):
+            told = f"now {svg.short(value)}{scale.unit}"
+            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--told:"{told}"}}')
+    return f"<style>{''.join(rules)}</style>"
+
+
+def _show(address: str | None, key: str) -> str:
+    """The link to what an entry shows."""
+    if address is None:
+        return ""
+    entry = glossary()[key]
+    words = "Show me a bad one" if entry.bad else "Show me"
+    return f'<span class="vi-show">{link(address, f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'
 
 
 def _described(entry: Entry) -> str:
@@ -100,6 +145,17 @@ def _described(entry: Entry) -> str:
     parts.append(f"<p>{svg.escape(entry.sentence)}</p>")
     if entry.formula:
         parts.append(f'<p class="vi-formula">{mathml(entry.formula)}</p>')
+    if entry.scale is not None:
+        parts.append(_scale(entry.scale))
     levels = (("good", entry.good), ("bad", entry.bad))
     parts += [f'<p><i class="vi-{level}">{level}</i> {svg.escape(words)}</p>' for level, words in levels if words]
     return "".join(parts)
+
+
+def _scale(scale: Scale) -> str:
+    """A bar with its ends, and from where on it is good and bad; where it is now is told apart."""
+    marks = {value: f"{100 * scale.share(value):.1f}%" for value in (*scale.ends, scale.good, scale.bad)}
+    numbers = "".join(f'<span style="left:{place}">{value:g}</span>' for value, place in marks.items())
+    kind = "vi-scale" if scale.good < scale.bad else "vi-scale vi-scale-up"
+    first, second = (marks[value] for value in sorted((scale.good, scale.bad)))
+    return f'<div class="{kind}" style="--first:{first};--second:{second}"><i></i>{numbers}</div>'

@@ -16,7 +16,7 @@ from . import svg
 
 # width and height of each view's drawing, in its own units, by whether whole frames are shown
 SIZES = {
-    False: {"l": (62, 116), "r": (62, 116), "L": (143, 232), "R": (143, 232)},
+    False: {"l": (76, 140), "r": (76, 140), "L": (130, 209), "R": (130, 209)},
     True: dict.fromkeys("lrLR", (210, 79)),
 }
 MARGIN = 10  # image px around the points: about half a link's thickness

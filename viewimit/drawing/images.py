@@ -6,9 +6,12 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from ..analysis.construction import Construction
 from ..geometry.pairs import PAIRS
 from ..simulation.appearance import Bodies
 from ..snapshot import Snapshot
+from ..transfer import TRANSFERS
+from . import construction as build
 from . import image_planes, svg
 from .glossary import ask
 from .image_planes import SIZES, Window, Windows
@@ -16,6 +19,7 @@ from .metrics import draw_legend, draw_metrics, residual_lengths
 from .theme import HEAD, OBSERVED, RECOVERED, RING
 
 GAINS = (10, 5, 2)
+READOUT_UP = 17  # px from the foot of L and R, where a caption lies over both
 SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
 INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T  # views that a line is drawn in, and whose points it is of
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
@@ -31,12 +35,14 @@ def draw_images(
     gain: float | None = None,
     pictures: Mapping[str, bytes] = NO_PICTURES,
     standing: Bodies | None = None,
+    construction: Construction | None = None,
+    stage: int | None = None,
 ) -> str:
     """HTML of the panel: a drawing of each image, the legend and the figures, which the page places.
 
-    chosen: a body point, to be ringed with its epipolar lines; gain: of the residual arrows, None for automatic;
-    pictures: JPEGs of the whole frames by view, which stand behind the drawing; standing: where the learner is, if what
-    is drawn is a see-through arm elsewhere.
+    chosen: a body point, to be ringed, with its construction, of which all is shown or a stage; gain: of the residual
+    arrows, None for automatic; pictures: JPEGs of the whole frames by view, which stand behind the drawing; standing:
+    where the learner is, if what is drawn is a see-through arm elsewhere.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
@@ -45,25 +51,35 @@ def draw_images(
     images = images.reshape(-1, 4, 2).transpose(1, 0, 2)  # (l r L R, N, 2)
     points = image_planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
-    lines = _epipolar_lines(snapshot, images, shown, chosen)
+    crossed = TRANSFERS[snapshot.settings.transfer].crosses_lines
+    lines = _epipolar_lines(snapshot, images, shown, chosen if crossed else None, stage)
+    built = dict.fromkeys("lrLR", "")
+    if construction is not None and chosen is not None:
+        built = build.draw(construction, shown, stage, images[2:, chosen], gain)
     content = _arms(bodies, windows, whole_frames)
     if standing is not None:
         for view, (hulls, _) in image_planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
             content[view] = f'<path class="vi-standing" d="{hulls}"/>{content[view]}'
     kind = "vi-images vi-whole" if whole_frames else "vi-images"
+    kind += "" if stage is None else " vi-building"
     kind += " vi-pictured" if pictures else "" if standing is None else " vi-see-through"
     parts = []
     for k, view in enumerate("lrLR"):
         behind = image_planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
-        inside = behind + content[view] + lines[view] + marks[view] + _ring(snapshot, points, k, chosen)
-        if view in "LR" and chosen is not None:
+        all_points = marks[view] if stage is None else f'<g class="vi-faint">{marks[view]}</g>'
+        inside = behind + content[view] + lines[view] + all_points + built[view]
+        if build.stands(stage, crossed, view if view in "lr" else "own"):
+            inside += _ring(snapshot, points, k, chosen)
+        if view in "LR" and chosen is not None and build.stands(stage, crossed, "own"):
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
     parts += [
         f'<div class="vi-caption vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
         for pair, words in CAPTIONS.items()
     ]
-    parts.append(draw_legend(whole_frames, gain, chosen))
+    if chosen is not None:
+        parts.append(f'<p class="vi-how">{build.describe(construction, chosen, stage, crossed)}</p>')
+    parts.append(draw_legend(gain, chosen, crossed))
     parts.append(draw_metrics(snapshot, lengths))
     inside = "".join(parts)
     return f'<div class="vi-panel"><div class="{kind}" role="group" aria-label="The four images">{inside}</div></div>'
@@ -142,11 +158,14 @@ def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: t
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
     length = svg.number(float(np.hypot(*e)))
     x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
-    return svg.text(x, size[1] - 8, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
+    return svg.text(x, size[1] - READOUT_UP, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
 
 
-def _epipolar_lines(snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None):
-    """The chosen point's lines by view: from the left and the right image of the other pair, from the partner."""
+def _epipolar_lines(
+    snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None, stage: int | None
+) -> dict[str, str]:
+    """The chosen point's lines by view: from the left and the right image of the other pair, from the partner. While
+    they are built up only those in L and R that are there at the stage."""
     drawn = dict.fromkeys("lrLR", "")
     if chosen is None or snapshot.fundamental is None:
         return drawn
@@ -158,7 +177,7 @@ def _epipolar_lines(snapshot: Snapshot, images: NDArray, windows: dict[str, Wind
     ends, crosses = _across(normal, offset, [windows["lrLR"[k]] for k in INTO.tolist()])
     crosses &= snapshot.views.visible[chosen, SOURCE]
     for k, source, line, shown in zip(INTO.tolist(), SOURCE.tolist(), ends.tolist(), crosses.tolist()):
-        if shown:
+        if shown and (stage is None or k > 1 >= source and build.stands(stage, True, ("left", "right")[source])):
             style = _line_style(source, k)
             drawn["lrLR"[k]] += f'<path class="vi-line{style}" d="M%.1f %.1fL%.1f %.1f"/>' % tuple(line)
     return drawn

@@ -41,13 +41,20 @@ class Labels:
         along = np.linspace(0, length[-1], int(length[-1] / STRIDE) + 1)
         self.take_points(np.stack([np.interp(along, length, x) for x in points.T], -1), radius)
 
-    def take_first_free(self, places: NDArray) -> NDArray | None:
-        """The first of (k, 4) px that covers nothing and is within bounds."""
+    def since(self, before: "Labels") -> NDArray:
+        """(k, 4) px, what has been taken since this was a copy of `before`."""
+        return self._taken[len(before._taken) :]
+
+    def covers(self, places: NDArray) -> NDArray:
+        """(k,) bool: which of (k, 4) px meet what is taken."""
         left, top, right, bottom = (side[:, None] for side in places.T)
         a, b, c, d = self._taken.T
-        covers = ((left < c) & (a < right) & (top < d) & (b < bottom)).any(1)
+        return ((left < c) & (a < right) & (top < d) & (b < bottom)).any(1)
+
+    def take_first_free(self, places: NDArray) -> NDArray | None:
+        """The first of (k, 4) px that covers nothing and is within bounds."""
         low, high = self.bounds[:2], self.bounds[2:]
-        free = np.flatnonzero(~covers & (places[:, :2] >= low).all(1) & (places[:, 2:] <= high).all(1))
+        free = np.flatnonzero(~self.covers(places) & (places[:, :2] >= low).all(1) & (places[:, 2:] <= high).all(1))
         if not len(free):
             return None
         self.take(places[free[0]])

@@ -5,6 +5,7 @@ element of its own that lies over it, so that a motion resends only that.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,19 @@ NOW = 5.8  # px, radius of the big dot
 CLEAR = 3.0  # px on both sides of the path that labels leave free
 
 
+@dataclass(frozen=True)
+class Placed:
+    """Labels over a path. about: its moments and its cursor; present: the last of it; free: what leaves the learner's
+    own label free; others: (k, 4) px, where the rest stand; own, words: the drawings of both."""
+
+    about: tuple[int, int]
+    present: Snapshot
+    free: Labels
+    others: NDArray
+    own: str
+    words: str
+
+
 class LandscapePicture:
     """html: the picture; draw_path: what lies over it. landscape: None while it is computed, or if `problem` says why
     there is none.
@@ -49,9 +63,7 @@ class LandscapePicture:
         self._above = ""  # marks, over the path
         self._named: list[tuple[NDArray, str, str, bool]] = []  # marks to be led to: px, words, class, from the left
         self._levels: list[relief.Level] = []
-        self._placed: tuple[tuple[int, int], Snapshot, Labels, str, str] | None = (
-            None  # of which moment, and its labels
-        )
+        self._placed: Placed | None = None
         self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
         if not plane.has_plane and spread is not None:
@@ -101,17 +113,45 @@ class LandscapePicture:
     def _words(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None, points: NDArray) -> str:
         """All labels; those but the learner's own stay while the arm is on its way. points: (k, 2) px of the path."""
         about, present = (len(history), cursor), history[cursor]
-        if self._placed is None or self._placed[:2] != (about, present):
-            labels = self._plane.labels.copy()
-            labels.take_line(points, CLEAR)
-            now, start = self._plane.place(np.degrees(present.theta)), points[0]
-            labels.take_points(now, NOW)
-            own, others = self._now(labels, present.theta, cursor), ""
-            if cursor and np.abs(now - start).max() > 20:
-                others = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
-            self._placed = about, present, labels, own, others + self._labels(labels)
-        *_, labels, own, others = self._placed
-        return others + (own if theta is None else self._now(labels.copy(), theta, cursor))
+        if self._placed is None or (self._placed.about, self._placed.present) != (about, present):
+            self._placed = self._gone_on(history, cursor) or self._place(history, cursor, points)
+        placed = self._placed
+        return placed.words + (placed.own if theta is None else self._now(placed.free.copy(), theta, cursor))
+
+    def _place(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> "Placed":
+        """All labels, off the path. points: (k, 2) px of it."""
+        present = history[cursor]
+        free = self._plane.labels.copy()
+        free.take_line(points, CLEAR)
+        now, start = self._plane.place(np.degrees(present.theta)), points[0]
+        free.take_points(now, NOW)
+        labels, words = free.copy(), ""
+        own = self._now(labels, present.theta, cursor)
+        if cursor and np.abs(now - start).max() > 20:
+            words = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
+        words += self._labels(labels)
+        others = labels.since(free)[1 if own else 0 :]
+        free.take(others)
+        return Placed((len(history), cursor), present, free, others, own, words)
+
+    def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> "Placed | None":
+        """While more motions keep off the labels, these stay: they do not jump, and need not be placed."""
+        placed, present = self._placed, history[cursor]
+        if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
+            return None
+        since = history[placed.about[1] : cursor + 1]
+        if since[0] is not placed.present:
+            return None
+        line = self._plane.place(np.degrees([moment.theta for moment in since]))
+        path = Labels(*placed.free.bounds)
+        path.take_line(line, CLEAR)
+        path.take_points(line[-1], NOW)
+        if path.covers(placed.others).any():
+            return None
+        free = placed.free.copy()
+        free.take(path.since(Labels(*path.bounds)))
+        own = self._now(free.copy(), present.theta, cursor)
+        return replace(placed, about=(len(history), cursor), present=present, free=free, own=own) if own else None
 
     def _now(self, labels: Labels, theta: NDArray, cursor: int) -> str:
         """The learner's own label at theta, (m,) rad."""

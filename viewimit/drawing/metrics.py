@@ -13,13 +13,13 @@ from .glossary import ask, key_of
 from .theme import OBSERVED, RECOVERED
 
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
-COLUMNS, LETTER = (0, 74, 144, 254, 350), 5.4  # px, LETTER of a label
-LEGEND_SIZES, METRICS_SIZE = {False: (126, 112), True: (424, 36)}, (424, 36)  # px; a legend's by whole frames
+COLUMNS, LETTER = (0, 86, 152, 258, 352), 5.4  # px, LETTER of a label
+LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px
 
 
 @lru_cache(256)
-def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
-    """A drawing of its own: a column, or two rows under whole frames."""
+def draw_legend(gain: float, chosen: int | None, crossed: bool) -> str:
+    """A drawing of its own: two rows. crossed: whether the chosen point's epipolar lines are drawn, or steps to it."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
     entries = [
@@ -30,14 +30,16 @@ def draw_legend(whole: bool, gain: float, chosen: int | None) -> str:
     ]
     if chosen is not None:
         entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5.5"/>', f"point {svg.point_name(chosen)}, its"))
+    if chosen is not None and crossed:
         entries.append(('<path class="vi-line" d="M0 0H20"/>', "line from left"))
         entries.append(('<path class="vi-line vi-from-right" d="M0 0H20"/>', "line from right"))
         entries.append(('<path class="vi-line vi-partner" d="M0 0H20"/>', "line from partner"))
-    places = [(104 * (i % 4), 10 + 18 * (i // 4)) if whole else (2, 10 + 13.3 * i) for i in range(8)]
-    (width, height), parts = LEGEND_SIZES[whole], []
-    for (x, y), (mark, words) in zip(places, entries):
+    if chosen is not None and not crossed:
+        entries.append(('<path class="vi-steps" d="M0 0H20"/><path class="vi-stop" d="M10 0h0"/>', "steps to it"))
+    (width, height), parts = LEGEND_SIZE, []
+    for i, (mark, words) in enumerate(entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
-        parts.append(f'<g transform="translate({x} {y:g})">{mark}{label}</g>')
+        parts.append(f'<g transform="translate({2 + 101 * (i % 4)} {8 + 16 * (i // 4)})">{mark}{label}</g>')
     return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 

@@ -16,6 +16,7 @@ ROLES = {
     "demonstrator-edge": ("#8a5a00", "#ffdf9e"),
     "recovered": ("#007f5c", "#3fd0a2"),
     "residual": ("#d55e00", "#ff8440"),
+    "residual-edge": ("#b34e00", "#ff8440"),  # for its words
     "opponent": ("#6a3fa0", "#b99cf5"),
     "chosen": ("#b0508a", "#e79ac6"),
     "stopped": ("#d0342c", "#ff6b61"),
@@ -57,10 +58,14 @@ def variables(dark: bool) -> str:
     return "".join(f"--{role}:{colours[dark]};" for role, colours in ROLES.items())
 
 
-def font_face() -> str:
-    """A CSS rule with the font inside."""
-    data = base64.b64encode((ROOT / "fonts" / "Inter.woff2").read_bytes()).decode()
-    return (
-        "@font-face{font-family:Inter;font-weight:400 700;font-display:block;"
-        f'src:url("data:font/woff2;base64,{data}") format("woff2")}}'
-    )
+def font_faces() -> str:
+    """CSS rules with the fonts inside: Inter, and Minus, in which a hyphen is a real minus."""
+    faces = ("Inter", "font-weight:400 700;font-display:block;"), ("Minus", "unicode-range:U+2D;")
+    rule = '@font-face{{font-family:{0};{1}src:url("{2}") format("woff2")}}'
+    return "".join(rule.format(name, more, _packed(name)) for name, more in faces)
+
+
+def _packed(font: str) -> str:
+    """A font's file as an address."""
+    data = base64.b64encode((ROOT / "fonts" / f"{font}.woff2").read_bytes()).decode()
+    return f"data:font/woff2;base64,{data}"

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from ..analysis.trajectory import Imitation
 from ..settings import Settings
 from ..simulation.scene import Scene, load_scene
 from .paper.claims import Claims
@@ -30,6 +31,7 @@ class Experiment:
     run(settings, tell, **options) → a `Result`; tell(share done, the result so far or None). Raises ValueError for
     settings that it cannot do with. draw(scene, found): SVG in HTML; found: a result, whole or so far, None for an
     empty figure that says what the experiment shows; `draw` is None without a figure for the page.
+    imitation(found): what of a whole result is a motion that can be seen, None for none.
     options: those of `run` that a user chooses, of "motion": the demonstrator's, a name or an `analysis.motion.Motion`.
     """
 
@@ -37,6 +39,7 @@ class Experiment:
     run: Callable[..., Any]
     draw: Callable[..., str] | None = None
     options: tuple[str, ...] = ()
+    imitation: Callable[..., Imitation] | None = None
 
     @property
     def short_title(self) -> str:

@@ -139,6 +139,7 @@ METHOD = TransferMethod(
     fit=fit,
     stored=(EpipolarTransfer,),
     equations=equations,
+    crosses_lines=True,
     condition_name="cond A",
     ill="epipolar lines nearly parallel, E may mislead",
 )

@@ -48,6 +48,7 @@ class TransferMethod:
     N ≥ 5 → a `FittedTransfer`. stored: the dataclasses that a fitted one is made of, nested ones too; they are stored
     by their fields, which are arrays, scalars, strings, tuples or such dataclasses.
     equations(fitted, demo, own, name): how one point, (4,) px in [l, r] and (4,) px in [L, R], is recovered; no batch.
+    crosses_lines: whether a point is recovered where its epipolar lines cross.
     condition_name: what `condition` is; ill: what it means where it is too large.
     conflict_equation(E px²): in place of Eq. (6) where E is another function of the images.
     """
@@ -58,6 +59,7 @@ class TransferMethod:
     fit: Callable[[FourViews], FittedTransfer]
     stored: tuple[type, ...]
     equations: Callable[[Any, NDArray, NDArray, str], tuple[Equation, ...]]
+    crosses_lines: bool = False
     condition_name: str = FLATNESS
     ill: str = FLAT
     conflict_equation: Callable[[float], Equation] | None = None

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..checks import choice, number, switch
 from ..names import NO_POINT
 from ..page_model import PageModel
+from ..state import LARGE
 from .command import Command, Value
 
 
@@ -54,46 +55,76 @@ class Switch(Value):
         return Switch, self.name
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.view = replace(model.view, **{self.name: self.on})
+        changed: dict[str, Any] = {self.name: self.on}
+        model.view = replace(model.view, **changed)
+
+
+class BuildUp(Command):
+    """Show step by step how the chosen point is recovered; once more: all at once."""
+
+    commutes: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        if model.building.goes_on:
+            model.building.end()
+            return
+        if model.view.chosen is None:
+            NextPoint().apply(model, now)
+        model.building.begin(now)
 
 
 @dataclass(frozen=True)
-class PreferDark(Command):
-    """What the browser's colour scheme is, which holds until the visitor chooses another."""
+class Enlarge(Command):
+    """A panel or an image, by its name in LARGE; the one that is large already: all as before."""
 
-    dark: bool
+    what: str
     commutes: ClassVar[bool] = True
 
     @classmethod
-    def parse(cls, value: str) -> PreferDark:
-        return cls(choice(value, {"0": False, "1": True}, "colour scheme"))
+    def parse(cls, value: str) -> Enlarge:
+        return cls(choice(value, {str(k): what for k, what in enumerate(LARGE)}, "panel or image"))
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.view = replace(model.view, prefers_dark=self.dark)
+        model.view = replace(model.view, large=None if model.view.large == self.what else self.what)
 
 
 @dataclass(frozen=True)
-class LayOut(Value):
-    """For a window with room for more, or not. Browsers ask for it by themselves."""
+class PreferStill(Command):
+    """Whether the browser asks for less motion: arms are then seen where they arrive, not on their way."""
 
-    wide: bool
+    still: bool
     commutes: ClassVar[bool] = True
 
     @classmethod
-    def parse(cls, value: str) -> LayOut:
-        return cls(choice(value, {"0": False, "1": True}, "layout"))
+    def parse(cls, value: str) -> PreferStill:
+        return cls(choice(value, {"0": False, "1": True}, "preference"))
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.view = replace(model.view, wide=self.wide)
+        model.player.still = self.still
+
+
+class NextLarger(Command):
+    """The images large, then the figures, then all as before."""
+
+    commutes: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        after = {None: "images", "images": "figures"}
+        model.view = replace(model.view, large=after.get(model.view.large))
 
 
 class LetGo(Command):
-    """Of the see-through arm."""
+    """Of the help, or else of an imitation, the see-through arm and what is large."""
 
     commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.see_through.let_go()
+        if model.view.help:
+            model.view = replace(model.view, help=False)
+        else:
+            model.imitated.stop()
+            model.see_through.let_go()
+            model.view = replace(model.view, large=None)
 
 
 class FitView(Command):

@@ -35,6 +35,22 @@ class Download(Command):
         model.experiments.download()
 
 
+class ShowImitation(Command):
+    """See what was imitated, or see it no more."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        run = model.experiments.shown
+        if model.imitated.playing:
+            model.imitated.stop()
+        elif run is None or run.imitation is None:
+            raise ValueError("there is no imitation to be seen before the experiment is done")
+        else:
+            model.player.pause()
+            model.imitated.play(run.imitation, now)
+
+
 @dataclass(frozen=True)
 class ChooseMotion(Value):
     name: str

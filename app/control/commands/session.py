@@ -121,7 +121,8 @@ class ChoosePreset(Value):
 
     def apply(self, model: PageModel, now: float) -> None:
         if self.name != modified(model.preset.name):  # which it is already
-            model.begin_preset(choice(self.name, model.presets, "preset"))
+            offered = {**model.presets, model.preset.name: model.preset}
+            model.begin_preset(choice(self.name, offered, "preset"))
 
 
 @dataclass(frozen=True)

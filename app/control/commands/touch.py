@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from html import escape
 from typing import ClassVar
 
 import numpy as np
 
-from ..checks import number
+from viewimit.drawing.glossary import glossary
+
+from ..checks import choice, number
 from ..page_model import PageModel
+from ..presets import Preset
 from .command import Command
-from .display import ChoosePoint, LayOut, LetGo, PreferDark
-from .session import Scrub, StartAt
+from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
+from .session import Play, Scrub, StartAt
 
 
 @dataclass(frozen=True)
@@ -64,12 +68,43 @@ class StartThere(Command):
         StartAt(tuple(np.degrees(moment.theta).tolist())).apply(model, now)
 
 
+def _told(name: str) -> Callable[[str], Command]:
+    """What a browser says of itself, by a picture that it chooses: see `told` among the panels."""
+    return lambda value: Switch(name, choice(value, {"0": False, "1": True}, name))
+
+
+@dataclass(frozen=True)
+class ShowWord(Command):
+    """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
+
+    key: str
+    moves: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> ShowWord:
+        choice(value, glossary(), "entry of the glossary")
+        return cls(value)
+
+    def apply(self, model: PageModel, now: float) -> None:
+        entry = glossary()[self.key]
+        speed = 0.0 if entry.plays else model.player.speed
+        lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
+        model.begin_preset(Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)))
+        model.view = replace(model.view, help=False)
+        if entry.plays:
+            Play().apply(model, now)
+
+
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
-    "dark": PreferDark.parse,
+    "dark": _told("prefers_dark"),
+    "still": PreferStill.parse,
     "point": TogglePoint.parse,
-    "layout": LayOut.parse,
+    "layout": _told("wide"),
     "posture": TouchPosture.parse,
+    "construction": lambda value: BuildUp(),
+    "large": Enlarge.parse,
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
+    "show": ShowWord.parse,
 }

@@ -8,25 +8,31 @@ from numpy.typing import NDArray
 
 from .. import svg
 from ..image_planes import SIZES, Windows, placed
-from ..metrics import LEGEND_SIZES, METRICS_SIZE
+from ..metrics import LEGEND_SIZE, METRICS_SIZE
 from .links import link, sink
 
+MORE, LESS = "M1-4h3v3M-1 4h-3v-3M4-4l-3 3M-4 4l3-3", "M4-1h-3v-3M-4 1h3v3M1-1l3-3M-1 1l-3 3"  # icons, 12 px
 HIT, HALO = 12, 11  # px, radii
 LEAST = 1.5  # px, radius within which the nearest of crowded points is hit
+FIRST_LARGE = 2  # of what can be enlarged, the images follow two panels
 NAME = 4  # px from a point's centre down to the foot of its number
 
 
+@lru_cache(16)
 def point_links(address: str, count: int, whole: bool) -> str:
     """Over the four images, whole or not. Tab stops at the points of L: those of the other images ask for the same.
 
     Each point is there twice: in a circle of HIT, and over all of these where it is nearest.
     """
     planes = []
-    for view, size in SIZES[whole].items():
+    for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(address, view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(address, view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        planes.append(_drawing(f"vi-at-{view}", size, around + nearest))
-    planes += [_drawing("vi-legend", LEGEND_SIZES[whole]), _drawing("vi-metrics", METRICS_SIZE)]
+        large = link(address, f"large/{FIRST_LARGE + k}", f"image {view}, large or not", _corners(size[0]))
+        planes.append(_drawing(f"vi-at-{view}", size, around + nearest + large))
+    construct = link(address, "construction/0", "Build up how the point is recovered", "▸ Build it up <kbd>C</kbd>")
+    planes += [f'<p class="vi-how">{construct}</p>']
+    planes += [_drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
     kind = f"vi-images{' vi-whole' if whole else ''}"
     return (
         f'<div class="vi-over vi-links"><div class="vi-panel"><div class="{kind}" role="group"'
@@ -37,6 +43,12 @@ def point_links(address: str, count: int, whole: bool) -> str:
 def _drawing(kind: str, size: tuple[int, int], inside: str = "") -> str:
     """It lies over the one of the same class, as large as that, and catches nothing but its links."""
     return f'<svg class="vi {kind}" viewBox="0 0 {size[0]} {size[1]}">{inside}</svg>'
+
+
+def _corners(width: int) -> str:
+    """The mark of what can be enlarged, at the top of an image of that width."""
+    square = '<rect x="-8" y="-8" width="16" height="16" rx="3"/>'
+    return f'<g class="vi-larger" transform="translate({width / 2:g} 10)">{square}<path d="{MORE}"/></g>'
 
 
 def _link(address: str, view: str, i: int, kind: str, stop: bool = False) -> str:

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.motion import MOTIONS, Motion
-from ...analysis.trajectory import Trajectory, follow, hand_points
+from ...analysis.trajectory import Imitation, Trajectory, follow, hand_points
 from ...session import Session
 from ...settings import Settings
+from ...transfer import FittedTransfer
 from ..tables import Tables, joint_columns, stacked
 from .claims import Claims
 
@@ -32,7 +33,8 @@ SEEN_SHARE = 0.3  # of the progress bar for the convergence
 @dataclass(frozen=True)
 class Fig10:
     """motion: the demonstrator's, made up or recorded; motions, status: of the convergence before;
-    fitted_deg: postures in which the frozen transfers were fitted; runs: by the names of RUNS."""
+    fitted_deg: postures in which the frozen transfers were fitted; converged: the one that was fitted at the end of the
+    convergence; runs: by the names of RUNS."""
 
     settings: Settings
     joints: tuple[int, ...]
@@ -42,6 +44,7 @@ class Fig10:
     motions: int
     status: str
     fitted_deg: dict[str, NDArray]
+    converged: FittedTransfer
     runs: dict[str, Trajectory]
 
     @property
@@ -71,18 +74,25 @@ def run(
     played = MOTIONS[motion](session.world, last.theta_demo) if isinstance(motion, str) else motion
     hand, everything = hand_points(session), np.ones(len(last.views.own), bool)
     asked = {CONVERGED: (last, hand), BODY: (last, everything), BEFORE: (first, hand), SAME: (there, hand)}
-    if any(moment.transfer is None for moment, _ in asked.values()):
+    if last.transfer is None or any(moment.transfer is None for moment, _ in asked.values()):
         raise ValueError("too few points are seen in all four images to fit a transfer")
     fitted = {name: np.degrees(moment.theta) for name, (moment, _) in asked.items()}
     scene = session.scene
     made = (session.settings, scene.moving_joints, scene.head.image, played, recorded, last.motion, last.status)
-    found = Fig10(*made, fitted, {})
+    found = Fig10(*made, fitted, last.transfer, {})
     for k, (name, (moment, wanted)) in enumerate(asked.items()):
         share = SEEN_SHARE + (1 - SEEN_SHARE) * np.array([k, k + 1]) / len(asked)
         followed = follow(session, moment.transfer, played, wanted, _within(tell, *share))
         found = replace(found, runs={**found.runs, name: followed})
         tell(float(share[1]), found)
     return found
+
+
+def imitation(found: Fig10) -> Imitation:
+    """By the transfer of the convergence."""
+    run = found.runs[CONVERGED]
+    made = found.settings, found.converged, found.motion.step_s
+    return Imitation(f"Fig. 10: {found.motion.name}", *made, run.theta_demo, run.theta)
 
 
 def _within(tell: Callable[[float, None], None], low: float, high: float) -> Callable[[float], None]:

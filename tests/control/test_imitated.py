@@ -1,0 +1,76 @@
+"""Fig. 10's imitation in the scene and in the images: what was imitated is seen, and nothing of the session moves."""
+
+import numpy as np
+import pytest
+from page_fakes import quiet_model
+from viewimit.app.control.commands.display import LetGo
+from viewimit.app.control.commands.experiments import ShowImitation
+from viewimit.app.control.commands.session import Step
+from viewimit.app.jobs.experiments import Run
+
+from viewimit.analysis.trajectory import Imitation
+from viewimit.experiments import EXPERIMENTS
+from viewimit.settings import Settings
+
+FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0
+
+
+@pytest.fixture
+def model():
+    """One whose experiment has made an imitation, which is seen since BEGUN."""
+    model, _ = quiet_model(Settings(start_deg=(25, -45)))
+    model.session.run()
+    theta = model.session.snapshot.theta + np.linspace(0, 0.3, FRAMES)[:, None]
+    made = model.session.settings, model.session.snapshot.transfer, STEP_S
+    model.experiments.chosen = "fig10"
+    model.experiments.take(Run("fig10", "done", imitation=Imitation("Fig. 10", *made, theta + 0.02, theta)))
+    ShowImitation().apply(model, BEGUN)
+    return model
+
+
+def test_each_frame_is_seen_in_its_time_and_the_session_stays_as_it_is(model):
+    imitation, present = model.experiments.shown.imitation, model.session.snapshot
+    for frame in range(FRAMES):
+        now = BEGUN + (frame + 0.5) * STEP_S
+        learner, demonstrator = model.poses(now)
+        assert np.array_equal(learner, imitation.theta[frame])
+        assert np.array_equal(demonstrator, imitation.theta_demo[frame])
+        state = model.state(now)
+        assert state.looked is state.shown and state.shown.theta is learner and state.present is present
+        assert f"{frame * STEP_S:.1f} of 2.0 s" in state.imitated
+    over = BEGUN + FRAMES * STEP_S
+    assert model.state(over).imitated is None and model.state(over).shown is present
+    assert np.array_equal(model.poses(over)[0], present.theta)
+
+
+def test_points_are_recovered_by_the_transfer_that_was_frozen(model):
+    frozen, seen = model.session.snapshot.transfer, model.state(BEGUN + 1.1 * STEP_S).shown
+    demo, own = seen.views.demo, seen.views.own
+    assert np.allclose(seen.recovered, frozen.recover(demo[:, :2], demo[:, 2:]))
+    assert seen.E == pytest.approx(((own - seen.recovered) ** 2).sum() / (2 * len(own)))
+    assert not np.allclose(seen.recovered, model.session.observe(seen.theta, seen).recovered)
+
+
+@pytest.mark.parametrize("ends", [Step(), LetGo(), ShowImitation()], ids=lambda command: type(command).__name__)
+def test_it_ends_by_a_motion_by_escape_and_by_its_button(model, ends):
+    ends.apply(model, BEGUN + STEP_S)
+    assert model.state(BEGUN + STEP_S).imitated is None
+
+
+def test_it_is_not_seen_in_another_world(model):
+    model.imitated.stop()
+    model.change(points=16)
+    with pytest.raises(ValueError, match="other points"):
+        ShowImitation().apply(model, BEGUN)
+    model.experiments.chosen = "fig7"
+    with pytest.raises(ValueError, match="no imitation"):
+        ShowImitation().apply(model, BEGUN)
+
+
+def test_fig_10_hands_out_what_was_imitated_by_the_transfer_of_the_convergence():
+    experiment = EXPERIMENTS["fig10"]
+    found = experiment.run(Settings(start_deg=(25, -45)))
+    imitation, run = experiment.imitation(found), found.runs["converged"]
+    assert imitation.theta is run.theta and imitation.theta_demo is run.theta_demo
+    demo = np.zeros((3, 2))
+    assert np.isfinite(imitation.transfer.recover(demo, demo)).all() and imitation.settings == found.settings

@@ -1,0 +1,63 @@
+"""The chosen point's construction, drawn stage by stage."""
+
+import pytest
+from drawn import CHOSEN_POINT, EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, IMAGE_L, SPREAD, STEPS, marked, parsed
+
+from viewimit.analysis.construction import construct
+from viewimit.drawing.construction import describe, last_stage
+from viewimit.drawing.image_planes import image_windows
+from viewimit.drawing.images import draw_images
+from viewimit.session import Session
+from viewimit.settings import Settings
+from viewimit.simulation.appearance import Silhouettes, reach
+
+POINT = 3
+
+
+def drawn(transfer, stage, whole=False):
+    session = Session(Settings(transfer=transfer))
+    snapshot = session.snapshot
+    bodies = Silhouettes({}, session.world).bodies(snapshot)
+    windows = image_windows(reach(session.world), session.scene.head.image)
+    found = construct(snapshot, POINT)
+    html = draw_images(snapshot, bodies, windows, POINT, whole, construction=found, stage=stage)
+    return {view: marked(parsed(html), "svg", IMAGE_L[:-1] + view)[0] for view in "lrLR"}
+
+
+def count(boxes, views, tag, kind):
+    return [len(marked(boxes[view], tag, kind)) for view in views]
+
+
+@pytest.mark.parametrize(
+    "stage, rings, lines, ellipses",
+    [(0, "l", [], 0), (1, "l", [FROM_LEFT], 0), (2, "lr", [FROM_LEFT], 0), (3, "lr", [FROM_LEFT, FROM_RIGHT], 0),
+     (4, "lr", [FROM_LEFT, FROM_RIGHT], 1), (5, "lrLR", [FROM_LEFT, FROM_RIGHT], 1)],
+)  # fmt: skip
+def test_each_stage_adds_to_the_one_before(stage, rings, lines, ellipses):
+    boxes = drawn("epipolar", stage)
+    assert [view for view in "lrLR" if marked(boxes[view], "circle", CHOSEN_POINT)] == list(rings)
+    for view in "LR":
+        assert [path.get("class") for path in marked(boxes[view], "path", EPIPOLAR_LINE)] == lines
+    assert count(boxes, "lr", "path", EPIPOLAR_LINE) == [0, 0]
+    assert count(boxes, "LR", "ellipse", SPREAD) == [ellipses] * 2
+
+
+def test_all_of_it_has_the_lines_of_the_partner_too_and_the_ellipse():
+    boxes = drawn("epipolar", None)
+    assert count(boxes, "LR", "path", EPIPOLAR_LINE) == [3, 3] and count(boxes, "LR", "ellipse", SPREAD) == [1, 1]
+
+
+@pytest.mark.parametrize("transfer", ["linear", "rank3", "projective"])
+def test_where_no_lines_are_crossed_none_are_drawn_but_steps_are_carried_over(transfer):
+    steps = [count(drawn(transfer, stage), "lrLR", "path", STEPS) for stage in (0, 1, 2, None)]
+    assert steps == [[0, 0, 0, 0], [1, 1, 0, 0], [1, 1, 1, 1], [1, 1, 1, 1]]
+    assert not any(count(drawn(transfer, None), "lrLR", "path", EPIPOLAR_LINE))
+
+
+@pytest.mark.parametrize("transfer, crossed", [("epipolar", True), ("linear", False)])
+def test_each_stage_has_its_words(transfer, crossed):
+    found = construct(Session(Settings(transfer=transfer)).snapshot, POINT)
+    words = [describe(found, POINT, stage, crossed) for stage in (*range(last_stage(crossed) + 1), None)]
+    assert len(set(words)) == len(words) and f"1/{last_stage(crossed) + 1}" in words[0]
+    assert ("cross at" in words[-1]) == crossed
+    assert "not seen" in describe(None, POINT, None, crossed)

@@ -164,7 +164,7 @@ def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_
 def test_run_steps_until_the_servo_rests_or_the_motions_are_made_and_tells_of_each():
     seen, session = [], Session(CALM)
     last = session.run(each=seen.append)
-    assert last is session.snapshot and last.status == "converged" and not session.step()
+    assert last is session.snapshot and last.status == "rests" and not session.step()
     assert [moment.motion for moment in seen] == list(range(1, last.motion + 1))
     assert Session(CALM).run(3).motion == 3
     assert session.run() is session.snapshot
@@ -193,7 +193,7 @@ def test_a_demonstrator_that_moves_while_the_loop_runs_is_followed(motions_befor
     session.pose(target)
     np.testing.assert_array_equal(session.snapshot.views.demo, session.world.demo_images(target)[0])
     run(session)
-    assert session.snapshot.status == "converged"
+    assert session.snapshot.status == "rests"
     assert np.degrees(np.abs(session.snapshot.theta - target)).max() < 3  # METHOD: an affine transfer's bias
 
 
@@ -207,7 +207,7 @@ def test_too_few_points_hold_the_arm_still_and_say_so():
         assert now.status == "stopped" and now.transfer is None and np.isnan(now.E)
         assert now.motion == 3 and np.array_equal(now.theta, theta)
     session.change(missing=0.0)
-    assert run(session).snapshot.status == "converged"
+    assert run(session).snapshot.status == "rests"
 
 
 def test_points_that_are_not_seen_in_all_four_views_take_no_part():
@@ -302,7 +302,7 @@ def test_a_demonstrator_that_moves_is_not_taken_for_convergence():
         session.pose(rng.uniform(session.scene.lower, session.scene.upper))
         for _ in range(rng.integers(1, 40)):
             session.step()
-        if session.snapshot.status == "converged":
+        if session.snapshot.status == "rests":
             assert np.degrees(np.abs(session.snapshot.theta - session.snapshot.theta_demo)).max() < 8  # affine bias
 
 

@@ -24,12 +24,13 @@ from .settings import USUAL_POINTS, Settings
 from .simulation.eyes import Eyes, open_eyes
 from .simulation.scene import Scene, load_scene
 from .simulation.world import World
-from .snapshot import Snapshot
+from .snapshot import AT_REST, Snapshot
 from .views import FourViews
 
 BEGIN_ANEW = (  # what changes body or camera
     "scene", "robot", "joints", "points", "start_deg", "undistort", "camera", "delay",
 )  # fmt: skip
+THERE = set(AT_REST) - {"stalled"}  # at rest where E is as small as the servo can make it
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 OpenEyes = Callable[[str, Scene, int], Eyes]
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
@@ -259,7 +260,7 @@ def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDAr
 def _resting(now: Snapshot, state: Any) -> Snapshot:
     """The moment at which a servo, now in this state, wants no motion any more."""
     status = "stalled" if state.status == "moving" else state.status
-    frozen = now.transfer if status == "converged" else now.frozen
+    frozen = now.transfer if status in THERE else now.frozen
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
 
 

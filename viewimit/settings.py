@@ -107,5 +107,7 @@ def _require_range(name: str, value: float, low: float, high: float) -> None:
         raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
 
 
-# What `imitate` begins with, the page's second preset; 25 images at each posture are a second of video
+# `Settings()` is the paper's estimator, with which `landscape`, `reproduce`, `evaluate` and the page begin: it assumes
+# nothing of the cameras but that they are far away. This is what arrives, what `imitate` begins with and the page's
+# second preset: exact for pinhole cameras; 25 images at each posture are a second of video.
 BEST = Settings(transfer="projective", servo="trust-region", frames=25)

@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 from .geometry.affine import MIN_POINTS, flatness
 from .geometry.pairs import PairGeometry, fit_pairs
 from .geometry.rectification import Rectification
+from .servo import Certificate
 from .settings import Settings
 from .transfer import TRANSFERS, FittedTransfer, rectified
 from .views import FourViews
+
+AT_REST = ("converged", "rests", "untold", "stalled")  # statuses in which a servo asks for no motion worth making
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +27,7 @@ class Snapshot:
     they are not; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: ready, moving, converged, stalled, stopped; servo_state: None before the servo was asked;
+    status: ready, moving, converged, rests, untold, stalled, stopped; servo_state: None before the servo was asked;
     lag: looks that images come late, None until a motion has shown it;
     frozen: the transfer as it was fitted at the last convergence, None before.
     """
@@ -81,10 +84,14 @@ class Snapshot:
         return self.views.own - self.recovered
 
     @property
+    def certificate(self) -> Certificate | None:
+        """What the servo can tell of its posture; None if it gives none."""
+        return getattr(self.servo_state, "certificate", None)
+
+    @property
     def expected_error(self) -> float | None:
-        """rad, a standard deviation: what the noise of the images leaves to the worst joint, as the servo reckons;
-        None if it gives none."""
-        return getattr(self.servo_state, "expected", None)
+        """rad, of the worst joint, as the servo reckons: `Certificate.worst`; None if it gives none."""
+        return None if self.certificate is None else self.certificate.worst
 
     def with_fields(self, **changes) -> "Snapshot":
         """As dataclasses.replace; what was found already is not found anew if views and transfer stay.

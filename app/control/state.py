@@ -10,11 +10,12 @@ from viewimit.analysis.construction import Construction, construct
 from viewimit.analysis.joint_errors import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.image_planes import Windows
+from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
-from viewimit.snapshot import Snapshot
+from viewimit.snapshot import AT_REST, Snapshot
 
 from ..jobs.experiments import Run
 from ..jobs.landscapes import MadeLandscape
@@ -125,8 +126,10 @@ class PageState:
 
     @cached_property
     def assessment(self) -> Assessment | None:
-        """What the learner can tell of the posture in which it rests; None unless it does."""
-        return assess(self.session) if self.present.status in ("converged", "stalled") else None
+        """What the learner can tell of the posture in which it rests; None unless it does. Laws that move on although
+        they have stalled rest when they are paused."""
+        moves_on = self.playing and SERVOS[self.present.settings.servo].slow
+        return assess(self.session) if self.present.status in AT_REST and not moves_on else None
 
     @cached_property
     def recovered_world(self) -> NDArray:

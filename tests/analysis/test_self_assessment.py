@@ -1,12 +1,14 @@
 """What a learner tells of its posture agrees with what the simulation knows, though it is told none of it."""
 
+import msgspec
 import numpy as np
 import pytest
 
 from viewimit.analysis.observability import joint_uncertainty
-from viewimit.analysis.self_assessment import CERTAIN, NEAR, assess
+from viewimit.analysis.self_assessment import NEAR, assess
 from viewimit.history import History
 from viewimit.servo import SERVOS
+from viewimit.servo.trust_region import CERTAIN
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 
@@ -39,15 +41,28 @@ def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
 
 def test_five_points_do_not_tell_the_joints():
     found = assess(rested(Settings(points=5, start_deg=(25, -45))))
-    assert found.untold == [0, 1] and not found.certain
+    assert sorted(found.untold) == [0, 1] and found.certificate.claim == "untold"
 
 
-def test_only_an_E_that_leaves_no_room_is_certain():
-    certain, bent = assess(rested(BEST)), rested(Settings(scene="panda-facing", start_deg=(25, -45)))
+def test_only_an_E_that_leaves_no_room_is_a_claim():
+    sure, bent = rested(BEST), rested(Settings(scene="panda-facing", start_deg=(25, -45)))
     off = np.abs(bent.snapshot.theta - bent.snapshot.theta_demo).max()
     found = assess(bent)
-    assert certain.certain and certain.room < CERTAIN
-    assert not found.certain and found.least and off < found.room
+    assert sure.snapshot.status == "converged" and assess(sure).room < CERTAIN
+    assert bent.snapshot.status == "rests" and found.least and off < found.room
+
+
+@pytest.mark.parametrize("points", [5, 10])
+def test_the_assessment_of_a_servo_that_knows_is_its_own(points):
+    """What the page says of a posture can be nothing else than what the servo claims."""
+    session = rested(msgspec.structs.replace(BEST, points=points))
+    assert assess(session).certificate is session.snapshot.certificate
+    assert session.snapshot.status == session.snapshot.certificate.claim
+
+
+def test_a_moment_is_assessed_once():
+    session = rested(Settings())
+    assert assess(session) is assess(session)
 
 
 def test_a_law_that_gave_up_knows_that_E_is_lower_elsewhere():

@@ -39,7 +39,7 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
     )
     session = Session(Settings(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
     last = session.run()
-    assert status == 0 and told["converged"] is True
+    assert status == 1 and told["converged"] is False and told["status"] == "rests"
     assert told["demonstrator_deg"] == pytest.approx([40, -80])
     assert told["final_deg"] == np.degrees(last.theta).round(6).tolist()
     assert told["error_deg"] == pytest.approx(np.abs(np.degrees(last.theta) - (40, -80)).max())
@@ -47,6 +47,20 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
     for told_moment, moment in zip(told["history"], session.history):
         assert told_moment["theta_deg"] == np.degrees(moment.theta).round(6).tolist()
         assert (told_moment["E"], told_moment["probe"]) == (rounded(moment.E), moment.probe)
+
+
+def test_joints_that_nothing_tells_are_named_and_nothing_is_claimed(ask_json, ask):
+    status, told = ask_json("imitate", "--start", "25,-45")
+    assert status == 0 and [joint["name"] for joint in told["joints"]] == ["theta2", "theta4"]
+    assert all(joint["told"] for joint in told["joints"])
+    assert [joint["deg"] for joint in told["joints"]] == told["final_deg"]
+    assert told["expected_error_deg"] > max(joint["expected_error_deg"] for joint in told["joints"])
+    few = "imitate", "--points", 5, "--demonstrator", "20,-30"
+    status, told = ask_json(*few)
+    assert status == 1 and told["status"] == "untold" and not told["converged"]
+    for joint in told["joints"]:
+        assert joint["told"] is False and joint["expected_error_deg"] is None
+    assert "not told      theta2, theta4" in ask(*few)[1]
 
 
 @pytest.mark.parametrize(
@@ -329,10 +343,11 @@ def test_reports_for_people_carry_the_same_figures(ask, ask_json):
     affine = ("imitate", "--transfer", "linear", "--servo", "broyden")
     _, told = ask_json(*affine)
     status, out, err = ask(*affine)
-    assert status == 0 and err == ""
-    assert f"after {told['motions']} motions, converged" in out and f"{told['E']:.4g} px²" in out
-    _, told = ask_json("imitate")
-    _, out, _ = ask("imitate")
+    assert status == 1 and "it rests, without evidence of having arrived" in err
+    assert f"after {told['motions']} motions, rests" in out and f"{told['E']:.4g} px²" in out
+    _, told = ask_json("imitate", "--start", "25,-45")
+    status, out, err = ask("imitate", "--start", "25,-45")
+    assert status == 0 and err == "" and f"after {told['motions']} motions, converged" in out
     assert told["error_deg"] < 0.01 and "joint error   below 0.01° at most" in out
     assert told["E"] < 0.001 and "E             below 0.001 px²" in out
 

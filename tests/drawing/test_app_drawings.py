@@ -43,6 +43,8 @@ from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.geometry.pairs import PAIRS
+from viewimit.servo import Certificate
+from viewimit.servo.certificate import UNTOLD
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 from viewimit.simulation.appearance import Silhouettes, reach
@@ -380,8 +382,14 @@ class TestEquations:
         assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)
 
 
-def assessed(spread_deg=(2.0, 2.0), room_deg=0.1, lower_deg=0.1, explained=False):
-    return Assessment(np.radians(spread_deg), np.radians(room_deg), np.radians(lower_deg), explained)
+def certified(spread_deg=(2.0, 2.0), told=True, shown=True):
+    spread = np.radians(spread_deg)
+    told = (spread < UNTOLD) & np.array(told)
+    return Certificate(spread, np.where(told, 0.0, np.inf), told, shown, np.zeros(2), False)
+
+
+def assessed(spread_deg=(2.0, 2.0), room_deg=0.1, lower_deg=0.1, **known):
+    return Assessment(certified(spread_deg, **known), np.radians(room_deg), np.radians(lower_deg))
 
 
 class TestStatus:
@@ -397,6 +405,7 @@ class TestStatus:
         assert status.describe(now, playing=False).state == "paused"
         assert status.describe(replace(now, status="converged")).state == "arrived"
         assert status.describe(replace(now, status="stalled")).state == "stalled"
+        assert status.describe(replace(now, status="rests")).state == "rests"
         lost = status.describe(stepped(0, missing=0.5).snapshot)
         assert lost.state == "lost" and "at least 5 non-coplanar points are needed" in lost.sentence
         method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
@@ -407,12 +416,15 @@ class TestStatus:
         "claimed, known, state, doubt",
         [
             ("converged", assessed(), "arrived", ""),
-            ("converged", assessed(room_deg=30, explained=True), "arrived", ""),
-            ("converged", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
-            ("converged", assessed(room_deg=120), "least", "So much E could hide any displacement."),
+            ("rests", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
+            ("rests", assessed(room_deg=120), "least", "So much E could hide any displacement."),
+            ("rests", assessed(lower_deg=3), "rests", ""),
             ("stalled", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
             ("stalled", assessed(room_deg=14, lower_deg=3), "stalled", ""),
-            ("converged", assessed((36.0, 3.0)), "untold", ""),
+            ("untold", assessed((36.0, 3.0)), "untold", ""),
+            ("untold", assessed(told=(False, True)), "untold", ""),
+            ("rests", assessed((36.0, 3.0)), "untold", ""),
+            ("stalled", assessed((36.0, 3.0)), "untold", ""),
         ],
     )
     def test_at_rest_it_claims_no_more_than_it_can_know(self, session, claimed, known, state, doubt):
@@ -421,13 +433,15 @@ class TestStatus:
         assert (said.state, said.doubt) == (state, doubt)
 
     def test_a_joint_that_nothing_tells_is_named_and_its_cost(self, session):
-        now = replace(session.snapshot, status="converged", servo_state=None)
+        now = replace(session.snapshot, status="untold", servo_state=None)
         one = status.describe(now, assessment=assessed((36.4, 3.0)), joints=(2, 4))
         assert one.title == "Cannot tell θ₂" and one.sentence.startswith("1 px of noise would turn θ₂ by 36°. E ")
         two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))
         assert two.title == "Cannot tell θ₄ and θ₂" and "turn θ₄ any angle, θ₂ 36°" in two.sentence
+        level = status.describe(now, assessment=assessed(told=(True, False)), joints=(2, 4))
+        assert level.title == "Cannot tell θ₄" and level.sentence.startswith("E was seen not to rise. E ")
 
-    @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "noise leaves about 0.")])
+    @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "expects to be about 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):
         session = Session(msgspec.structs.replace(BEST, noise_px=noise_px))
         session.run()

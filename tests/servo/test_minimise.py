@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from viewimit.servo.certificate import deviations
 from viewimit.servo.minimise import minimise
 
 RNG = np.random.default_rng(0)
@@ -33,5 +34,6 @@ def test_a_limit_in_the_way_is_not_passed():
 def test_the_spread_is_that_of_solutions_over_many_draws_of_the_noise():
     noise = RNG.normal(0, 2.0, (2000, 8, 4))
     solved = np.linalg.lstsq(A.reshape(32, 3), (noise - B).reshape(-1, 32).T, rcond=None)[0]
-    spread = minimise(linear, np.zeros((1, 3)), *OPEN).spread(2.0)
+    found = minimise(linear, np.zeros((1, 3)), *OPEN)
+    spread = 2.0 * deviations(found.hessian, found.points)
     np.testing.assert_allclose(spread, solved.std(1), rtol=0.1)  # 6 standard deviations of a deviation of 2,000

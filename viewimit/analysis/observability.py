@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..evaluation import residual
 from ..geometry.affine import MIN_POINTS
+from ..servo.certificate import UNTOLD
 from ..simulation.world import World
 from ..views import FourViews
 
 STEP = 1e-3  # rad, of the differences
 SINGULAR = 1e-9  # of the largest singular value
 WEAK = 2.0  # times what the other joints cost
-UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
 
 
 def residual_jacobian(residual_at: Callable[[NDArray], NDArray], theta: ArrayLike, step: float = STEP) -> NDArray:

@@ -10,7 +10,7 @@ import msgspec
 from tqdm import tqdm
 
 from ..analysis.landscape import grid_axes
-from ..experiments.bench import following, random_scenes, robustness, speed, success
+from ..experiments.bench import claims, following, random_scenes, robustness, speed, success
 from ..geometry.affine import require_points
 from ..history import MAX_HISTORY
 from ..servo import SERVOS
@@ -36,8 +36,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         choices=(*PARTS, "all"),
         default="all",
         help="success: of every transfer and servo; robustness: with noise, missing and wrong points, seven joints; "
-        "following: a demonstrator that moves; scenes: drawn at random, also with any head; pictures: rendered ones, "
-        "and how well markers are detected in them; all: speed and success (%(default)s)",
+        "following: a demonstrator that moves; scenes: drawn at random, also with any head; claims: how often they are "
+        "made, and true; pictures: rendered ones, and how well markers are detected in them; all: speed and success "
+        "(%(default)s)",
     )
     parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
@@ -150,6 +151,12 @@ def _scenes(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
     return {"pairs": heading, "rows": [asdict(outcome) for outcome in found]}, tables.scenes_table(found, heading)
 
 
+def _claims(args: argparse.Namespace, _: Scene) -> tuple[list[dict], str]:
+    found = _with_bar("claims", lambda tell: claims.run(runs=args.runs, seed=args.seed, tell=tell))
+    heading = f"{args.runs} random runs a case of {BEST.transfer} and {BEST.servo} in {BEST.scene}, seed {args.seed}"
+    return [asdict(outcome) for outcome in found], f"{heading}\n{tables.claims_table(found)}"
+
+
 def _pictures(args: argparse.Namespace, scene: Scene) -> tuple[dict, str]:
     """Detection, and the servos on points and on pictures, by transfer, servo and camera."""
     with naming("--scene"):
@@ -182,6 +189,7 @@ PARTS = {
     "robustness": _robustness,
     "following": _following,
     "scenes": _scenes,
+    "claims": _claims,
     "pictures": _pictures,
 }
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments.bench import following, random_scenes, robustness, speed, success
+from ..experiments.bench import claims, following, random_scenes, robustness, speed, success
 
 
 def speed_table(found: speed.Benchmark) -> str:
@@ -130,6 +130,42 @@ def scenes_table(outcomes: Sequence[random_scenes.Outcome], heading: str) -> str
         cells = (*map(_share, o.ended.values()), *motions, *claims, *exact)
         lines.append(f"  {o.row:<44}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
     return "\n".join(lines)
+
+
+def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
+    """For people: a row a case. Shares of all runs, then of claims."""
+    heads = (
+        "claimed",
+        "not told",
+        "no end",
+        "median",
+        "95 %",
+        "off >1°",
+        "and >3 exp.",
+        "within 2 exp.",
+        "rms",
+        "exp.",
+    )
+    widths = (17, 17, 15, 8, 6, 19, 19, 20, 8, 8)
+    lines = [" " * 38 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
+    for o in outcomes:
+        shares = [_share(share) for share in (o.claimed, o.untold, o.unended)]
+        motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
+        of_claims = ["–" if share is None else _exact_share(share) for share in (o.beyond, o.falsely, o.covered)]
+        cells = (
+            *shares,
+            *motions,
+            *of_claims,
+            *("–" if off is None else f"{off:.2f}°" for off in (o.rms_deg, o.expected_deg)),
+        )
+        lines.append(f"  {o.case:<36}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
+    return "\n".join(lines)
+
+
+def _exact_share(share: success.Share) -> str:
+    """0.5 % (0.2–1.2), the interval rounded outwards, as such shares are compared with small ones."""
+    low, high = math.floor(1000 * share.low) / 10, math.ceil(1000 * share.high) / 10
+    return f"{share.share:.1%} ({low:g}–{high:g})".replace("%", " %")
 
 
 def following_table(outcomes: Sequence[following.Outcome]) -> str:

@@ -2,28 +2,39 @@
 
 import argparse
 import sys
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drawing.metrics import AMBER
 from ..evaluation import conflict
-from ..geometry.affine import MIN_POINTS, fit_affine_fundamental, flatness
+from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.distortion import Radial
 from ..geometry.rectification import Rectification, rectification_of
+from ..perception.degeneracy import extents, why_degenerate
 from ..perception.tracked import TrackedPoints, read_deeplabcut, read_tidy
 from ..rectifying import pooled
 from ..settings import Settings
 from ..simulation.lens import undistorted
-from ..transfer import TRANSFERS
+from ..transfer import TRANSFERS, TransferMethod
 from ..transfer.rectified import fit
+from ..transfer.transfer import FLAT, FLATNESS
 from ..views import VIEWS, FourViews
 from . import BadInput, evaluate_report
 from .json_output import print_json
 from .options import DONE, MISSED, add_json_option, add_rectify_option, add_undistort_option, between, lens, naming
 
 PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
+
+
+COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
+FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak")
+TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
+TOGETHER = 2000  # frames at a time, for memory's sake
+POOLED = 200  # frames whose matches tell of the cameras
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -55,53 +66,74 @@ def run(args: argparse.Namespace) -> int:
             evaluate_report.require_format(args.out)
     tracked = _read(args)
     views = _pinhole(args, tracked.views(args.min_confidence))
-    each = [_frame(views, k) for k in range(len(tracked.frames))]
-    rectification = None if args.rectify == "off" else rectification_of(*np.split(pooled(each), 2, axis=1))
-    frames = [
-        evaluate_frame(frame, tracked.points, seen, args.transfer, rectification)
-        for frame, seen in zip(tracked.frames, each)
-    ]
+    rectification = None if args.rectify == "off" else _rectification(views)
+    frames = evaluate_frames(tracked.frames, tracked.points, views, args.transfer, rectification)
     rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
     result = {"transfer": args.transfer, "rectification": rectified, "points": tracked.points, "frames": frames}
     evaluated = [frame for frame in frames if frame["E"] is not None]
     if args.out and evaluated:
         with naming("--out"):
-            evaluate_report.write(args.out, result)
+            evaluate_report.write(args.out, result | {"first": _named(evaluated[0])})
         print(f"written to {args.out}", file=sys.stderr)
     if args.json:
-        print_json(args, result)
+        print_json(args, result | {"frames": [_named(frame) for frame in frames]})
     else:
         _report(result)
-    if not evaluated:
+    if all(frame["refused"] == TOO_FEW for frame in frames):
         print(f"viewimit evaluate: no frame has {MIN_POINTS} points in all four views", file=sys.stderr)
+        return MISSED
+    for said in _doubts(frames):
+        print(f"viewimit evaluate: {said}", file=sys.stderr)
     return DONE if evaluated else MISSED
 
 
-def evaluate_frame(
-    frame: int, points: tuple[str, ...], views: FourViews, transfer: str, rectification: Rectification | None = None
-) -> dict:
-    """What is to say of one frame; all but its number and usable points is None with too few of these."""
-    usable = views.usable
-    found = {"frame": frame, "usable": [name for name, seen in zip(points, usable) if seen]}
-    if usable.sum() < MIN_POINTS:
-        return found | dict.fromkeys(("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered"))
-    seen = views.select(usable)
-    fitted = fit(TRANSFERS[transfer], seen, rectification)
+def evaluate_frames(
+    numbers: Sequence[int],
+    points: Sequence[str],
+    views: FourViews,
+    transfer: str,
+    rectification: Rectification | None = None,
+) -> list[dict]:
+    """What is to say of each of T frames, (T, N, …); of one that no transfer can be fitted to, why, all else None."""
+    frames: list[dict] = [{} for _ in numbers]
+    patterns, of = np.unique(views.usable, axis=0, return_inverse=True)
+    for k, usable in enumerate(patterns):
+        names = [name for name, seen in zip(points, usable) if seen]
+        alike = np.flatnonzero(of.ravel() == k)
+        for at in np.array_split(alike, -(-len(alike) // TOGETHER)):
+            some = _frames(views, at).select(usable)
+            why = why_degenerate(some) if len(names) >= MIN_POINTS else [TOO_FEW] * len(at)
+            good = np.array([not words for words in why])
+            told = iter(_evaluated(_frames(some, good), transfer, rectification) if good.any() else ())
+            for index, words in zip(at, why):
+                found = dict.fromkeys(FIGURES) | {"refused": words} if words else next(told)
+                frames[index] = {"frame": numbers[index], "usable": names} | found
+    return frames
+
+
+def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | None) -> Iterator[dict]:
+    """Of frames whose points are all seen, and no degenerate ones."""
+    method = TRANSFERS[transfer]
+    fitted = fit(method, seen, rectification)
     recovered = fitted.recover(seen.demo_left, seen.demo_right)
     image = dict(zip(VIEWS, (seen.demo_left, seen.demo_right, seen.own_left, seen.own_right)))
-    fundamental = {}
-    for p, q in PAIRS:
-        f, f33 = fit_affine_fundamental(image[p], image[q])
-        fundamental[f"{p},{q}"] = dict(zip(("f13", "f23", "f31", "f32", "f33"), (*f, f33)))
-    return found | {
-        "E": float(fitted.conflict(seen)),
-        "condition": float(fitted.condition),
-        "flatness": flatness(seen.demo),
-        "rms_px": float(np.sqrt(conflict(seen.own - recovered))),
-        "fundamental": fundamental,
-        "seen": image,
-        "recovered": {"L": recovered[:, :2], "R": recovered[:, 2:]},
-    }
+    pairs = [fit_affine_fundamental(image[p], image[q]) for p, q in PAIRS]
+    F = np.stack([np.concatenate([f, f33[..., None]], -1) for f, f33 in pairs], -2)
+    sigma = extents(seen.demo)
+    flat, condition = sigma[:, 0] / sigma[:, 2], np.broadcast_to(fitted.condition, len(F))
+    E, rms = fitted.conflict(seen), np.sqrt(conflict(seen.own - recovered))
+    for k in range(len(F)):
+        yield {
+            "E": float(E[k]),
+            "condition": float(condition[k]),
+            "flatness": float(flat[k]),
+            "rms_px": float(rms[k]),
+            "fundamental": F[k],
+            "seen": {view: points[k] for view, points in image.items()},
+            "recovered": {"L": recovered[k, :, :2], "R": recovered[k, :, 2:]},
+            "refused": None,
+            "weak": _weak(method, float(condition[k]), float(flat[k])),
+        }
 
 
 def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
@@ -119,8 +151,38 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
     return FourViews(pair(views.demo), pair(views.own), views.visible)
 
 
-def _frame(views: FourViews, k: int) -> FourViews:
-    return FourViews(views.demo[k], views.own[k], views.visible[k])
+def _rectification(views: FourViews) -> Rectification | None:
+    """By the matches of at most POOLED frames, evenly spaced."""
+    frames = np.unique(np.linspace(0, len(views.demo) - 1, POOLED).astype(int))
+    return rectification_of(*np.split(pooled(_frames(views, k) for k in frames), 2, axis=1))
+
+
+def _weak(method: TransferMethod, condition: float, flat: float) -> str | None:
+    """What speaks against the result of a frame."""
+    if condition >= AMBER:
+        return f"{method.condition_name} {condition:.3g}: {method.ill}"
+    return f"{FLATNESS} {flat:.3g}: {FLAT}" if flat >= AMBER else None
+
+
+def _doubts(frames: Sequence[dict]) -> Iterator[str]:
+    """In one line each: which frames were refused, which are weak, and why the first is."""
+    for key, what in (("refused", "refused"), ("weak", "weak")):
+        those = [frame for frame in frames if frame[key]]
+        if those:
+            first = those[0]
+            yield f"{len(those)} of {len(frames)} frames {what}: frame {first['frame']}: {first[key]}"
+
+
+def _named(frame: dict) -> dict:
+    """With the fundamental matrices by pair and coefficient."""
+    if frame["fundamental"] is None:
+        return frame
+    named = {f"{p},{q}": dict(zip(COEFFICIENTS, f.tolist())) for (p, q), f in zip(PAIRS, frame["fundamental"])}
+    return frame | {"fundamental": named}
+
+
+def _frames(views: FourViews, which: NDArray | int) -> FourViews:
+    return FourViews(views.demo[which], views.own[which], views.visible[which])
 
 
 def _read(args: argparse.Namespace) -> TrackedPoints:
@@ -150,5 +212,5 @@ def _report(result: dict) -> None:
     if first is None:
         return
     print(f"affine fundamental matrices of frame {first['frame']}: f13 x + f23 y + f31 x' + f32 y' + f33 = 0")
-    for pair, f in first["fundamental"].items():
+    for pair, f in _named(first)["fundamental"].items():
         print(f"  {pair}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip())

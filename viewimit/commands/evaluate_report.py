@@ -29,8 +29,8 @@ def require_format(path: Path) -> None:
 
 
 def write(path: Path, result: dict) -> None:
-    """The first frame that has an E is drawn; HTML lists all. Raises OSError."""
-    frame = next(frame for frame in result["frames"] if frame["E"] is not None)
+    """`first`, the first frame that has an E, is drawn; HTML lists all. Raises OSError."""
+    frame = result["first"]
     if path.suffix.lower() == ".png":
         heading = f"frame {frame['frame']}, {result['transfer']} transfer, E = {frame['E']:.4g} px²"
         drawing = draw_views(frame["seen"], frame["recovered"], frame["usable"], heading)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..analysis.self_assessment import assess
 from ..history import MAX_HISTORY
 from ..session import Session
 from ..settings import BEST
@@ -55,14 +56,27 @@ def run(args: argparse.Namespace) -> int:
         print(f"demonstrator  {posture(result['demonstrator_deg'])}")
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
         expected = result["expected_error_deg"]
-        by_noise = f"; the noise of the images leaves about {expected:.2g}°" if expected else ""
-        print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g')}° at most{by_noise}")
+        reckoned = f"; it expects {_at_least(expected, 0.1, '.2g')}°" if np.isfinite(expected or np.inf) else ""
+        print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g')}° at most{reckoned}")
+        untold = [joint["name"] for joint in result["joints"] if joint["told"] is False]
+        if untold:
+            print(f"not told      {', '.join(untold)}: its points do not say where that is")
         print(f"E             {_at_least(result['E'], 0.001, '.4g')} px²")
     if result["converged"]:
         return DONE
-    why = "too few points are seen in all four images" if session.snapshot.transfer is None else result["status"]
+    why = "too few points are seen in all four images" if session.snapshot.transfer is None else WHY[result["status"]]
     print(f"viewimit imitate: not converged after {result['motions']} motions: {why}", file=sys.stderr)
     return MISSED
+
+
+WHY = {
+    "ready": "no motion was made",
+    "moving": "no more motions",
+    "stopped": "no more motions",
+    "stalled": "stalled",
+    "rests": "it rests, without evidence of having arrived",
+    "untold": "some joint is not told",
+}
 
 
 def _at_least(value: float, least: float, form: str) -> str:
@@ -71,14 +85,25 @@ def _at_least(value: float, least: float, form: str) -> str:
 
 
 def outcome(session: Session) -> dict:
-    """`converged` and `expected_error_deg` are the servo's own claims; `error_deg`, of the worst joint, is true."""
-    last = session.snapshot
-    expected = last.expected_error
+    """`converged`, `expected_error_deg` and `told` are the learner's own claims; `error_deg`, of the worst joint, is
+    true."""
+    last, known = session.snapshot, assess(session)
+    expected = None if known is None else known.certificate.expected
+    told = None if known is None else known.certificate.told
     return {
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
         "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
-        "expected_error_deg": None if expected is None else np.degrees(expected),
+        "expected_error_deg": None if known is None else np.degrees(known.certificate.worst),
+        "joints": [
+            {
+                "name": f"theta{joint}",
+                "deg": np.degrees(last.theta[k]),
+                "expected_error_deg": None if expected is None else np.degrees(expected[k]),
+                "told": None if told is None else bool(told[k]),
+            }
+            for k, joint in enumerate(session.scene.moving_joints)
+        ],
         "E": last.E,
         "motions": last.motion,
         "converged": last.status == "converged",

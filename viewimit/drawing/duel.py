@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..analysis.landscape import Landscape
 from ..servo import SERVOS
 from ..simulation.scene import Scene
-from ..snapshot import Snapshot
+from ..snapshot import AT_REST, Snapshot
 from ..transfer import TRANSFERS
 from . import svg
 from .axes import Axes, decade_ticks, decades, log10
@@ -203,7 +203,7 @@ def _wrap(inside: str) -> str:
 
 
 def _rests(snapshot: Snapshot) -> bool:
-    return snapshot.status in ("converged", "stalled", "stopped")
+    return snapshot.status in (*AT_REST, "stopped")
 
 
 def _state(snapshot: Snapshot) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
+from ..servo.certificate import UNTOLD
 from ..simulation.scene import Scene
 from . import svg
 
@@ -20,7 +21,7 @@ def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray, assessment: 
     rows, many = [], len(theta) >= MANY
     band = np.zeros(len(theta))
     if assessment is not None:
-        band[assessment.untold] = assessment.spread[assessment.untold]
+        band[assessment.untold] = np.maximum(assessment.spread[assessment.untold], UNTOLD)
     width = NARROW if many else WIDTH
     for k, (joint, own, demo) in enumerate(zip(scene.moving_joints, theta, theta_demo)):
         low, high = scene.lower[k], scene.upper[k]

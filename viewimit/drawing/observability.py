@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.observability import UNTOLD, untold_joints, weak_joints
+from ..analysis.observability import untold_joints, weak_joints
+from ..servo.certificate import UNTOLD
 from . import svg
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing where a landscape has no place

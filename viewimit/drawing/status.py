@@ -13,8 +13,9 @@ from ..analysis.self_assessment import Assessment
 from ..equations import with_minus
 from ..geometry.affine import MIN_POINTS
 from ..history import MAX_HISTORY
-from ..servo import SERVOS
-from ..snapshot import Snapshot
+from ..servo import SERVOS, Certificate
+from ..servo.certificate import UNTOLD
+from ..snapshot import AT_REST, Snapshot
 from ..transfer import TRANSFERS
 from ..transfer.transfer import FLAT, FLATNESS
 from . import svg
@@ -29,7 +30,8 @@ TITLES = {
     "paused": "Paused",
     "moving": "Moving",
     "arrived": "Arrived",
-    "least": "Arrived where E is least",
+    "least": "Rests where E is least",
+    "rests": "Rests",
     "untold": "Cannot tell",
     "stalled": "Stalled",
     "lost": "Lost",
@@ -66,6 +68,7 @@ SHAPES = {
     "moving": DOT.format("learner"),
     "arrived": DOT.format("recovered"),
     "least": RING.format("recovered"),
+    "rests": RING.format("recovered"),
     "untold": DIAMOND,
     "stalled": DIAMOND,
     "lost": SQUARE,
@@ -115,7 +118,7 @@ def describe(
     E, doubt = f"E {svg.short_E(snapshot.E)} px²", _ill_conditioned(snapshot)
     if snapshot.status == "stopped":
         return Said("stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on.", doubt=doubt)
-    if snapshot.status in ("converged", "stalled"):
+    if snapshot.status in AT_REST:
         said = _resting(snapshot, E, assessment, joints)
         return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
@@ -128,23 +131,27 @@ def describe(
 def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int]) -> Said:
     says, after = _says(snapshot), f"after {_motions(snapshot.motion)}"
     why = f"; {says}." if says else "."
-    if assessment is not None and assessment.untold:
-        names = " and ".join(svg.joint_symbol(joints[k]) for k in assessment.untold)
-        return Said("untold", f"1 px of noise would turn {_costs(assessment, joints)}. {E} {after}{why}", names)
-    converged = snapshot.status == "converged"
-    if converged and (assessment is None or assessment.certain or snapshot.expected_error):
-        if snapshot.expected_error:
-            why = f"; the images' noise leaves about {svg.short(float(np.degrees(snapshot.expected_error)))}°."
+    known = snapshot.certificate if assessment is None else assessment.certificate
+    if snapshot.status == "converged":
+        if known is not None and known.worst > EXACT:
+            why = f"; expects to be about {svg.short(float(np.degrees(known.worst)))}° off."
         return Said("arrived", f"{E} {after}{why}")
-    if assessment is not None and (converged or assessment.least):
+    if known is not None and known.untold:
+        names = " and ".join(svg.joint_symbol(joints[k]) for k in known.untold)
+        return Said("untold", f"{_costs(known, joints)} {E} {after}{why}", names)
+    if assessment is not None and assessment.least:
         return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")
+    if snapshot.status == "rests":
+        return Said("rests", f"{E} {after}{why}")
     return Said("stalled", f"{E} {after}{why if says else ', and it no longer falls; move an arm or reset.'}")
 
 
-def _costs(assessment: Assessment, joints: Sequence[int]) -> str:
-    by = "by " if len(assessment.untold) == 1 else ""
-    each = [f"{svg.joint_symbol(joints[k])} {by}{_angle(assessment.spread[k])}" for k in assessment.untold]
-    return ", ".join(each)
+def _costs(known: Certificate, joints: Sequence[int]) -> str:
+    """What makes joints untold: the cost of noise, or that E was seen not to rise."""
+    costly = [k for k in known.untold if known.spread[k] >= UNTOLD]
+    by = "by " if len(costly) == 1 else ""
+    each = [f"{svg.joint_symbol(joints[k])} {by}{_angle(known.spread[k])}" for k in costly]
+    return f"1 px of noise would turn {', '.join(each)}." if costly else "E was seen not to rise."
 
 
 def _angle(rad: float) -> str:

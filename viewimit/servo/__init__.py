@@ -11,6 +11,7 @@ A new one is a file with a `Servo`, and a line here: its title, limits, equation
 """
 
 from .broyden import Broyden
+from .certificate import Certificate
 from .gradient import RETUNED_LAW, Gradient
 from .observation import Conflict, Observation
 from .servo import Moment, Servo, ServoState
@@ -26,6 +27,7 @@ SERVOS: dict[str, Servo] = {
 __all__ = [
     "SERVOS",
     "Broyden",
+    "Certificate",
     "Conflict",
     "Gradient",
     "Moment",

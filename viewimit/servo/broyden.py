@@ -3,7 +3,8 @@
 The residual is a known function of images, so every candidate is judged on the images it is predicted to give.
 One probe a joint makes a first J; then the argmin of the predicted E inside a trust region is visited, the E then
 measured judges the region, and the motion itself improves J (Broyden 1965). The best posture visited is
-the centre c; the arm never drives back to it.
+the centre c; the arm never drives back to it. It never claims to have converged: that the next step is small is no
+evidence.
 """
 
 from dataclasses import dataclass, replace
@@ -49,7 +50,7 @@ class Broyden:
 
     title = "Broyden on images"
     assumes = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
-    fails = "Flat valleys and missing points: it may stop degrees away and believe to be there."
+    fails = "Flat valleys and missing points: it may stop degrees away, and does not know whether it has arrived."
     slow = False
     stored = (BroydenState, ImageModel, Visit)
 
@@ -80,7 +81,7 @@ class Broyden:
         step = found.theta - seen.displacement
         if np.max(np.abs(step)) < DONE_STEP:
             bounded = state.radius < 2 * DONE_STEP and promised > GAIN_LEFT * seen.E
-            status = "stalled" if bounded else "converged"  # the region, not the model, made the step short
+            status = "stalled" if bounded else "rests"  # the region, not the model, made the step short
             return replace(state, promised=None, status=status, probe=False), np.zeros_like(step)
         return replace(state, promised=promised, status="moving", probe=False), step
 
@@ -96,13 +97,13 @@ class Broyden:
     def says(self, state: BroydenState, status: str) -> str:
         if status == "moving":
             return "a probe, to learn how the images move" if state.probe else ""
-        return f"next step under {np.degrees(DONE_STEP):g}°" if status == "converged" else ""
+        return f"next step under {np.degrees(DONE_STEP):g}°" if status == "rests" else ""
 
 
 def _outcome(state: BroydenState, moment: Moment) -> str:
     """What the last motion has promised and brought; where points are missing, E at both ends is of others, and only
     the motion before has been judged, on points known at both."""
-    if moment.status in ("converged", "stalled"):
+    if moment.status in ("rests", "stalled"):
         return f"The next step would be below {np.degrees(DONE_STEP):g}°: the servo rests."
     if state.promised is None or state.best_E is None or not np.isfinite(moment.E):
         return ""

@@ -25,12 +25,6 @@ class Minimum:
     hessian: NDArray
     points: int
 
-    def spread(self, noise_px: float) -> NDArray:
-        """(m,) rad: standard deviations that residuals of this noise leave to θ, √diag((JᵀJ)⁻¹) of it."""
-        curvatures, directions = np.linalg.eigh(self.hessian)
-        least = max(1e-12 * curvatures[-1], np.finfo(float).tiny)
-        return noise_px * np.sqrt((directions**2 / np.maximum(curvatures, least)).sum(1) / self.points)
-
 
 def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArray, rounds: int = ROUNDS) -> Minimum:
     """Over the box [low, high], of E of residual_at(θ): (..., m) rad → (..., N, C) px. starts: (s, m) rad.

@@ -10,9 +10,12 @@ from .observation import Conflict, Observation
 
 
 class ServoState(Protocol):
-    """What a servo remembers, a frozen dataclass. status: moving, converged, stalled; probe: the motion that it asked
-    for last is to learn from, not to arrive. It may have `expected`, rad: the standard deviation of the largest joint
-    error that the noise of the images leaves."""
+    """What a servo remembers, a frozen dataclass. probe: the motion that it asked for last is to learn from, not to
+    arrive. It may have a `certificate` of the posture in which E is least.
+
+    status: moving; converged, which only a certificate allows; rests, where the next motion would be too small to be
+    worth it, without evidence; untold, as converged but for joints that nothing tells; stalled, for want of a way on.
+    """
 
     @property
     def status(self) -> str: ...
@@ -26,7 +29,7 @@ class Moment:
     """What the equations of a law are shown for.
 
     E: px², NaN with too few points; seen: (N, 2) bool, own points in L, in R; displacement: (m,) rad, asked for since
-    the start; moved: (m,) rad, the last motion as it was made; status: ready, moving, converged, stalled, stopped.
+    the start; moved: (m,) rad, the last motion as it was made; status: as of a `ServoState`, ready or stopped.
     """
 
     E: float
@@ -76,6 +79,5 @@ class Servo(Protocol):
         ...
 
     def says(self, state: Any, status: str) -> str:
-        """What it does, or why it rests, in a few words; "" if there is nothing to add to the status: moving, converged
-        or stalled."""
+        """What it does, or why it rests, in a few words; "" if there is nothing to add to the status."""
         ...

@@ -18,17 +18,27 @@ LEAST_NOISE = 0.02  # px: keeps the system regular
 
 @dataclass(frozen=True)
 class Surrogate:
-    """centre: (m,) rad; at_centre: (N, 4) px; away: (n, m) rad, the visits from there; weight: (n, N, 4)."""
+    """centre: (m,) rad; at_centre: (N, 4) px; away: (n, m) rad, the visits from there; weight: (n, N, 4);
+    noise_px: of an image coordinate."""
 
     centre: NDArray
     at_centre: NDArray
     away: NDArray
     weight: NDArray
+    noise_px: float
 
     def predict(self, displacement: NDArray) -> NDArray:
         """(..., m) rad → (..., N, 4) px, NaN for points never seen, or too rarely to tell how they move."""
         k = _kernel(displacement - self.centre, self.away)
         return self.at_centre + np.tensordot(k, self.weight, 1)
+
+    def slope_weights(self, displacement: NDArray) -> NDArray:
+        """(m,) rad → (n, m) /rad: the derivatives of the predicted images are these sums of the images visited."""
+        apart = displacement - self.away - self.centre
+        bend = BEND**2 * np.exp((apart * apart).sum(-1, keepdims=True) / (-2 * LENGTH**2))
+        weights = np.linalg.solve(_gram(self.away, self.noise_px), SLOPE**2 * self.away - bend * apart / LENGTH**2)
+        weights[np.abs(self.away).sum(-1).argmin()] -= weights.sum(0)  # images are told from that at the centre
+        return weights
 
 
 def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
@@ -39,7 +49,7 @@ def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
     away = displacement - displacement[centre]
     at_centre = _nearest_seen(own, seen, np.abs(away).max(1))
     at_centre[_rarely_seen(seen, away.shape[1] + 1)] = np.nan
-    K = _kernel(away, away) + max(noise_px, LEAST_NOISE) ** 2 * np.eye(len(visits))
+    K = _gram(away, noise_px)
     rise = np.where(seen, own - at_centre, 0.0).reshape(len(visits), -1)
     if seen.all():
         weight = np.linalg.solve(K, rise)
@@ -47,7 +57,7 @@ def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
         told = seen.reshape(len(visits), -1).T
         each = np.where(told[:, :, None] & told[:, None, :], K, np.eye(len(visits)))
         weight = np.linalg.solve(each, rise.T[:, :, None])[:, :, 0].T
-    return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape))
+    return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape), noise_px)
 
 
 def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:
@@ -69,3 +79,8 @@ def _kernel(a: NDArray, b: NDArray) -> NDArray:
     along = a @ b.T
     apart = (a * a).sum(-1)[..., None] + (b * b).sum(-1) - 2 * along
     return OFFSET**2 + SLOPE**2 * along + BEND**2 * np.exp(apart / (-2 * LENGTH**2))
+
+
+def _gram(away: NDArray, noise_px: float) -> NDArray:
+    """(n, n) px²: of the images visited, with their noise."""
+    return _kernel(away, away) + max(noise_px, LEAST_NOISE) ** 2 * np.eye(len(away))

@@ -5,9 +5,10 @@ is visited next, and the E then measured judges the region. Where that ends with
 E leads on, then the first one's again; then it begins anew, far from all that was visited.
 
 E small is no evidence of arrival by itself: a flat valley has small E far from its floor. With E ≈ δθᵀQδθ, what is
-left of E could be a displacement of up to √(E/λ), λ the smallest eigenvalue of Q; "converged" is said only when that
-is less than CERTAIN, or when E is what the noise of the images makes. With noise the images must also be known to
-change in every direction about the posture, from visits there: else a check motion is made first.
+left of E could be a displacement of up to √(E/λ), λ the smallest eigenvalue of Q. Where that is less than CERTAIN, or E
+is what the noise of the images makes, a certificate decides: "converged" is said only if visits, or check motions made
+for it, have shown that E rises in every direction. The last short motions go a little beyond their target, where the
+least is known of that.
 """
 
 from collections.abc import Callable
@@ -18,21 +19,23 @@ from numpy.typing import NDArray
 
 from ..equations import Equation, angles, short
 from ..evaluation import conflict as evaluate
+from .certificate import CHECK, UNTOLD, Certificate, certify
 from .image_model import ENOUGH, Visit, by_coordinate
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
 from .servo import Moment
-from .surrogate import LEAST_NOISE, Surrogate, learn
+from .surrogate import Surrogate, learn
+from .surroundings import FREE, Known, survey
 
 _LAW = (
     r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
     r"𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 )
-PROBE, CHECK = np.radians((15.0, 2.0))
+PROBE = np.radians(15.0)
 FIRST_RADIUS, LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 12.0, 45.0, 0.5))
 LONGEST = np.radians(45.0)  # a joint and motion
 DONE_STEP, LEAST_STEP = np.radians((0.1, 0.01))
-SPAN, NEAR = np.radians((8.0, 15.0))  # of the visits that tell how the images change about the best
+SHORT = np.radians(5.0)  # a motion that may be lengthened to look beyond its target
 CERTAIN, DOUBTFUL = np.radians((0.3, 5.0))
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 RESTS = 0.1  # of the expected error from the goal
@@ -40,7 +43,6 @@ NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
 MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
 KEPT = 60  # visits
-FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
 FAR_CANDIDATES = 200
 
@@ -50,8 +52,8 @@ class TrustState:
     """visits: the last of them is where the arm is. goal: (m,) rad, on the way to a restart or back to the best, where
     the status becomes `ending`.
 
-    promised: decrease of E predicted for the motion just made, None if it was not made for that. expected: rad, the
-    largest joint's standard error that the noise of the images leaves at the best posture.
+    promised: decrease of E predicted for the motion just made, None if it was not made for that. certificate: of the
+    best posture, None before E was small anywhere.
     """
 
     visits: tuple[Visit, ...]
@@ -66,7 +68,7 @@ class TrustState:
     failures: int = 0
     status: str = "moving"
     probe: bool = False
-    expected: float = 0.0
+    certificate: Certificate | None = None
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ class TrustRegion:
     assumes = "That the images follow the joints smoothly; it predicts them from all postures visited."
     fails = "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
     slow = False
-    stored = (TrustState, Visit)
+    stored = (TrustState, Visit, Certificate)
 
     def start(self, seen: Observation) -> TrustState:
         return TrustState((_visit(seen),), tuple(range(len(seen.displacement))))
@@ -95,20 +97,34 @@ class TrustRegion:
         by = PHASES[state.phase][0]
         own, like = _smoothed(state.visits, seen.noise_px), None
         E, of, best = _measured(state.visits, own, lambda images: conflict(images, by))
-        if seen.noise_px > LEAST_NOISE and by is None:
+        if seen.noise_px > 0 and by is None:
             like = own[best]
             E, of, best = _measured(state.visits, own, lambda images: conflict(images, by, like))
         state = _judge(state, E)
         model = learn(list(state.visits), best, seen.noise_px)
         same = np.where(of[best], 0.0, np.nan)[:, None]  # points as those of the best visit's E
-        found = _search(model, state.radius, seen, lambda theta: conflict(model.predict(theta) + same, by, like))
+        residual_at = lambda theta: conflict(model.predict(theta) + same, by, like)
+        found = _search(model, state.radius, seen, residual_at)
         step = np.max(np.abs(found.theta - model.centre))
         doubt = _doubt(float(E[best]), found)
+        about = None
+        if by is None:
+            known = Known(state.visits, best, float(E[best]), model, seen, lambda own: conflict(own, None, like))
+            about = lambda place: certify(survey(known, found, place))
         # a short motion is made only for the certainty that it promises
         worthwhile = step >= DONE_STEP or (step >= LEAST_STEP and _doubt(found.E, found) < CERTAIN <= doubt)
         if worthwhile and state.failures < MOST_FAILURES:
+            last = step < SHORT and _doubt(found.E, found) < CERTAIN and state.checks < len(model.centre)
+            if about is not None and like is None and last:
+                beyond = about(found.theta).check
+                if beyond.any():
+                    state = replace(state, checks=state.checks + 1)
+                    return _move(state, seen, _aside(seen, found.theta, beyond))
             return _move(replace(state, promised=float(E[best] - found.E)), seen, found.theta)
-        settled = _settle(state, seen, model.centre, float(E[best]), found)
+        place = model.centre if like is None else found.theta
+        if about is not None:
+            state = replace(state, certificate=about(place))
+        settled = _settle(state, seen, place, float(E[best]), found)
         if settled is None:  # by this transfer; the next one takes over
             phase = state.phase + 1
             state = replace(state, phase=phase, radius=float(PHASES[phase][1]), failures=0)
@@ -124,7 +140,11 @@ class TrustRegion:
 
     def says(self, state: TrustState, status: str) -> str:
         if status == "converged":
-            return f"E leaves no room for {np.degrees(CERTAIN):.1g}°"
+            return f"E leaves no room for {np.degrees(CERTAIN):.1g}° and rises every way"
+        if status == "rests":
+            return "no evidence yet that E rises every way"
+        if status == "untold":
+            return "E does not rise every way"
         if status == "stalled":
             return f"nothing lower in {state.restarts} searches elsewhere"
         if state.ending:
@@ -167,11 +187,11 @@ def _smoothed(visits: tuple[Visit, ...], noise_px: float) -> NDArray:
     """(n, N, 4) px of all visits, as they tell of each other: noise is averaged, points not seen are completed."""
     own = np.array([visit.own for visit in visits])
     unseen = np.isnan(own)
-    if noise_px <= LEAST_NOISE and not unseen.any():
+    if noise_px == 0 and not unseen.any():
         return own
     model = learn(list(visits), len(visits) - 1, noise_px)
     told = model.predict(np.array([visit.displacement for visit in visits]))
-    return told if noise_px > LEAST_NOISE else np.where(unseen, told, own)
+    return told if noise_px > 0 else np.where(unseen, told, own)
 
 
 def _measured(
@@ -226,40 +246,34 @@ def _search(model: Surrogate, radius: float, seen: Observation, residual_at) -> 
 
 
 def _settle(
-    state: TrustState, seen: Observation, best: NDArray, E: float, found: Minimum
+    state: TrustState, seen: Observation, place: NDArray, E: float, found: Minimum
 ) -> tuple[TrustState, NDArray] | None:
-    """Nothing is left to gain by what is known: arrived, or look for evidence, or elsewhere. None: the next phase."""
-    doubt, flattest = _doubt(E, found), np.linalg.eigh(found.hessian)[1][:, 0]
-    state = replace(state, failures=0, expected=float(found.spread(seen.noise_px).max()))
-    noisy = seen.noise_px > LEAST_NOISE
-    if PHASES[state.phase][0] is None:
-        if doubt < CERTAIN or E < NOISE_FLOOR * seen.noise_px**2:
-            unknown = _unknown_direction(state.visits, best) if noisy else None
-            if unknown is not None and state.checks < MOST_CHECKS * len(best):
-                return _check(state, seen, best, SPAN * unknown)
-            return _towards(replace(state, ending="converged"), seen, found.theta if noisy else best)
+    """Nothing is left to gain by what is known: arrived at the place, or look for evidence, or elsewhere. None: the
+    next phase."""
+    doubt, certificate, state = _doubt(E, found), state.certificate, replace(state, failures=0)
+    if PHASES[state.phase][0] is None and certificate is not None:
+        lost = certificate.spent and not certificate.told.all()
+        if doubt < CERTAIN or E < NOISE_FLOOR * seen.noise_px**2 or lost:
+            if certificate.check.any() and state.checks < MOST_CHECKS * len(place):
+                return _check(state, seen, place, certificate.check)
+            return _towards(replace(state, ending=certificate.claim), seen, place)
         if doubt < DOUBTFUL and state.checks < MOST_CHECKS:
-            return _check(state, seen, best, CHECK * flattest)
+            return _check(state, seen, place, CHECK * np.linalg.eigh(found.hessian)[1][:, 0])
     if state.phase + 1 < len(PHASES):
         return None
     if state.restarts < MOST_RESTARTS:
         goal = _farthest(state.visits, seen)
         begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0)
         return _towards(begun, seen, goal)
-    return _towards(replace(state, ending="stalled"), seen, best)
-
-
-def _unknown_direction(visits: tuple[Visit, ...], best: NDArray) -> NDArray | None:
-    """(m,) of length 1: where no visit near the best tells how the images change; None if they tell of everywhere."""
-    away = np.array([visit.displacement for visit in visits]) - best
-    near = away[np.abs(away).max(1) <= NEAR]
-    spread, directions = np.linalg.eigh(near.T @ near)
-    return directions[:, 0] if spread[0] < (SPAN / 2) ** 2 else None
+    told = certificate is None or bool(certificate.told.all())
+    return _towards(replace(state, ending="stalled" if told else "untold"), seen, place)
 
 
 def _doubt(E: float, found: Minimum) -> float:
-    """How far off, rad, a displacement can be that makes E, by E ≈ δθᵀQδθ."""
-    return float(np.sqrt(E / max(np.linalg.eigvalsh(found.hessian / 2)[0], 1e-12)))
+    """How far off, rad, a displacement can be that makes E, by E ≈ δθᵀQδθ, along what is told at all."""
+    curvatures = np.linalg.eigvalsh(found.hessian)
+    told = curvatures[curvatures * found.points > UNTOLD**-2]
+    return float(np.sqrt(2 * E / max(told[0] if len(told) else curvatures[0], 1e-12)))
 
 
 def _probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
@@ -271,12 +285,16 @@ def _probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
     return replace(state, probes=tuple(rest), status="moving", probe=True), step
 
 
-def _check(state: TrustState, seen: Observation, best: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:
-    """A short motion from the best posture, away or the other way: it teaches what the surrogate knows least."""
-    either = np.clip(np.stack([best + away, best - away]), seen.lower, seen.upper)
-    k = int(np.argmax(np.abs(either - best).sum(1)))
-    state, step = _move(replace(state, checks=state.checks + 1), seen, either[k])
+def _check(state: TrustState, seen: Observation, place: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:
+    """A short motion to one side of a place: it teaches what the surrogate knows least."""
+    state, step = _move(replace(state, checks=state.checks + 1), seen, _aside(seen, place, away))
     return replace(state, probe=True), step
+
+
+def _aside(seen: Observation, place: NDArray, away: NDArray) -> NDArray:
+    """(m,) rad, away from a place or the other way, where the limits leave more room."""
+    either = np.clip(np.stack([place + away, place - away]), seen.lower, seen.upper)
+    return either[int(np.argmax(np.abs(either - place).sum(1)))]
 
 
 def _move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustState, NDArray]:
@@ -292,7 +310,8 @@ def _towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[Trust
     """On to the goal; there, a learner that drove back to its best posture rests."""
     there = np.max(np.abs(goal - seen.displacement)) <= LONGEST
     state, step = _move(replace(state, promised=None, goal=None if there else goal), seen, goal)
-    if state.ending and np.max(np.abs(step)) < np.clip(RESTS * state.expected, DONE_STEP / 10, DONE_STEP):
+    expected = 0.0 if state.certificate is None else float(state.certificate.expected.max())
+    if state.ending and np.max(np.abs(step)) < np.clip(RESTS * expected, DONE_STEP / 10, DONE_STEP):
         return replace(state, ending="", status=state.ending), np.zeros_like(step)
     return state, step
 

@@ -1,0 +1,36 @@
+"""What claims are worth is measured on bodies whose joints are told, and on some whose joints are not."""
+
+import numpy as np
+import pytest
+
+from viewimit.experiments.bench import claims
+from viewimit.experiments.bench.claims import CASES, Case, Ending, SurfaceEyes, outcome, run, surface_points
+from viewimit.simulation.scene import load_scene
+
+
+def test_no_joint_is_claimed_that_all_points_are_rigid_to():
+    forearm = Case("forearm", 12, (claims.RIGID[0],))
+    told, untold = run([CASES[0], forearm], runs=2, seed=5, workers=1)
+    assert told.claimed.count == 2 and told.falsely.count == 0 and told.unended.count == 0
+    assert untold.claimed.count == 0 and untold.untold.count == 2 and untold.falsely is None
+
+
+def test_points_are_on_the_links_surface_and_hidden_where_it_is_turned_away():
+    scene, rng = load_scene("panda"), np.random.default_rng(0)
+    body, normals = surface_points(scene.robot, (2, 3), 40, rng)
+    assert set(body.link) <= {2, 3} and np.allclose(np.linalg.norm(normals, axis=1), 1)
+    theta = np.radians((45, -90))
+    _, all_seen = SurfaceEyes(scene, body, None).own_images(theta)
+    _, seen = SurfaceEyes(scene, body, normals).own_images(theta)
+    _, turned = SurfaceEyes(scene, body, -normals).own_images(theta)
+    assert all_seen.all() and 0 < seen.sum() < seen.size and (seen ^ turned).all()
+
+
+@pytest.mark.parametrize(
+    "error, expected, falsely, covered",
+    [(0.9, 0.1, 0, 0), (1.1, 0.3, 1, 0), (1.1, 0.4, 0, 0), (1.1, 0.6, 0, 1), (0.1, np.nan, 0, 0)],
+)
+def test_a_claim_is_false_that_is_far_off_and_farther_than_it_expects(error, expected, falsely, covered):
+    found = outcome("one", [Ending("converged", 7, True, error, expected), Ending("stalled", 9, True, 50.0, np.inf)])
+    assert (found.falsely.count, found.covered.count, found.claimed.count) == (falsely, covered, 1)
+    assert found.falsely.runs == 1 and found.motions_median == 8

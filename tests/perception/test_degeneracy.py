@@ -1,0 +1,66 @@
+"""Points that tell nothing are refused in one line, not evaluated to an E of nearly 0."""
+
+import numpy as np
+import pytest
+
+from viewimit.perception.degeneracy import why_degenerate
+from viewimit.views import VIEWS, FourViews
+
+RNG = np.random.default_rng(0)
+SHAPE, SOLID = RNG.normal(0, 50, (10, 3)), RNG.normal(0, 1, (3, 8))
+
+
+def frame(shape):
+    """Affine views of ten points, (1, 10, …)"""
+    images = shape @ SOLID + 200
+    return FourViews(images[None, :, :4], images[None, :, 4:], np.ones((1, 10, 4), bool))
+
+
+FLATTENED = {
+    "": SHAPE,
+    "one plane": SHAPE * (1, 1, 0),
+    "one line": SHAPE * (1, 0, 0),
+    "one place": SHAPE * 0,
+    "only 4 points differ": SHAPE[[0, 1, 2, 3] + [3] * 6],
+}
+
+
+@pytest.mark.parametrize("said, shape", FLATTENED.items(), ids=FLATTENED)
+def test_what_is_wrong_with_points_is_said(said, shape):
+    (why,) = why_degenerate(frame(shape))
+    assert said in why and bool(why) == bool(said)
+
+
+def test_frames_are_judged_one_by_one_and_either_body_counts():
+    good, flat = frame(SHAPE), frame(FLATTENED["one plane"])
+    demo, own = np.concatenate([good.demo, flat.demo, good.demo]), np.concatenate([good.own, good.own, flat.own])
+    why = why_degenerate(FourViews(demo, own, np.ones((3, 10, 4), bool)))
+    assert why == ["", "all points are in one plane in [l, r]", "all points are in one plane in [L, R]"]
+
+
+@pytest.mark.parametrize("said", [said for said in FLATTENED if said])
+@pytest.mark.parametrize("transfer", ["epipolar", "projective"])
+def test_evaluate_refuses_them(ask, ask_json, tmp_path, said, transfer):
+    path = tmp_path / "points.csv"
+    with path.open("w") as file:
+        file.write("frame,view,point,x,y\n")
+        for number, shape in enumerate((FLATTENED[said], SHAPE)):
+            views = frame(shape)
+            for view, image in zip(VIEWS, (*np.split(views.demo[0], 2, 1), *np.split(views.own[0], 2, 1))):
+                file.writelines(f"{number},{view},{k},{x:.4f},{y:.4f}\n" for k, (x, y) in enumerate(image))
+    status, out, err = ask("evaluate", path, "--transfer", transfer)
+    assert status == 0 and "1 of 2 frames refused: frame 0: " in err and said in err and err.count("\n") <= 2
+    _, told = ask_json("evaluate", path, "--transfer", transfer)
+    assert told["frames"][0]["E"] is None and said in told["frames"][0]["refused"]
+    assert told["frames"][1]["E"] < 0.01 and told["frames"][1]["refused"] is None
+    rows = path.read_text().splitlines()
+    path.write_text("\n".join([rows[0], *(row for row in rows if row.startswith("0,"))]) + "\n")
+    status, out, err = ask("evaluate", path, "--transfer", transfer)
+    assert status == 1 and said in err
+
+
+def test_numbers_that_are_no_pixels_are_named(ask, tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("frame,view,point,x,y\n0,l,0,1e9,3\n")
+    status, _, err = ask("evaluate", path)
+    assert status == 2 and "line 2, column x: '1e9' is no pixel: beyond 1e+06" in err

@@ -1,0 +1,111 @@
+"""A claim needs evidence: E as it was measured, in every direction, by more than noise and the predictions' errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from viewimit.servo.certificate import CHECK, NEAR, NOISY_CHECK, UNTOLD, certify
+from viewimit.servo.surroundings import Surroundings
+
+POINTS, OPEN = 10, np.full(2, 9.0)
+FLAT, STEEP = 60.0, 600.0  # px²/rad²: as in the default scene
+
+
+def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
+    """Visits away from the best, E measured as the `true` curvatures make it, by default those predicted."""
+    away, predicted = np.radians(np.reshape(away_deg, (-1, 2))), np.diag(curvatures).astype(float)
+    rise = 0.5 * np.einsum("ka,a,ka->k", away, np.array(curvatures if true is None else true, float), away)
+    here = Surroundings(
+        hessian=predicted,
+        E=1e-9,
+        points=POINTS,
+        left=np.zeros(2),
+        slopes=np.diag([2e4, 2e4]),
+        away=away,
+        rise=rise,
+        hessians=np.repeat(predicted[None], len(away), 0),
+        low=-OPEN,
+        high=OPEN,
+        noise_px=0.0,
+    )
+    return replace(here, **changes)
+
+
+BOTH = (2, 0), (0, 2)
+
+
+def test_visits_that_show_a_rise_along_every_direction_allow_the_claim():
+    found = certify(surroundings(BOTH))
+    assert found.shown and found.told.all() and not found.check.any() and found.claim == "converged"
+
+
+@pytest.mark.parametrize("away_deg, asked", [([], 0), ([(0, 2)], 0), ([(2, 0)], 1), ([(1, 3), (0, 2)], 0)])
+def test_without_a_visit_along_it_a_direction_is_asked_by_a_motion_the_flattest_first(away_deg, asked):
+    """Nor is a visit evidence at which another direction makes most of the rise."""
+    found = certify(surroundings(away_deg))
+    assert found.claim == "rests" and np.linalg.norm(found.check) == pytest.approx(CHECK)
+    assert np.abs(found.check).argmax() == asked
+
+
+@pytest.mark.parametrize("far_deg", [0.9, np.degrees(NEAR) + 0.1])
+def test_what_is_too_near_or_too_far_is_no_evidence(far_deg):
+    assert not certify(surroundings([(far_deg, 0), (0, 2)])).shown
+
+
+@pytest.mark.parametrize("share, claim", [(0.6, "converged"), (0.4, "rests"), (0.001, "untold")])
+def test_a_curvature_that_was_only_predicted_is_no_evidence(share, claim):
+    """Along the first joint E rises by a share of what is predicted; where it does not rise the joint is not told."""
+    found = certify(surroundings(BOTH, true=(share * FLAT, STEEP)))
+    assert found.claim == claim and found.told.tolist() == [claim != "untold", True]
+    assert np.isfinite(found.expected).tolist() == found.told.tolist()
+
+
+def test_thresholds_scale_with_the_camera():
+    """With pixels half as large all px² are four times as many, and nothing else changes."""
+    for true in ((FLAT, STEEP), (0.4 * FLAT, STEEP), (0.001 * FLAT, STEEP)):
+        here = surroundings(BOTH, true=true)
+        names = "hessian", "E", "slopes", "rise", "hessians"
+        finer = replace(here, noise_px=2 * here.noise_px, **{name: 4 * getattr(here, name) for name in names})
+        assert certify(finer).claim == certify(here).claim
+        np.testing.assert_allclose(certify(finer).expected, certify(here).expected)
+
+
+def test_a_joint_that_a_pixel_turns_by_20_degrees_is_not_told():
+    flattest = 1 / (POINTS * UNTOLD**2)
+    for curvature, told in ((0.9 * flattest, False), (1.1 * flattest, True)):
+        here = surroundings(BOTH, (curvature, STEEP), slopes=np.diag([1e3, 1e3]))
+        assert certify(here).told.tolist() == [told, True]
+
+
+def test_noise_hides_rises_and_asks_for_longer_motions():
+    here = replace(surroundings([(6, 0), (0, 6)]), noise_px=0.05)
+    assert certify(here).shown
+    loud = certify(replace(here, noise_px=1.0))
+    assert not loud.shown and np.linalg.norm(loud.check) >= NOISY_CHECK
+    assert certify(surroundings([], noise_px=0.01)).check.any()
+
+
+def test_between_two_limits_what_they_leave_is_asked():
+    """In a corner the flattest direction is barred both ways: a motion of each joint alone is evidence instead."""
+    turned = np.array([[1, 1], [-1, 1]]) / np.sqrt(2)
+    hessian = turned.T @ np.diag([FLAT, STEEP]) @ turned
+    corner = {"hessian": hessian, "low": np.array([-9.0, -9.0]), "high": np.array([0.0, 0.0])}
+    away = np.radians([(-2, 0), (0, -2), (-1.5, -1.5)])
+    if abs(np.linalg.eigh(hessian)[1][:, 0] @ (1, 1)) > 1:
+        corner |= {"low": np.array([-9.0, 0.0]), "high": np.array([0.0, 9.0])}
+        away = np.radians([(-2, 0), (0, 2), (-1.5, 1.5)])
+    rise = 0.5 * np.einsum("ka,ab,kb->k", away, hessian, away)
+    here = surroundings(np.degrees(away), **corner, rise=rise, hessians=np.repeat(hessian[None], 3, 0))
+    assert certify(here).shown
+    one = replace(here, away=away[:1], rise=rise[:1], hessians=hessian[None])
+    check = certify(one).check
+    assert check.any() and (check >= here.low).all() and (check <= here.high).all()
+
+
+def test_the_expected_error_is_of_what_is_left_of_E_if_that_is_more_than_noise():
+    quiet = surroundings(BOTH)
+    freedom = quiet.freedom
+    loud = replace(quiet, E=0.5 * freedom / POINTS * 0.2**2)  # as residuals of 0.2 px make it
+    np.testing.assert_allclose(certify(loud).expected, 0.2 * certify(quiet).spread)
+    np.testing.assert_allclose(certify(replace(loud, noise_px=0.3)).expected, 0.3 * certify(quiet).spread)

@@ -1,0 +1,207 @@
+"""What claims are worth: over bodies that tell their joints well, barely and not at all, with and without noise.
+
+A body is points drawn anew for each run, on the surface of the robot's links as they are shown. Where surfaces hide
+points, those are seen whose normal faces the camera.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ...session import Session
+from ...settings import BEST
+from ...simulation.camera import Camera
+from ...simulation.eyes import ProjectedEyes
+from ...simulation.robot import Angles, BodyPoints
+from ...simulation.scene import Scene, load_scene
+from ...simulation.world import World
+from .. import processes
+from .success import Share
+
+FALSE_DEG, TIMES, COVERED = 1.0, 3.0, 2.0  # off; times the expected error beyond which a claim is false; of coverage
+MOST_MOTIONS, PATIENCE = 300, 5
+RIGID = ((4, 5, 6, 7), (2, 3, 4, 5, 6, 7), (0, 1, 2, 3))  # links: forearm and hand, all that moves, all but those
+TRIES = 200  # bodies, for one with enough points in sight at both ends
+
+
+@dataclass(frozen=True)
+class Case:
+    """points: how many are drawn on the surface, None for the scene's layout; links: sets of links, one of which has
+    all the points of a run; hidden: whether surfaces hide points; noise_px and frames as in `Settings`."""
+
+    name: str
+    points: int | None = None
+    links: tuple[tuple[int, ...], ...] = ()
+    hidden: bool = False
+    noise_px: float = 0.0
+    frames: int = 1
+
+
+CASES = (
+    Case("default scene"),
+    Case("16 points on rigid groups of links", 16, RIGID),
+    Case("20 points, hidden by surfaces", 20, hidden=True),
+    Case("40 points, hidden by surfaces", 40, hidden=True),
+    Case("5 points", 5),
+    *(
+        Case(f"noise {noise} px, {frames} frame{'s' if frames > 1 else ''}", noise_px=noise, frames=frames)
+        for frames in (25, 1)
+        for noise in (0.1, 0.25, 0.5, 1.0)
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Of one run: error: of the worst joint at the end, expected: what the learner says of that, degrees, inf or NaN
+    if it cannot; ended: whether it came to rest."""
+
+    status: str
+    motions: int
+    ended: bool
+    error: float
+    expected: float
+
+    @property
+    def claimed(self) -> bool:
+        return self.status == "converged"
+
+    def within(self, times: float) -> bool:
+        return self.error <= times * self.expected
+
+    @property
+    def false(self) -> bool:
+        return self.claimed and self.error > FALSE_DEG and not self.within(TIMES)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Of a case. claimed, untold: shares of all runs; beyond: claims more than FALSE_DEG off, falsely: those of them
+    beyond TIMES the expected error as well; covered: claims within COVERED times it; unended: runs without an end.
+    rms_deg, expected_deg: of claims."""
+
+    case: str
+    claimed: Share
+    untold: Share
+    beyond: Share | None
+    falsely: Share | None
+    covered: Share | None
+    unended: Share
+    motions_median: float
+    motions_95: float
+    rms_deg: float | None
+    expected_deg: float | None
+
+
+def run(
+    cases: Sequence[Case] = CASES,
+    runs: int = 200,
+    seed: int = 0,
+    workers: int | None = None,
+    tell: Callable[[float], None] = lambda share: None,
+) -> list[Outcome]:
+    """Every case from the same starts to the same demonstrators. tell(share done)."""
+    tasks = [(case, [seed, k]) for case in cases for k in range(runs)]
+    found = []
+    for ending in processes.each(run_once, tasks, workers):
+        found.append(ending)
+        tell(len(found) / len(tasks))
+    return [outcome(case.name, found[k * runs : (k + 1) * runs]) for k, case in enumerate(cases)]
+
+
+def run_once(case: Case, seed: list[int]) -> Ending:
+    """With the default transfer and servo."""
+    rng = np.random.default_rng(seed)
+    low, high = np.transpose(load_scene(BEST.scene).range_deg)
+    demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
+    noise = {"noise_px": case.noise_px, "frames": case.frames, "seed": int(rng.integers(2**32))}
+    settings = msgspec.structs.replace(BEST, demonstrator_deg=demo, start_deg=start, **noise)
+    for _ in range(TRIES):
+        session = Session(settings, lambda camera, scene, points: _eyes(case, scene, points, rng))
+        if session.snapshot.transfer is not None:
+            break
+    last = session.run(MOST_MOTIONS, PATIENCE)
+    error = np.degrees(np.abs(last.theta - last.theta_demo).max())
+    expected = np.nan if last.expected_error is None else np.degrees(last.expected_error)
+    return Ending(last.status, last.motion, last.motion < MOST_MOTIONS, float(error), float(expected))
+
+
+def outcome(name: str, found: Sequence[Ending]) -> Outcome:
+    claims = [ending for ending in found if ending.claimed]
+    of_claims = lambda said: Share.of(map(said, claims)) if claims else None
+    rms = lambda of: float(np.sqrt(np.mean([of(ending) ** 2 for ending in claims]))) if claims else None
+    motions = [ending.motions for ending in found]
+    return Outcome(
+        name,
+        claimed=Share.of(ending.claimed for ending in found),
+        untold=Share.of(ending.status == "untold" for ending in found),
+        beyond=of_claims(lambda ending: ending.error > FALSE_DEG),
+        falsely=of_claims(lambda ending: ending.false),
+        covered=of_claims(lambda ending: ending.within(COVERED)),
+        unended=Share.of(not ending.ended for ending in found),
+        motions_median=float(np.median(motions)),
+        motions_95=float(np.percentile(motions, 95)),
+        rms_deg=rms(lambda ending: ending.error),
+        expected_deg=rms(lambda ending: ending.expected),
+    )
+
+
+class SurfaceEyes(ProjectedEyes):
+    """Points on the surface, hidden where that is turned away. normals: (N, 3), in the links' frames; None: all are
+    seen."""
+
+    def __init__(self, scene: Scene, body: BodyPoints, normals: NDArray | None):
+        self.world = World(scene, body=body)
+        self._tips = None if normals is None else World(scene, body=BodyPoints(body.link, body.local + normals))
+
+    def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+        images, visible = super().demo_images(theta)
+        return images, visible & self._facing(theta, self.world.T_world_demo, self.world.demo_cameras)
+
+    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+        images, visible = super().own_images(theta)
+        return images, visible & self._facing(theta, self.world.T_world_own, self.world.own_cameras)
+
+    def _facing(self, theta: Angles, T_world_base: NDArray, cameras: Sequence[Camera]) -> NDArray:
+        """(N, 2) bool"""
+        if self._tips is None:
+            return np.ones((len(self.world.body), len(cameras)), bool)
+        points = self.world.points_world(theta, T_world_base)
+        normals = self._tips.points_world(theta, T_world_base) - points
+        to_camera = [camera.T_world_camera[:3, 3] - points for camera in cameras]
+        return np.stack([(normals * to).sum(-1) > 0 for to in to_camera], -1)
+
+
+def _eyes(case: Case, scene: Scene, points: int, rng: np.random.Generator) -> ProjectedEyes:
+    if case.points is None:
+        return ProjectedEyes(scene, points)
+    links = case.links[rng.integers(len(case.links))] if case.links else tuple(range(len(scene.posture_deg) + 1))
+    body, normals = surface_points(scene.robot, links, case.points, rng)
+    return SurfaceEyes(scene, body, normals if case.hidden else None)
+
+
+def surface_points(
+    robot: str, links: Sequence[int], count: int, rng: np.random.Generator
+) -> tuple[BodyPoints, NDArray]:
+    """Even over the surface of these links, and the normals there, (count, 3)."""
+    corners, normals, areas, link = _faces(robot)
+    among = np.flatnonzero(np.isin(link, links))
+    chosen = rng.choice(among, count, p=areas[among] / areas[among].sum())
+    weights = rng.dirichlet(np.ones(3), count)
+    return BodyPoints(link[chosen], np.einsum("nc,ncx->nx", weights, corners[chosen])), normals[chosen]
+
+
+@cache
+def _faces(robot: str) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Of all links: corners (f, 3, 3) m, normals (f, 3), areas (f,), links (f,)."""
+    from ...simulation.link_meshes import link_meshes  # loads trimesh
+
+    meshes = link_meshes(robot).items()
+    corners = np.concatenate([mesh.triangles for _, mesh in meshes])
+    normals = np.concatenate([mesh.face_normals for _, mesh in meshes])
+    areas = np.concatenate([mesh.area_faces for _, mesh in meshes])
+    return corners, normals, areas, np.concatenate([np.full(len(mesh.faces), link) for link, mesh in meshes])

@@ -1,0 +1,127 @@
+"""What a servo may claim of the posture in which it rests: measured evidence that E rises in every direction from it.
+
+A small E is none: a joint that no point tells leaves E flat, and the predictions' own errors look like a curvature.
+About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For each eigenvector v of H, the flattest first,
+a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of that
+rise was measured, more than noise makes, and more than the share CONFLICTING of what the own images moved by. Where
+there is none a check motion along v asks; if E does not rise as it should, v is not told, and no joint that it turns.
+
+How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more.
+"""
+
+from dataclasses import dataclass
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .surroundings import Surroundings
+
+LEAST, NEAR = np.radians((1.0, 15.0))  # along a direction, and away from the best, of visits that are evidence
+CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
+NOISY_LEAST = np.radians(5.5)  # LEAST where the slopes of the images must be told from their noise
+OWN_SHARE, RISEN = 0.6, 0.5  # of a predicted rise: what must be the direction's own, what must be measured
+ALIGNED = 0.95  # of its length: what must be along a direction, for a visit to have asked about that at least
+CONFLICTING = 1e-4  # of the squared motion of the own images: what must be left as conflict
+SURELY = 3.0  # standard deviations
+UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
+PART = 0.1  # of a direction of length 1: a joint that has less is not turned by it
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """spread: (m,) rad/px, what a pixel of noise turns each joint by; expected: (m,) rad, standard deviations of the
+    joint errors, inf of joints that are not told; told: (m,) bool; shown: whether E was seen to rise along every
+    direction; check: (m,) rad, a motion that would show more, all 0 if there is none to make; spent: whether E is as
+    small as where nothing is told."""
+
+    spread: NDArray
+    expected: NDArray
+    told: NDArray
+    shown: bool
+    check: NDArray
+    spent: bool
+
+    @property
+    def claim(self) -> str:
+        """The status in which a servo may rest where E is small."""
+        return "untold" if not self.told.all() else "converged" if self.shown else "rests"
+
+    @property
+    def worst(self) -> float:
+        """rad: twice this holds the largest joint error as often as twice `expected` holds each (Šidák 1967)."""
+        each, together = NormalDist(), 2 * NormalDist().cdf(2.0) - 1
+        surely = each.inv_cdf((1 + together ** (1 / len(self.expected))) / 2)
+        return float(self.expected.max() * surely / 2)
+
+    @property
+    def untold(self) -> list[int]:
+        """Indices of the joints that nothing tells, the worst first."""
+        return [int(j) for j in np.argsort(-self.spread, kind="stable") if not self.told[j]]
+
+
+def certify(here: Surroundings) -> Certificate:
+    """From the visits that there are."""
+    spread = deviations(here.hessian, here.points)
+    told, check, shown = spread < UNTOLD, np.zeros(len(spread)), True
+    for direction in _directions(here):
+        risen, level = _evidence(here, direction)
+        if risen:
+            continue
+        shown = False
+        if level:
+            told = told & (np.abs(direction) <= PART)
+        elif not check.any():
+            check = _length(here, direction) * direction
+    noise = max(here.noise_px, np.sqrt(2 * here.points * here.E / here.freedom))
+    spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
+    expected = np.where(told, np.hypot(noise * spread, here.left), np.inf)
+    return Certificate(spread, expected, told, shown, check, bool(spent))
+
+
+def deviations(hessian: NDArray, points: int) -> NDArray:
+    """(m,) rad/px: standard deviations that residuals with noise of 1 px leave to each joint, √diag((JᵀJ)⁻¹)."""
+    curvatures, directions = np.linalg.eigh(hessian)
+    least = max(1e-12 * curvatures[-1], np.finfo(float).tiny)
+    return np.sqrt((directions**2 / np.maximum(curvatures, least)).sum(1) / points)
+
+
+def _directions(here: Surroundings) -> list[NDArray]:
+    """(m,) each of length 1: the eigenvectors, the flattest first; one that the limits bar both ways is replaced by
+    what they leave of both."""
+    found = []
+    for v in np.linalg.eigh(here.hessian)[1].T:
+        ways = [np.clip(way, here.low, here.high) for way in (CHECK * v, -CHECK * v)]
+        free = [way for way in ways if np.linalg.norm(way) > 0.99 * CHECK]
+        found += [v] if free else [way / np.linalg.norm(way) for way in ways if np.linalg.norm(way) > LEAST]
+    return found
+
+
+def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
+    """Whether a visit has shown E to rise along v, and whether one has shown that it does not."""
+    along = here.away @ v
+    predicted = 0.5 * np.einsum("ka,kab,kb->k", here.away, here.hessians, here.away)
+    own = 0.5 * along**2 * (here.hessians @ v @ v)
+    mostly = own >= OWN_SHARE * predicted
+    fully = own >= 0.5 * (0.5 * along**2 * (v @ here.hessian @ v))  # by as many points, nearly, as there are
+    aligned = np.abs(along) >= ALIGNED * np.linalg.norm(here.away, axis=-1)
+    least = LEAST if here.noise_px == 0 else NOISY_LEAST
+    near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= NEAR) & np.isfinite(here.rise)
+    seen = np.maximum(0.5 * CONFLICTING * along**2 * (v @ here.slopes @ v), _noise_of_rise(here))
+    risen = near & mostly & (here.rise >= np.maximum(RISEN * predicted, seen))
+    level = near & aligned & fully & (here.rise < seen) & (RISEN * predicted >= _noise_of_rise(here))
+    return bool(risen.any()), bool(level.any())
+
+
+def _length(here: Surroundings, v: NDArray) -> float:
+    """rad, of a check motion along v; 0 if noise would hide the rise, and one as long as may be has been made."""
+    if here.noise_px == 0:
+        return float(CHECK)
+    needed = 1.1 * np.sqrt(2 * _noise_of_rise(here) / (RISEN * max(v @ here.hessian @ v, 1e-12)))
+    made = (np.abs(here.away @ v) >= NEAR / 2) & (np.abs(here.away).max(-1) <= 2 * NEAR)
+    return float(np.clip(needed, NOISY_CHECK, NEAR)) if needed <= NEAR or not made.any() else 0.0
+
+
+def _noise_of_rise(here: Surroundings) -> float:
+    """px²: a rise that noise makes by itself, but hardly ever."""
+    return SURELY * here.noise_px**2 * float(np.sqrt(here.freedom)) / here.points

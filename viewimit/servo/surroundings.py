@@ -1,0 +1,125 @@
+"""What a learner knows about a posture: how E should rise about it, and how it did at the postures visited."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import conflict as evaluate
+from .image_model import Visit
+from .minimise import DIFFERENCE, Minimum
+from .observation import Observation
+from .surrogate import Surrogate
+
+FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
+DRAWS = 4  # of noise
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; left:
+    (m,) rad, from there to where E should be least; slopes:
+    (m, m) px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits
+    from there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is
+    hessians: (n, m, m); low, high: (m,) rad, what
+    the limits leave; noise_px: of residuals, standard deviation."""
+
+    hessian: NDArray
+    E: float
+    points: int
+    left: NDArray
+    slopes: NDArray
+    away: NDArray
+    rise: NDArray
+    hessians: NDArray
+    low: NDArray
+    high: NDArray
+    noise_px: float
+
+    @property
+    def freedom(self) -> int:
+        """Residuals that the transfer and the joints do not fit by themselves."""
+        return max(4 * (self.points - FREE) - len(self.hessian), 1)
+
+
+@dataclass(frozen=True)
+class Known:
+    """visits; best: index of the one with the smallest E; E: px², there; model: learned from them; seen: at the
+    last; residual_of: own images (..., N, 4) px → (..., n, C) px, by the transfer chosen."""
+
+    visits: tuple[Visit, ...]
+    best: int
+    E: float
+    model: Surrogate
+    seen: Observation
+    residual_of: Callable[[NDArray], NDArray]
+
+
+def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
+    """About a place, (m,) rad. found: the smallest E that is predicted."""
+    rise, hessians = _rises(known, found.hessian, place)
+    hessian = found.hessian
+    if known.seen.noise_px > 0:
+        noise = _of_noise(known, place)
+        hessian, hessians = _without(noise, hessian), _without(noise, hessians)
+    return Surroundings(
+        hessian=hessian,
+        E=known.E,
+        points=found.points,
+        left=found.theta - place,
+        slopes=_image_slopes(known.model, place),
+        away=np.array([visit.displacement for visit in known.visits]) - place,
+        rise=rise,
+        hessians=hessians,
+        low=known.seen.lower - place,
+        high=known.seen.upper - place,
+        noise_px=known.seen.noise_px,
+    )
+
+
+def _rises(known: Known, hessian: NDArray, place: NDArray) -> tuple[NDArray, NDArray]:
+    """(n,) px²: E measured at every visit above that at the best one, by the points really seen in both; (n, m, m)
+    px²/rad²: the hessian of these points."""
+    own = np.array([visit.own for visit in known.visits])
+    seen = np.array([visit.seen.all(-1) for visit in known.visits])
+    hessians = np.repeat(hessian[None], len(own), 0)
+    if seen.all():
+        E = evaluate(known.residual_of(own))
+        return E - E[known.best], hessians
+    rises = np.full(len(own), np.nan)
+    about = known.model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
+    for k, both in enumerate(seen & seen[known.best]):
+        images = np.concatenate([own[[known.best, k]], about])
+        e = known.residual_of(np.where(both[:, None], images, np.nan))
+        here, there = evaluate(e[:2])
+        if np.isfinite(there):
+            J = (e[3:] - e[2]).reshape(len(place), -1) / DIFFERENCE
+            rises[k], hessians[k] = there - here, J @ J.T / e.shape[-2]
+    return rises, hessians
+
+
+def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:
+    """(m, m) px²/rad², as `Surroundings.slopes`, of the points that the model knows."""
+    aside = DIFFERENCE * np.eye(len(place))
+    images = model.predict(np.concatenate([place + aside, place - aside]))
+    images = images[:, np.isfinite(images).all((0, 2))]
+    points = max(images.shape[1], 1)
+    slopes = (images[: len(place)] - images[len(place) :]).reshape(len(place), -1) / (2 * DIFFERENCE)
+    return slopes @ slopes.T / points
+
+
+def _of_noise(known: Known, place: NDArray) -> NDArray:
+    """(m, m) px²/rad²: what the noise of the images adds to the hessian by itself, as the slopes learned are noisy."""
+    images = known.model.predict(place)
+    noise = np.random.default_rng(known.seen.motion).standard_normal((DRAWS, *images.shape))
+    e = known.residual_of(np.concatenate([images[None], images + noise]))
+    left = float(((e[1:] - e[0]) ** 2).sum()) / (DRAWS * e.shape[-2])
+    weights = known.model.slope_weights(place)
+    return left * known.seen.noise_px**2 * weights.T @ weights
+
+
+def _without(noise: NDArray, hessian: NDArray) -> NDArray:
+    """What noise adds taken off: H - N while that is small, and never less than 0. hessian: (..., m, m)."""
+    tiny = 1e-12 * np.trace(noise) * np.eye(len(noise))
+    return hessian @ np.linalg.solve(hessian + noise + tiny, hessian)

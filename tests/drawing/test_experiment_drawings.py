@@ -49,7 +49,7 @@ from viewimit.transfer import TRANSFERS
 
 MINUS = "−"
 SCENE = load_scene("panda")
-TOLD = "now", "told"  # what a glossary card's scale is told of the session: a place and its words
+TOLD = "now", "told", "first", "second"  # of a scale: its place and words of now, and where its colours change
 HOSTILE = '<img src=x onerror="1">&'
 
 

@@ -63,7 +63,8 @@ document.addEventListener("keydown", event => {
 }, true);
 document.addEventListener("click", event => {
   if (event.target.closest("[role=option]")) setTimeout(() => leave(document.activeElement));
-  if (event.detail && event.target.closest("button")) document.activeElement.blur();  // by a pointer: Space plays
+  if (event.detail && event.target.closest("button,[role=tab]"))
+    document.activeElement.blur();  // by a pointer: Space plays
 });
 
 // A number box that is left without a number shows its value again, and one out of its range says which that is

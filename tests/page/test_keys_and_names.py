@@ -119,9 +119,9 @@ def test_after_a_choice_in_a_list_the_keys_are_the_pages(page):
         for key in keys:
             press(page, key)
         press(page, "Space")
-        wait_for_status(page, "Moving|Arrived")
+        wait_for_status(page, "Moving|Rests")
         press(page, "Space")
-        wait_for_status(page, "Paused|Arrived")
+        wait_for_status(page, "Paused|Rests")
         press(page, "r")
         wait_for_status(page, "Ready")
     page.keyboard.press("Tab")

@@ -54,11 +54,11 @@ selector => [...document.querySelectorAll(selector)].filter(e => e.getClientRect
 
 @pytest.fixture(scope="module")
 def page(browser, server):
-    """Arrived, with a point chosen."""
+    """At rest, with a point chosen."""
     page = open_page(browser, server, "small")
     press(page, "n")
     press(page, "Space")
-    wait_for_status(page, "Arrived")
+    wait_for_status(page, "Rests")
     press(page, "Space")
     page.window = page.context.new_cdp_session(page)
     yield page

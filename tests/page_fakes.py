@@ -62,7 +62,10 @@ from viewimit.simulation.world import World
 CONTROLS = {  # what a browser's values become
     **{f"joint{k}": partial(PoseJoint.parse, k) for k in range(7)},
     **{amount.name: partial(change_disturbance, amount) for amount in (*OF_IMAGES, *OF_ARMS)},
-    **{name: partial(Switch.parse, name) for name in ("rays", "residuals", "gizmo", "whole_frames", "dark")},
+    **{
+        name: partial(Switch.parse, name)
+        for name in ("rays", "residuals", "gizmo", "whole_frames", "rectified", "dark")
+    },
     "joints": FreeJoints.parse,
     "seed": change_seed,
     "points": change_points,

@@ -126,8 +126,10 @@ class Snapshot:
 
     @cached_property
     def fundamental(self) -> PairGeometry | None:
-        """Of the six pairs of views, from the usable points, whatever the transfer is; None with too few of them."""
-        images = np.concatenate([self.views.demo, self.views.own], 1)[self.usable]
+        """Of the six pairs of views, rectified if they are for the transfer, from the usable points, whatever the
+        transfer is; None with too few of them."""
+        views = self.views if self.rectification is None else rectified.rectified(self.views, self.rectification)
+        images = np.concatenate([views.demo, views.own], 1)[self.usable]
         return fit_pairs(images.reshape(-1, 4, 2).transpose(1, 0, 2))
 
 

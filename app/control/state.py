@@ -25,7 +25,7 @@ from .motions import Motions
 from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
-SWITCHES = ("rays", "residuals", "gizmo", "whole_frames")  # that are kept by their names
+SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified")  # that are kept by their names
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class View:
     residuals: bool = True
     gizmo: bool = True
     whole_frames: bool = False
+    rectified: bool = False
     dark: bool | None = None
     prefers_dark: bool = False
     help: bool = False

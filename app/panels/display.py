@@ -18,6 +18,7 @@ SWITCHES = (
     ("Residuals, 3-D", "residuals"),
     ("Hand gizmo", "gizmo"),
     ("Whole frames", "whole_frames"),
+    ("Rectified beside raw", "rectified"),
     ("Dark", "dark"),
 )
 

@@ -3,6 +3,7 @@
 from viewimit.drawing.images import draw_images
 from viewimit.drawing.over.links import link
 from viewimit.drawing.over.points import LESS, MORE, point_links, point_places
+from viewimit.drawing.rectified_images import draw_rectified
 
 from ..control.state import LARGE, PageState
 from .panel import Layout, Panel
@@ -22,11 +23,15 @@ class ImagesPanel(Panel):
 
     def depends_on(self, state: PageState) -> tuple:
         view = state.view
-        shown = view.chosen, view.whole_frames, view.large, state.stage
+        shown = view.chosen, view.whole_frames, view.rectified, view.large, state.stage
         return state.generation, state.looked, *shown, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
         view, (bodies, windows) = state.view, state.arms_in_images
+        if view.rectified:
+            put_html(self._images, draw_rectified(state.looked, bodies))
+            put_html(self._links, "" if self._address is None else _large(self._address, view.large))
+            return
         drawn = draw_images(
             state.looked,
             bodies,

@@ -18,8 +18,8 @@ from viewimit.analysis.motion import motion
 from viewimit.experiments import EXPERIMENTS
 from viewimit.servo import SERVOS
 from viewimit.settings import Settings
-from viewimit.snapshot import AT_REST
 from viewimit.simulation.kinematics import hand_position
+from viewimit.snapshot import AT_REST
 from viewimit.transfer import TRANSFERS
 
 AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}

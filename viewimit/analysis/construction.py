@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.pairs import PAIRS
 from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
+from .epipolar_lines import INTO, SOURCE, epipolar_lines
 
 ASIDE = 0.5  # px, of the differences
 SURE = -2 * np.log(0.05)  # the squared distance, in standard deviations, within which 95 % of a plane's normal lie
 DIRECTIONS = 3  # of a shape in space
-INTO = np.array([[PAIRS.tolist().index([eye, into]) for eye in (0, 1)] for into in (2, 3)])  # L, R; from l, from r
+MEET = np.array([[np.flatnonzero((INTO == into) & (SOURCE == eye))[0] for eye in (0, 1)] for into in (2, 3)])  # in L, R
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Construction:
 
 def construct(snapshot: Snapshot, point: int) -> Construction | None:
     """Of a point by its index; None unless it is seen in all four views, and enough others are."""
-    transfer, geometry = snapshot.transfer, snapshot.fundamental
-    if transfer is None or geometry is None or not snapshot.usable[point]:
+    transfer, lines = snapshot.transfer, epipolar_lines(snapshot, point)
+    if transfer is None or lines is None or not snapshot.usable[point]:
         return None
     demo = snapshot.views.demo[point]
     aside = ASIDE * np.eye(4)
@@ -52,7 +52,7 @@ def construct(snapshot: Snapshot, point: int) -> Construction | None:
         recovered=found[8].reshape(2, 2),
         half_axes=half_axes,
         direction=direction,
-        angle=_angles(geometry.f) if crossing else None,
+        angle=_angles(lines) if crossing else None,
         steps=None if crossing else _steps(snapshot, point),
     )
 
@@ -63,9 +63,9 @@ def _ellipses(spread: NDArray) -> tuple[NDArray, NDArray]:
     return np.sqrt(SURE * np.maximum(squares[:, ::-1], 0.0)), np.arctan2(axes[:, 1, 1], axes[:, 0, 1])
 
 
-def _angles(f: NDArray) -> NDArray:
-    """f: (6, 4) of PAIRS → (2,) rad"""
-    normals = f[INTO, 2:]  # into L, R; from l, r; x, y
+def _angles(lines: NDArray) -> NDArray:
+    """lines: (12, 3), as `epipolar_lines` has them → (2,) rad"""
+    normals = lines[MEET, :2]  # in L, R; from l, r; x, y
     lengths = np.linalg.norm(normals, axis=-1)
     across = np.abs(normals[:, 0, 0] * normals[:, 1, 1] - normals[:, 0, 1] * normals[:, 1, 0])
     return np.arcsin(np.clip(across / np.maximum(lengths.prod(-1), 1e-300), 0.0, 1.0))

@@ -23,11 +23,10 @@ def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
         point = _shown_point(snapshot, chosen)
         demo, own, name = snapshot.views.demo[point], snapshot.views.own[point], svg.point_name(point)
         method, fitted = TRANSFERS[snapshot.settings.transfer], snapshot.transfer
-        recovery = (_constraint(snapshot, point),)
         if isinstance(fitted, RectifiedTransfer):
             demo, own = map(fitted.rectification.apply, (demo, own))
-            recovery, fitted = (*recovery, _rectification(fitted.rectification)), fitted.between
-        recovery = *recovery, *method.equations(fitted, demo, own, name)
+            recovery, fitted = (_rectification(fitted.rectification),), fitted.between
+        recovery = *recovery, _constraint(snapshot, demo, own, name), *method.equations(fitted, demo, own, name)
     return _cards(*recovery, _conflict(snapshot), *_law(snapshot))
 
 
@@ -64,11 +63,10 @@ def _conflict(snapshot: Snapshot) -> Equation:
     return Equation("(6)", "conflict, sums over L and over R", latex, (*sums, str(2 * len(e)), short(snapshot.E)))
 
 
-def _constraint(snapshot: Snapshot, point: int) -> Equation:
-    """Eq. (1), of a point's images in [l] and [L]."""
+def _constraint(snapshot: Snapshot, demo: NDArray, own: NDArray, name: str) -> Equation:
+    """Eq. (1), of a point's images in [l] and [L]. demo, own: (4,) px, rectified if all else is."""
     f, f33 = _fundamental(snapshot)
-    u = np.concatenate([snapshot.views.demo_left[point], snapshot.views.own_left[point]])
-    name = svg.point_name(point)
+    u = np.concatenate([demo[:2], own[:2]])
     terms = "".join(signed(factor, 2) + f"·{number(x, 0)}" for factor, x in zip(f.tolist(), u.tolist()))
     sum_of_terms = (terms + signed(f33, 0)).removeprefix(" + ")
     latex = rf"{{}}^{{lL}}𝐮_{{{HOLE}}}^{{\top}}\;{{}}^{{lL}}𝐟+{{}}^{{lL}}f_{{33}}={HOLE}={HOLE}"

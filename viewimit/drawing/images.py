@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.construction import Construction
-from ..geometry.pairs import PAIRS
+from ..analysis.epipolar_lines import INTO, SOURCE, epipolar_lines
 from ..simulation.appearance import Bodies
 from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
@@ -21,7 +21,6 @@ from .theme import HEAD, OBSERVED, RECOVERED, RING
 GAINS = (10, 5, 2)
 READOUT_UP = 17  # px from the foot of L and R, where a caption lies over both
 SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
-INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T  # views that a line is drawn in, and whose points it is of
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
 CAPTIONS = {"own": "the learner sees itself", "demo": "sees the demonstrator"}  # over L and R, over l and r
 RECTIFIED = {**CAPTIONS, "own": "the learner sees itself; all four then rectified"}
@@ -53,7 +52,7 @@ def draw_images(
     points = image_planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     crossed = TRANSFERS[snapshot.settings.transfer].crosses_lines
-    lines = _epipolar_lines(snapshot, images, shown, chosen if crossed else None, stage)
+    lines = _epipolar_lines(snapshot, shown, chosen if crossed else None, stage)
     built = dict.fromkeys("lrLR", "")
     if construction is not None and chosen is not None:
         built = build.draw(construction, shown, stage, images[2:, chosen], gain)
@@ -164,19 +163,15 @@ def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: t
 
 
 def _epipolar_lines(
-    snapshot: Snapshot, images: NDArray, windows: dict[str, Window], chosen: int | None, stage: int | None
+    snapshot: Snapshot, windows: dict[str, Window], chosen: int | None, stage: int | None
 ) -> dict[str, str]:
     """The chosen point's lines by view: from the left and the right image of the other pair, from the partner. While
     they are built up only those in L and R that are there at the stage."""
     drawn = dict.fromkeys("lrLR", "")
-    if chosen is None or snapshot.fundamental is None:
+    lines = None if chosen is None else epipolar_lines(snapshot, chosen)
+    if chosen is None or lines is None:
         return drawn
-    f, f33 = snapshot.fundamental
-    # f_p·p + f_q·q + f33 = 0 is a line of q for a given p, and of p for a given q
-    normal = np.concatenate([f[:, 2:], f[:, :2]])
-    of_source = np.concatenate([f[:, :2], f[:, 2:]])
-    offset = np.concatenate([f33, f33]) + (of_source * images[SOURCE, chosen]).sum(1)
-    ends, crosses = _across(normal, offset, [windows["lrLR"[k]] for k in INTO.tolist()])
+    ends, crosses = _across(lines[:, :2], lines[:, 2], [windows["lrLR"[k]] for k in INTO.tolist()])
     crosses &= snapshot.views.visible[chosen, SOURCE]
     for k, source, line, shown in zip(INTO.tolist(), SOURCE.tolist(), ends.tolist(), crosses.tolist()):
         if shown and (stage is None or k > 1 >= source and build.stands(stage, True, ("left", "right")[source])):

@@ -1,0 +1,95 @@
+"""The four images as seen and as rectified, beside each other: matches of a pair come to lie in equal rows.
+
+Across each pair runs the row in which some points lie in its left image; what their right images lack to it is drawn.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.rectification import Rectification
+from ..simulation.appearance import ArmImages, Bodies
+from ..snapshot import Snapshot
+from . import svg
+from .metrics import draw_metrics, residual_lengths
+from .theme import OBSERVED
+
+SIZE = (424, 352)  # px of the drawing
+IMAGE = (96, 130)  # px of an image
+LEFTS = (0, 226)  # px of the pairs as seen, and as rectified
+TOPS = (22, 188)  # px of the pairs' rows, which are [l, r] and [L, R]
+GAP = 6  # px between the images of a pair
+MARGIN = 8  # px around the points
+ROWS = 5  # that are drawn
+LEAST = 0.01  # px that are told
+AS_THEY_ARE = "Not rectified: one affine", "geometry fits all matches."
+OFF = "Rectification is off", "(folder Display)."
+
+
+def draw_rectified(snapshot: Snapshot, bodies: Bodies) -> str:
+    """HTML of the panel; where nothing is rectified it says why."""
+    by = snapshot.rectification
+    parts = [svg.text(LEFTS[0], 14, "as seen", "vi-b"), svg.text(LEFTS[1], 14, "rectified", "vi-b")]
+    off = OFF if snapshot.settings.rectify == "off" else AS_THEY_ARE
+    for top, names, images, arm in (
+        (TOPS[0], "lr", snapshot.views.demo, bodies.demo),
+        (TOPS[1], "LR", snapshot.views.own, bodies.own),
+    ):
+        seen = images[snapshot.usable]
+        parts.append(_pair(LEFTS[0], top, names, seen, arm, None))
+        if by is not None:
+            parts.append(_pair(LEFTS[1], top, names, seen, arm, by))
+        else:
+            parts += [svg.text(LEFTS[1], top + IMAGE[1] / 2 + 18 * k, words) for k, words in enumerate(off)]
+    box = f"0 0 {SIZE[0]} {SIZE[1]}"
+    label, drawn = "Images as seen and as rectified", "".join(parts)
+    drawing = f'<svg class="vi" viewBox="{box}" role="img" aria-label="{label}">{drawn}</svg>'
+    return f'<div class="vi-panel">{drawing}{draw_metrics(snapshot, residual_lengths(snapshot))}</div>'
+
+
+def row_distance(images: NDArray) -> float:
+    """px, rms: by how much the rows of matches (N, 4) px differ; NaN of none."""
+    return float(np.sqrt(np.mean((images[:, 3] - images[:, 1]) ** 2))) if len(images) else np.nan
+
+
+def _pair(left: float, top: float, names: str, images: NDArray, arm: ArmImages, by: Rectification | None) -> str:
+    """Both images of a pair, (N, 4) px, rectified if that is given: equally large, and at one height."""
+    both = lambda found: found if by is None else by.apply(found)
+    images = both(images)
+    hulls, bones = both(np.concatenate(list(arm.hulls), -1)), both(np.concatenate(list(arm.origins), -1))
+    drawn, scale, low = [], 1.0, np.zeros(4)
+    if len(images):
+        low, high = images.min(0), images.max(0)
+        low[[1, 3]], high[[1, 3]] = low[[1, 3]].min(), high[[1, 3]].max()
+        room = (np.array(IMAGE) - 2 * MARGIN) / np.maximum((high - low).reshape(2, 2), 1.0)
+        scale = float(room.min())
+        low = (low + high) / 2 - np.tile(IMAGE, 2) / (2 * scale)  # in the middle
+    for side, name in enumerate(names):
+        axes = slice(2 * side, 2 * side + 2)
+        placed = [(found[..., axes] - low[axes]) * scale for found in (images, hulls, bones)]
+        drawn.append(_image(left + side * (IMAGE[0] + GAP), top, name, *placed))
+    order = np.argsort(images[:, 1])
+    for k in order[np.unique(np.linspace(0, len(order) - 1, min(ROWS, len(order))).astype(int))]:
+        y, there = top + (images[k, [1, 3]] - low[[1, 3]]) * scale
+        x = left + IMAGE[0] + GAP + (images[k, 2] - low[2]) * scale
+        drawn.append(f'<path class="vi-row-line" d="M{left} {y:.1f}h{2 * IMAGE[0] + GAP}"/>')
+        drawn.append(f'<path class="vi-e" d="M{x:.1f} {y:.1f}V{there:.1f}"/>')
+    distance = row_distance(images)
+    words = f"rows differ by {'less than ' if distance < LEAST else ''}{svg.number(max(distance, LEAST), 2)} px"
+    return "".join(drawn) + svg.text(left, top + IMAGE[1] + 16, words)
+
+
+def _image(x: float, y: float, name: str, points: NDArray, hulls: NDArray, bones: NDArray) -> str:
+    """px of the image's box. points: (N, 2), hulls: (links, corners, 2), bones: (k, 2)."""
+    demo = name in "lr"
+    arm = f'<path class="vi-hull" d="{svg.polygons(hulls[None])[0]}"/><path class="vi-bone" d="{svg.path(bones)}"/>'
+    marks = (
+        f'<path class="vi-seen" d="{svg.diamonds(points, OBSERVED)}"/>'
+        if demo
+        else f'<path class="vi-own" d="{svg.dots(points)}"/>'
+    )
+    return (
+        f'<svg x="{x}" y="{y}" width="{IMAGE[0]}" height="{IMAGE[1]}">'
+        f'<rect class="vi-plane" x=".5" y=".5" width="{IMAGE[0] - 1}" height="{IMAGE[1] - 1}" rx="4"/>'
+        f'<g class="{"vi-demo" if demo else ""}">{arm}</g>{marks}'
+        f'<text class="vi-name vi-halo" x="5" y="15">{name}</text></svg>'
+    )

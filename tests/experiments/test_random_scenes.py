@@ -56,5 +56,5 @@ def test_every_start_of_a_seeded_set_of_scenes_arrives_also_with_any_head_if_ima
     parallel, raw, rectified = run(BEST, scenes=8, pairs=1, seed=4, max_motions=60, rows=ROWS[:3], workers=1)
     for found in (parallel, rectified):
         assert found.runs == found.claimed.count == found.ended[1.0].count == 8
-        assert found.claimed_falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 14
+        assert found.beyond.count == found.falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 14
     assert raw.ended[1.0].count < 4

@@ -99,6 +99,7 @@ def test_the_page_shows_where_they_end():
     page.tick_until(lambda: "learners have come to rest" in page.shown or "claim to have arrived" in page.shown, 60)
     page.tick_until(lambda: "claim to have arrived" in page.shown, 60)
     assert page.shown.count("vi-basin-mark") == 20 + 3  # and those of the sentence
+    page.tick_until(lambda: any(widget.label == "Hide the starts" for widget in page.gui.widgets), 60)
     page.click("Hide the starts")
     page.tick(1.0)
     assert "vi-basin-mark" not in page.shown

@@ -178,8 +178,8 @@ def test_the_papers_law_hardly_arrives_where_broyden_does(panda):
     literal, broyden = success.run(Settings(), pairs, ["linear"], ["gradient", "broyden"], 250)
     assert literal.came["demonstrator"][3.0].low <= 0.04 and literal.came["demonstrator"][3.0].count <= 1
     assert literal.claimed.count == 0 and literal.motions_median == 250
-    assert broyden.ended["own_minimum"][1.0].count == broyden.claimed.count == 12
-    assert broyden.claimed_falsely.count == 0 and broyden.motions_median <= 10 and broyden.motions_95 <= 20
+    assert broyden.ended["own_minimum"][1.0].count == 12 and broyden.claimed.count == 0
+    assert broyden.motions_median <= 10 and broyden.motions_95 <= 20
 
 
 def test_ctrl_c_ends_the_processes_too():

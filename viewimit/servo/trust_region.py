@@ -53,7 +53,8 @@ class TrustState:
     the status becomes `ending`.
 
     promised: decrease of E predicted for the motion just made, None if it was not made for that. certificate: of the
-    best posture, None before E was small anywhere.
+    best posture, None before E was small anywhere. moved: the demonstrator has, since the last motion; chasing: and
+    before that one as well, so that a motion aside would only leave the learner behind.
     """
 
     visits: tuple[Visit, ...]
@@ -69,6 +70,8 @@ class TrustState:
     status: str = "moving"
     probe: bool = False
     certificate: Certificate | None = None
+    moved: bool = False
+    chasing: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,10 +89,11 @@ class TrustRegion:
 
     def retarget(self, state: TrustState, seen: Observation) -> TrustState:
         """What was learned of the own images stays; all else was about another E."""
-        return TrustState(state.visits, state.probes)
+        return TrustState(state.visits, state.probes, moved=True, chasing=state.chasing)
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
-        state = _arrived(state, seen)
+        chasing = state.moved and state.chasing
+        state = replace(_arrived(state, seen), moved=False, chasing=state.moved)
         if state.probes:
             return _probe(state, seen)
         if state.goal is not None:
@@ -115,12 +119,14 @@ class TrustRegion:
         worthwhile = step >= DONE_STEP or (step >= LEAST_STEP and _doubt(found.E, found) < CERTAIN <= doubt)
         if worthwhile and state.failures < MOST_FAILURES:
             last = step < SHORT and _doubt(found.E, found) < CERTAIN and state.checks < len(model.centre)
-            if about is not None and like is None and last:
+            if about is not None and like is None and last and not chasing:
                 beyond = about(found.theta).check
                 if beyond.any():
                     state = replace(state, checks=state.checks + 1)
                     return _move(state, seen, _aside(seen, found.theta, beyond))
             return _move(replace(state, promised=float(E[best] - found.E)), seen, found.theta)
+        if chasing:
+            return replace(state, promised=None, status="moving", probe=False), np.zeros_like(found.theta)
         place = model.centre if like is None else found.theta
         if about is not None:
             state = replace(state, certificate=about(place))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS, flatness
-from .geometry.pairs import PairGeometry, fit_pairs
+from .geometry.pairs import INTO, PairGeometry, fit_pairs
 from .geometry.rectification import Rectification
 from .servo import Certificate
 from .settings import Settings
@@ -131,6 +131,17 @@ class Snapshot:
         views = self.views if self.rectification is None else rectified.rectified(self.views, self.rectification)
         images = np.concatenate([views.demo, views.own], 1)[self.usable]
         return fit_pairs(images.reshape(-1, 4, 2).transpose(1, 0, 2))
+
+    def epipolar_lines(self, point: int) -> NDArray | None:
+        """(12, 3): `PairGeometry.lines` of a body point, in px as seen: lines in rectified images are mapped back. None
+        with too few points for any."""
+        if self.fundamental is None:
+            return None
+        images, by = np.stack([self.views.demo[point], self.views.own[point]]), self.rectification
+        if by is None:
+            return self.fundamental.lines(images.reshape(4, 2))
+        lines = self.fundamental.lines(by.apply(images).reshape(4, 2))
+        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
 
 
 FIELDS = frozenset(field.name for field in fields(Snapshot))

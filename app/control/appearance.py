@@ -1,6 +1,6 @@
 """What both arms look like in the four images, and which part of each image is shown: computed for the panels."""
 
-from viewimit.drawing.image_planes import Windows, holds, image_windows
+from viewimit.drawing.images.planes import Windows, holds, image_windows
 from viewimit.simulation.appearance import Bodies, Silhouettes, places, reach
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.world import World

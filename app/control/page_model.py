@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.motion import Motion
 from viewimit.analysis.motion import encode as encode_motion
-from viewimit.drawing.construction import last_stage
-from viewimit.drawing.image_planes import Windows
+from viewimit.drawing.images.construction import last_stage
+from viewimit.drawing.images.planes import Windows
 from viewimit.session import Session, complete
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies

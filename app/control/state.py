@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.construction import Construction, construct
 from viewimit.analysis.joint_errors import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing.image_planes import Windows
+from viewimit.drawing.images.planes import Windows
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings

@@ -1,9 +1,9 @@
 """The four images."""
 
-from viewimit.drawing.images import draw_images
+from viewimit.drawing.images.panel import draw_images
+from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.over.links import link
 from viewimit.drawing.over.points import LESS, MORE, point_links, point_places
-from viewimit.drawing.rectified_images import draw_rectified
 
 from ..control.state import LARGE, PageState
 from .panel import Layout, Panel

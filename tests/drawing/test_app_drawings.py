@@ -36,9 +36,10 @@ from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing import curves, equations, glossary, images, metrics, relief, status, svg, theme
+from viewimit.drawing import curves, equations, glossary, metrics, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
-from viewimit.drawing.image_planes import image_windows
+from viewimit.drawing.images import panel
+from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
@@ -103,7 +104,7 @@ def silhouettes(session):
 def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
     silhouettes = silhouettes or Silhouettes({}, session.world)
     snapshot = snapshot or session.snapshot
-    return images.draw_images(snapshot, silhouettes.bodies(snapshot), windows_of(session), chosen, **options)
+    return panel.draw_images(snapshot, silhouettes.bodies(snapshot), windows_of(session), chosen, **options)
 
 
 def windows_of(session):
@@ -190,10 +191,10 @@ class TestImages:
 
     def test_small_residuals_are_enlarged_and_the_legend_says_so(self, session):
         lengths = metrics.residual_lengths(session.snapshot)
-        gain = images.arrow_gain(lengths)
-        assert gain > 1 and gain * lengths.max() <= images.LONGEST
+        gain = panel.arrow_gain(lengths)
+        assert gain > 1 and gain * lengths.max() <= panel.LONGEST
         assert f"×{gain}" in drawn(session)
-        assert images.arrow_gain(np.array([[8.0, 1.0]])) == 1
+        assert panel.arrow_gain(np.array([[8.0, 1.0]])) == 1
 
     def test_windows_hold_every_point_of_every_posture(self, session):
         world, windows = session.world, windows_of(session)[False]

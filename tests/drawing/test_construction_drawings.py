@@ -4,9 +4,9 @@ import pytest
 from drawn import CHOSEN_POINT, EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, IMAGE_L, SPREAD, STEPS, marked, parsed
 
 from viewimit.analysis.construction import construct
-from viewimit.drawing.construction import describe, last_stage
-from viewimit.drawing.image_planes import image_windows
-from viewimit.drawing.images import draw_images
+from viewimit.drawing.images.construction import describe, last_stage
+from viewimit.drawing.images.panel import draw_images
+from viewimit.drawing.images.planes import image_windows
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach

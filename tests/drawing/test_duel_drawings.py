@@ -30,8 +30,9 @@ from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape
 from viewimit.analysis.study import study
-from viewimit.drawing import curves, image_planes, learner_bars, observability, transfers
+from viewimit.drawing import curves, learner_bars, observability, transfers
 from viewimit.drawing import duel as duel_drawing
+from viewimit.drawing.images import planes
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.small_landscape import WIDTH, small_plane
 from viewimit.session import Session
@@ -240,12 +241,12 @@ class TestManyJoints:
     def test_windows_hold_what_is_near_and_say_when_they_do_not(self):
         session = Session(SEVEN)
         world, snapshot, frame = session.world, session.snapshot, session.scene.head.image
-        windows = image_planes.image_windows(reach(world, [snapshot.theta, snapshot.theta_demo]), frame)
-        assert image_planes.holds(windows, places(world, snapshot))
+        windows = planes.image_windows(reach(world, [snapshot.theta, snapshot.theta_demo]), frame)
+        assert planes.holds(windows, places(world, snapshot))
         far = replace(snapshot, theta=np.radians([-100.0, 80, 60, -20, 0, 200, 0]))
-        assert not image_planes.holds(windows, places(world, far))
-        wider = image_planes.image_windows(reach(world, [snapshot.theta, snapshot.theta_demo, far.theta]), frame)
-        assert image_planes.holds(wider, places(world, far)) and image_planes.holds(wider, places(world, snapshot))
+        assert not planes.holds(windows, places(world, far))
+        wider = planes.image_windows(reach(world, [snapshot.theta, snapshot.theta_demo, far.theta]), frame)
+        assert planes.holds(wider, places(world, far)) and planes.holds(wider, places(world, snapshot))
         assert wider[False]["L"].scale <= windows[False]["L"].scale
 
     @pytest.mark.parametrize("settings, columns", [(Settings(), False), (SEVEN, True)])

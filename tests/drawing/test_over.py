@@ -9,7 +9,7 @@ from drawn import classes, marked, parsed, paths
 
 from viewimit.analysis.basin import Basin, Ending
 from viewimit.drawing.curves import draw_curves, moment_links, moments_made
-from viewimit.drawing.image_planes import SIZES, image_windows
+from viewimit.drawing.images.planes import SIZES, image_windows
 from viewimit.drawing.over.basin import describe_basin, draw_basin
 from viewimit.drawing.over.links import SINK
 from viewimit.drawing.over.points import LEAST, point_links, point_places

@@ -10,8 +10,8 @@ from viewimit.app import viser_private
 from viewimit.app.scene.fixtures import BEHIND, Fixtures, on_plate
 from viewimit.app.scene.nodes import Nodes
 
-from viewimit.drawing.image_planes import image_windows
-from viewimit.drawing.images import draw_images
+from viewimit.drawing.images.panel import draw_images
+from viewimit.drawing.images.planes import image_windows
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach

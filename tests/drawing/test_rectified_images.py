@@ -5,8 +5,8 @@ import pytest
 from drawn import parsed
 
 from viewimit.analysis.construction import construct
-from viewimit.analysis.epipolar_lines import INTO, SOURCE, epipolar_lines
-from viewimit.drawing.rectified_images import AS_THEY_ARE, OFF, draw_rectified, row_distance
+from viewimit.drawing.images.rectified import AS_THEY_ARE, OFF, draw_rectified, row_distance
+from viewimit.geometry.pairs import INTO, SOURCE
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes
@@ -57,7 +57,7 @@ def test_the_lines_of_both_eyes_cross_where_the_point_is_recovered_also_in_image
     views = FourViews(demo, own, np.ones((10, 4), bool))
     snapshot = session.snapshot.with_fields(views=views, rectification=by)
     for point in range(10):
-        lines, found = epipolar_lines(snapshot, point), construct(snapshot, point)
+        lines, found = snapshot.epipolar_lines(point), construct(snapshot, point)
         for side, view in enumerate((2, 3)):
             from_left, from_right = (lines[(INTO == view) & (SOURCE == eye)][0] for eye in (0, 1))
             meet = np.cross(from_left, from_right)

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.pairs import INTO, SOURCE
 from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
-from .epipolar_lines import INTO, SOURCE, epipolar_lines
 
 ASIDE = 0.5  # px, of the differences
 SURE = -2 * np.log(0.05)  # the squared distance, in standard deviations, within which 95 % of a plane's normal lie
@@ -38,7 +38,7 @@ class Construction:
 
 def construct(snapshot: Snapshot, point: int) -> Construction | None:
     """Of a point by its index; None unless it is seen in all four views, and enough others are."""
-    transfer, lines = snapshot.transfer, epipolar_lines(snapshot, point)
+    transfer, lines = snapshot.transfer, snapshot.epipolar_lines(point)
     if transfer is None or lines is None or not snapshot.usable[point]:
         return None
     demo = snapshot.views.demo[point]
@@ -64,7 +64,7 @@ def _ellipses(spread: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def _angles(lines: NDArray) -> NDArray:
-    """lines: (12, 3), as `epipolar_lines` has them → (2,) rad"""
+    """lines: (12, 3), as `Snapshot.epipolar_lines` has them → (2,) rad"""
     normals = lines[MEET, :2]  # in L, R; from l, r; x, y
     lengths = np.linalg.norm(normals, axis=-1)
     across = np.abs(normals[:, 0, 0] * normals[:, 1, 1] - normals[:, 0, 1] * normals[:, 1, 0])

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import svg
-from ..image_planes import SIZES, Windows, placed
+from ..images.planes import SIZES, Windows, placed
 from ..metrics import LEGEND_SIZE, METRICS_SIZE
 from .links import link, sink
 

@@ -6,12 +6,12 @@ Across each pair runs the row in which some points lie in its left image; what t
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.rectification import Rectification
-from ..simulation.appearance import ArmImages, Bodies
-from ..snapshot import Snapshot
-from . import svg
-from .metrics import draw_metrics, residual_lengths
-from .theme import OBSERVED
+from ...geometry.rectification import Rectification
+from ...simulation.appearance import ArmImages, Bodies
+from ...snapshot import Snapshot
+from .. import svg
+from ..metrics import draw_metrics, residual_lengths
+from ..theme import OBSERVED
 
 SIZE = (424, 352)  # px of the drawing
 IMAGE = (96, 130)  # px of an image

@@ -7,10 +7,10 @@ way to the own point. Else steps from the middle of the points to this one, and 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.construction import Construction
-from . import svg
-from .image_planes import Window, placed
-from .theme import RECOVERED
+from ...analysis.construction import Construction
+from .. import svg
+from ..theme import RECOVERED
+from .planes import Window, placed
 
 CROSSED = (
     ("l", "Point {} in l …"),

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..simulation.appearance import ArmImages
-from . import svg
+from ...simulation.appearance import ArmImages
+from .. import svg
 
 # width and height of each view's drawing, in its own units, by whether whole frames are shown
 SIZES = {

@@ -6,17 +6,18 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.construction import Construction
-from ..analysis.epipolar_lines import INTO, SOURCE, epipolar_lines
-from ..simulation.appearance import Bodies
-from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
+from ...analysis.construction import Construction
+from ...geometry.pairs import INTO, SOURCE
+from ...simulation.appearance import Bodies
+from ...snapshot import Snapshot
+from ...transfer import TRANSFERS
+from .. import svg
+from ..glossary import ask
+from ..metrics import draw_legend, draw_metrics, residual_lengths
+from ..theme import HEAD, OBSERVED, RECOVERED, RING
 from . import construction as build
-from . import image_planes, svg
-from .glossary import ask
-from .image_planes import SIZES, Window, Windows
-from .metrics import draw_legend, draw_metrics, residual_lengths
-from .theme import HEAD, OBSERVED, RECOVERED, RING
+from . import planes
+from .planes import SIZES, Window, Windows
 
 GAINS = (10, 5, 2)
 READOUT_UP = 17  # px from the foot of L and R, where a caption lies over both
@@ -49,7 +50,7 @@ def draw_images(
     gain = arrow_gain(lengths) if gain is None else gain
     images = np.concatenate([snapshot.views.demo, snapshot.views.own], 1)
     images = images.reshape(-1, 4, 2).transpose(1, 0, 2)  # (l r L R, N, 2)
-    points = image_planes.placed(images, shown, "lrLR")
+    points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     crossed = TRANSFERS[snapshot.settings.transfer].crosses_lines
     lines = _epipolar_lines(snapshot, shown, chosen if crossed else None, stage)
@@ -58,21 +59,21 @@ def draw_images(
         built = build.draw(construction, shown, stage, images[2:, chosen], gain)
     content = _arms(bodies, windows, whole_frames)
     if standing is not None:
-        for view, (hulls, _) in image_planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
+        for view, (hulls, _) in planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
             content[view] = f'<path class="vi-standing" d="{hulls}"/>{content[view]}'
     kind = "vi-images vi-whole" if whole_frames else "vi-images"
     kind += "" if stage is None else " vi-building"
     kind += " vi-pictured" if pictures else "" if standing is None else " vi-see-through"
     parts = []
     for k, view in enumerate("lrLR"):
-        behind = image_planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
+        behind = planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
         all_points = marks[view] if stage is None else f'<g class="vi-faint">{marks[view]}</g>'
         inside = behind + content[view] + lines[view] + all_points + built[view]
         if build.stands(stage, crossed, view if view in "lr" else "own"):
             inside += _ring(snapshot, points, k, chosen)
         if view in "LR" and chosen is not None and build.stands(stage, crossed, "own"):
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
-        parts.append(image_planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
+        parts.append(planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
     captions = CAPTIONS if snapshot.rectification is None else RECTIFIED
     parts += [
         f'<div class="vi-caption vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
@@ -97,13 +98,13 @@ def arrow_gain(lengths: NDArray) -> float:
 def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     """Silhouettes and skeletons by view; in L and R also the recovered skeleton."""
     drawn = {}
-    for view, (hulls, bones) in image_planes.draw_arm(bodies.demo, windows, whole, "lr").items():
+    for view, (hulls, bones) in planes.draw_arm(bodies.demo, windows, whole, "lr").items():
         drawn[view] = f'<g class="vi-demo"><path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/></g>'
     found = {"L": "", "R": ""}
     if bodies.recovered is not None:
-        both = image_planes.placed(bodies.recovered, windows[whole], "LR")
+        both = planes.placed(bodies.recovered, windows[whole], "LR")
         found = {view: f'<path class="vi-bone vi-found" d="{svg.path(both[k])}"/>' for k, view in enumerate("LR")}
-    for view, (hulls, bones) in image_planes.draw_arm(bodies.own, windows, whole, "LR").items():
+    for view, (hulls, bones) in planes.draw_arm(bodies.own, windows, whole, "LR").items():
         drawn[view] = f'<path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/>{found[view]}'
     return drawn
 
@@ -168,7 +169,7 @@ def _epipolar_lines(
     """The chosen point's lines by view: from the left and the right image of the other pair, from the partner. While
     they are built up only those in L and R that are there at the stage."""
     drawn = dict.fromkeys("lrLR", "")
-    lines = None if chosen is None else epipolar_lines(snapshot, chosen)
+    lines = None if chosen is None else snapshot.epipolar_lines(chosen)
     if chosen is None or lines is None:
         return drawn
     ends, crosses = _across(lines[:, :2], lines[:, 2], [windows["lrLR"[k]] for k in INTO.tolist()])

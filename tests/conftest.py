@@ -19,7 +19,6 @@ from waiting import wait_until
 from viewimit.cli import main
 
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
-SPLIT_FILES = {"tests/page/test_browser_page.py"}  # whose fixtures are of the whole run or of one test
 passed_in_browser: list[str] = []
 hypothesis.settings.register_profile("patient", deadline=None)  # how long an example takes is the machine's matter
 hypothesis.settings.load_profile("patient")
@@ -109,19 +108,20 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config):
+    """With `-n auto`: one more than there are cores, as tests wait for browsers and servers."""
+    return (os.cpu_count() or 1) + 1
+
+
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """With `-n`: a file's tests stay together, as fixtures are shared by file; those of the page go one by one."""
+    """With `-n`: a file's tests stay together, in the order above, as pages and studies are shared by file."""
     if config.option.dist != "load":  # another way was asked for
         return None
-    from xdist.scheduler import LoadScopeScheduling
-
-    class ByFileOrTest(LoadScopeScheduling):
-        def _split_scope(self, nodeid):
-            file = nodeid.partition("::")[0]
-            return nodeid if file in SPLIT_FILES else file
+    from xdist.scheduler import LoadFileScheduling
 
     config.option.loadscopereorder = False
-    return ByFileOrTest(config, log)
+    return LoadFileScheduling(config, log)
 
 
 def pytest_runtest_logreport(report):

@@ -18,7 +18,7 @@ SWITCHES = (
     ("Residuals, 3-D", "residuals"),
     ("Hand gizmo", "gizmo"),
     ("Whole frames", "whole_frames"),
-    ("Rectified beside raw", "rectified"),
+    ("Raw, rectified", "rectified"),
     ("Dark", "dark"),
 )
 
@@ -33,7 +33,7 @@ class DisplayPanel(Panel):
         with gui.add_folder("Display", expand_by_default=False):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
-            self._rectify = gui.add_checkbox("Rectify if needed", True)
+            self._rectify = gui.add_checkbox("Rectify", True, hint="the images, where their matches ask for it")
             self._camera = gui.add_checkbox("Camera images", False)
             self._why_not = gui.add_html("", visible=False)
             self._switches = {name: gui.add_checkbox(label, state.view.on(name)) for label, name in SWITCHES}

@@ -258,9 +258,9 @@ def test_display_switches(session):
     for label in switches:
         switch(page, label)
     page.wait_for_selector(":root[data-mantine-color-scheme=light]")
-    switch(page, "Rectified beside raw")
+    switch(page, "Raw, rectified")
     wait_for_text(page, "Not rectified: one affine")
-    switch(page, "Rectified beside raw")
+    switch(page, "Raw, rectified")
     page.get_by_text("Display", exact=True).click()
 
 

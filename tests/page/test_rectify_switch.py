@@ -12,20 +12,20 @@ from viewimit.simulation.world import World
 
 def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():
     page = QuietPage(BEST)
-    assert "then rectified" not in page.shown and page.widget("Rectify if needed").value is True
+    assert "then rectified" not in page.shown and page.widget("Rectify").value is True
     page.choose("Preset", "Toed-in cameras")
     page.page.put(Step())
     page.tick(1.0)
     session = page.page.model.session
     E = session.snapshot.E
     assert "then rectified" in page.shown and "rectification: matches come to lie in equal rows" in page.shown
-    page.choose("Rectify if needed", False)
+    page.choose("Rectify", False)
     page.tick(1.0)
     assert "then rectified" not in page.shown and session.settings.rectify == "off"
     assert session.snapshot.rectification is None and session.snapshot.E != E
     page.choose("Preset", "Verged cameras")
-    assert page.widget("Rectify if needed").value is False
-    page.choose("Rectify if needed", True)
+    assert page.widget("Rectify").value is False
+    page.choose("Rectify", True)
     assert session.snapshot.rectification is not None
 
 

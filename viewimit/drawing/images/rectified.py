@@ -13,10 +13,10 @@ from .. import svg
 from ..metrics import draw_metrics, residual_lengths
 from ..theme import OBSERVED
 
-SIZE = (424, 352)  # px of the drawing
-IMAGE = (96, 130)  # px of an image
+SIZE = (424, 256)  # px of the drawing
+IMAGE = (96, 96)  # px of an image
 LEFTS = (0, 226)  # px of the pairs as seen, and as rectified
-TOPS = (22, 188)  # px of the pairs' rows, which are [l, r] and [L, R]
+TOPS = (22, 140)  # px of the pairs' rows, which are [l, r] and [L, R]
 GAP = 6  # px between the images of a pair
 MARGIN = 8  # px around the points
 ROWS = 5  # that are drawn

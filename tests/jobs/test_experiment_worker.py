@@ -83,14 +83,14 @@ def running_pid(told):
 
 def test_a_run_tells_its_share_its_figure_its_verdict_and_its_files(worker):
     told = Told()
-    worker.ask(1, Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 1500}), told)
+    worker.ask(1, Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 500}), told)
     last = told.wait_for("done", "failed")
     assert told.states == ["waiting", "running", "writing", "done"]
     shares = [run.share for run in told]
     assert shares == sorted(shares) and len({share for share in shares if 0 < share < 1}) > 3 and shares[-1] == 1
     partial = {run.figure for run in told if run.state == "running" and run.figure}
     assert partial - {last.figure} and "0 of 1" in min(partial, key=len)
-    again = fig9.run(Settings(), starts=(1, 1), max_motions=1500)
+    again = fig9.run(Settings(), starts=(1, 1), max_motions=500)
     assert list(last.claims) == list(again.claims) != []
     assert not any(run.claims for run in told if run.state == "running")
     with zipfile.ZipFile(io.BytesIO(last.archive)) as archive:

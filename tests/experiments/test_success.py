@@ -182,7 +182,9 @@ def test_the_papers_law_hardly_arrives_where_broyden_does(panda):
     assert broyden.motions_median <= 10 and broyden.motions_95 <= 20
 
 
-def test_ctrl_c_ends_the_processes_too():
+@pytest.fixture
+def busy():
+    """A process that has two others at work, in a group of their own."""
     code = (
         "from viewimit.experiments.bench import success\n"
         "from viewimit.simulation.scene import load_scene\n"
@@ -196,14 +198,23 @@ def test_ctrl_c_ends_the_processes_too():
     command = [sys.executable, "-I", "-c", code]
     process = subprocess.Popen(command, start_new_session=True, preexec_fn=heed, **pipes)
     assert process.stdout.readline() == f"{1 / 5000}\n"
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    _, err = process.communicate(timeout=10)
-    assert process.returncode == -signal.SIGINT and err.count("Traceback") == 1, err
-    try:
-        wait_until(lambda: not group_lives(process.pid), 5)
-    except AssertionError:
+    yield process
+    if group_lives(process.pid):
         os.killpg(process.pid, signal.SIGKILL)
-        raise
+
+
+def test_ctrl_c_ends_the_processes_too(busy):
+    os.killpg(busy.pid, signal.SIGINT)  # as a terminal does
+    _, err = busy.communicate(timeout=10)
+    assert busy.returncode == -signal.SIGINT and err.count("Traceback") == 1, err
+    wait_until(lambda: not group_lives(busy.pid), 5)
+
+
+@pytest.mark.parametrize("ends", [signal.SIGTERM, signal.SIGKILL])
+def test_processes_end_with_the_one_that_they_work_for_however_that_ends(busy, ends):
+    os.kill(busy.pid, ends)
+    busy.wait(10)
+    wait_until(lambda: not group_lives(busy.pid), 5)
 
 
 def group_lives(group):

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -18,9 +19,7 @@ def each(work: Callable, tasks: Sequence[tuple], workers: int | None = None) -> 
         yield from (work(*task) for task in tasks)
         return
     others = set(multiprocessing.active_children())
-    # Ctrl-C reaches the workers too: they leave it to this process, which ends them.
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, context, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
     try:
         ahead = deque(pool.submit(work, *task) for task in tasks)
         while ahead:
@@ -31,3 +30,16 @@ def each(work: Callable, tasks: Sequence[tuple], workers: int | None = None) -> 
         raise
     finally:
         pool.shutdown()
+
+
+def _begin() -> None:
+    """In a worker: it ends with the process that it works for, however that ends, and leaves Ctrl-C to it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None  # as this is a worker
+    parent.join()
+    os._exit(1)

@@ -51,7 +51,7 @@ def work(client: Client) -> None:
     client.press("Play or pause")
     wait_until(lambda: (client.value("History") or 0) >= 6)
     client.press("Play or pause")
-    wait_until(lambda: "Paused" in client.status)
+    wait_until(lambda: "Moving" not in client.status)  # paused, or at rest already
     last = what_a_visitor_sees(client)
     client.put("History", 4)
     client.values[client.widgets["History"]] = 4

@@ -122,6 +122,7 @@ def test_too_few_points_are_no_success(ask, tidy):
         (5, 4, "inf", "line 5, column y: 'inf'"),
         (5, 5, "high", "line 5, column confidence: 'high'"),
         (5, 0, "-1", "line 5, column frame: '-1' is not a whole number"),
+        (5, 0, "9" * 20, "line 5, column frame: '99999999999999999999' is not a whole number"),
         (5, 1, "M", "line 5, column view: 'M' is none of l, r, L, R"),
         (5, 2, "2", "line 5: point 2 of frame 0 in view l stands in line 4 too"),
         (5, 5, "1,1", "line 5: 7 cells, but 6 columns"),

@@ -19,6 +19,7 @@ from ..views import VIEWS, FourViews
 
 COLUMNS = ("frame", "view", "point", "x", "y", "confidence")
 MOST_PX = 1e6  # beyond which no picture goes
+MOST_FRAME = 2**53
 CERTAIN = 1.0  # where no confidence is given
 COORDINATES = ("x", "y", "likelihood")
 Row = tuple[int, str, float, float, float]  # frame, point, x, y, confidence
@@ -203,6 +204,6 @@ def _number(path: Path, line: int, column: str, text: str, empty: float) -> floa
 
 
 def _whole(path: Path, line: int, column: str, text: str) -> int:
-    if not (text.isdecimal() or text.strip().isdecimal()):
+    if not (text.isdecimal() or text.strip().isdecimal()) or int(text) > MOST_FRAME:
         raise ValueError(f"{path}: line {line}, column {column}: {text.strip()!r} is not a whole number from 0")
     return int(text)

@@ -45,7 +45,9 @@ def opened(page, key):
     page.locator(f".vi-ask[popovertarget=vi-word-{key}]").click()
     wait_for_count(page, CARD, 1, exactly=True)
     card = page.locator(CARD)
-    ask, box = page.locator(f".vi-ask[popovertarget=vi-word-{key}]").bounding_box(), card.bounding_box()
+    asks = page.locator(f".vi-ask[popovertarget=vi-word-{key}]")
+    wait(page, lambda: asks.bounding_box() and card.bounding_box())  # none while the figures are drawn anew
+    ask, box = asks.bounding_box(), card.bounding_box()
     assert box["y"] >= 0 and box["y"] + box["height"] <= ask["y"]
     assert box["x"] >= 0 and box["x"] + box["width"] <= 1280
     return card
@@ -61,6 +63,7 @@ def test_every_number_explains_itself(page, key):
 
 def test_a_card_stays_open_while_the_numbers_change(page):
     choose(page, "Preset", "Paper, Section 5.3")
+    wait_for_status(page, "Ready")  # the images were drawn anew
     card = opened(page, "condition")
     before, place = page.locator(FOUR_IMAGES).text_content(), card.bounding_box()
     page.evaluate("document.activeElement.blur()")

@@ -53,8 +53,8 @@ def _carry_out(connection: Connection, name: str, settings, options: dict, folde
 class Progress:
     """What an experiment tells while it runs, no more often than a page can show it.
 
-    A result that came too soon after another is drawn later, unless a newer one comes; the last one is drawn at the
-    end in any case.
+    A result that came too soon after another is drawn later, unless a newer one comes. Of all that is done nothing is
+    told but the share: it is drawn at the end in any case.
     """
 
     def __init__(self, send: Callable, draw: Callable[[Any], str], clock: Callable[[], float] = time.monotonic):
@@ -69,7 +69,7 @@ class Progress:
         if now - self._share_at >= SHARE_EVERY:
             self._share_at = now
             self._send(("share", float(share)))
-        if self._undrawn is not None and now - self._figure_at >= FIGURE_EVERY:
+        if share < 1 and self._undrawn is not None and now - self._figure_at >= FIGURE_EVERY:
             self._figure_at = now
             drawn, self._undrawn = self._draw(self._undrawn), None
             self._send(("figure", drawn))

@@ -49,7 +49,11 @@ from viewimit.transfer import TRANSFERS
 
 MINUS = "−"
 SCENE = load_scene("panda")
-TOLD = "now", "told", "first", "second"  # of a scale: its place and words of now, and where its colours change
+PAGES_OWN = {  # besides roles: a scale's place and words of now, where its colours change, and the component library's
+    *("now", "told", "first", "second"),
+    *(f"mantine-{name}" for name in ("color-white", "primary-color-filled", "primary-color-filled-hover")),
+    *("mantine-spacing-xs", "mantine-spacing-md"),
+}
 HOSTILE = '<img src=x onerror="1">&'
 
 
@@ -361,11 +365,11 @@ class TestAll:
         assert "two joints must move" in words(EXPERIMENTS["fig7"].empty_figure(scene))
 
     def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
-        for drawing in [*drawings, theme.DRAWING_CSS, PAGE_CSS[PAGE_CSS.index(css(PROGRESS)) :]]:
+        page = PAGE_CSS[PAGE_CSS.index(css(PROGRESS)) :]
+        for drawing, others in [*((each, ()) for each in (*drawings, theme.DRAWING_CSS)), (page, PAGES_OWN)]:
             without_data = re.sub(r'data:[^"]*|url\(#[^)]*\)', "", drawing)
             assert not re.search(r"#[0-9a-fA-F]{3,8}\b|\brgba?\(|(fill|stroke)=\"(?!none|var|url)", without_data)
-            named = {name for name in re.findall(r"var\(--([a-z-]+)", drawing) if not name.startswith("mantine-")}
-            assert named <= {*theme.ROLES, *TOLD}  # the others are the component library's own
+            assert set(re.findall(r"var\(--([a-z-]+)", drawing)) <= {*theme.ROLES, *others}
 
     def test_every_class_is_styled(self, drawings):
         assert used("".join(drawings)) - styled(theme.DRAWING_CSS) <= LAYOUT_ONLY

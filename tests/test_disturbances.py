@@ -16,7 +16,7 @@ from viewimit.settings import DISTURBANCES, Settings
 
 POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 # the fields, and cases made of them
-KNOWN_BY_NAME = {"settings.py", "presets.py", "robustness.py", "following.py", "claims.py", "random_scenes.py"}
+KNOWN_BY_NAME = {"settings.py", "presets.py", "robustness.py", "following.py", "claims.py", "scenes.py"}
 
 
 def spoilt(seed=(1,), **amounts):

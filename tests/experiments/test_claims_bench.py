@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench import claims
-from viewimit.experiments.bench.claims import CASES, Case, Ending, SurfaceEyes, outcome, run, surface_points
+from viewimit.experiments.bench.claims import CASES, Case, Ending, outcome, run
+from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.simulation.scene import load_scene
 
 

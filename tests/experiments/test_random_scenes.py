@@ -5,7 +5,8 @@ import pytest
 
 from viewimit.evaluation import conflict, residual
 from viewimit.experiments.bench import random_scenes
-from viewimit.experiments.bench.random_scenes import ROWS, draw, resize, run, write
+from viewimit.experiments.bench.random_scenes import draw, resize, write
+from viewimit.experiments.bench.scenes import ROWS, run
 from viewimit.settings import BEST
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -13,7 +14,7 @@ from viewimit.transfer import projective
 
 
 @pytest.mark.parametrize("any_head", [False, True])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_scene_is_read_back_as_it_was_written_and_shows_both_arms(seed, any_head, tmp_path):
     drawn = draw(np.random.default_rng(seed), any_head)
     assert load_scene(write(drawn.scene, tmp_path, "drawn")) == drawn.scene
@@ -52,9 +53,10 @@ def test_at_the_true_posture_the_projective_transfer_leaves_nothing_in_any_of_th
 
 
 def test_every_start_of_a_seeded_set_of_scenes_arrives_also_with_any_head_if_images_are_rectified():
-    """Of 1,000 runs a row nearly all are claimed, after a median of 7 motions; 95 % take up to 11."""
-    parallel, raw, rectified = run(BEST, scenes=8, pairs=1, seed=4, max_motions=60, rows=ROWS[:3], workers=1)
+    """Of 1,000 runs a row 98 and 97 % are claimed; the median is 7 motions, 95 % take up to 11."""
+    parallel, rectified = run(BEST, scenes=12, pairs=2, seed=4, max_motions=60, rows=(ROWS[0], ROWS[2]), workers=1)
     for found in (parallel, rectified):
-        assert found.runs == found.claimed.count == found.ended[1.0].count == 8
-        assert found.beyond.count == found.falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 20
+        assert found.runs == found.claimed.count == found.ended[1.0].count == 24
+        assert found.beyond.count == found.falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 14
+    (raw,) = run(BEST, scenes=8, pairs=1, seed=4, max_motions=60, rows=ROWS[1:2], workers=1)
     assert raw.ended[1.0].count < 4

@@ -10,7 +10,7 @@ import msgspec
 from tqdm import tqdm
 
 from ..analysis.landscape import grid_axes
-from ..experiments.bench import claims, following, random_scenes, robustness, speed, success
+from ..experiments.bench import claims, following, robustness, scenes, speed, success
 from ..geometry.affine import require_points
 from ..history import MAX_HISTORY
 from ..servo import SERVOS
@@ -142,12 +142,12 @@ def _following(args: argparse.Namespace, _: Scene) -> tuple[list[dict], str]:
 
 
 def _scenes(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
-    scenes, settings = math.ceil(args.runs / PAIRS_A_SCENE), _best(args)
+    count, settings = math.ceil(args.runs / PAIRS_A_SCENE), _best(args)
     found = _with_bar(
         "scenes",
-        lambda tell: random_scenes.run(settings, scenes, PAIRS_A_SCENE, args.seed, args.max_motions, tell=tell),
+        lambda tell: scenes.run(settings, count, PAIRS_A_SCENE, args.seed, args.max_motions, tell=tell),
     )
-    heading = f"{scenes} random scenes, {PAIRS_A_SCENE} random starts and demonstrators in each, seed {args.seed}"
+    heading = f"{count} random scenes, {PAIRS_A_SCENE} random starts and demonstrators in each, seed {args.seed}"
     return {"pairs": heading, "rows": [asdict(outcome) for outcome in found]}, tables.scenes_table(found, heading)
 
 

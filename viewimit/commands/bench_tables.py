@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments.bench import claims, following, random_scenes, robustness, speed, success
+from ..experiments.bench import claims, following, robustness, scenes, speed, success
 
 
 def speed_table(found: speed.Benchmark) -> str:
@@ -118,7 +118,7 @@ def robustness_table(outcomes: list[robustness.Outcome]) -> str:
     return "\n".join(lines)
 
 
-def scenes_table(outcomes: Sequence[random_scenes.Outcome], heading: str) -> str:
+def scenes_table(outcomes: Sequence[scenes.Outcome], heading: str) -> str:
     """For people: a row a kind of scenes."""
     heads = *(f"ended ≤{near:g}°" for near in success.WITHIN_DEG), "motions", "95 %", "claimed"
     heads = *heads, f"off >{success.FALSE_DEG:g}°", f"and >{claims.TIMES:g} exp.", "rms", "bound"

@@ -1,0 +1,162 @@
+"""The trust of a transfer and a servo over random scenes: with parallel, equal cameras and with any head, with and
+without rectification and noise, beside the Cramér-Rao bound."""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ...session import Session
+from ...settings import Settings
+from ...simulation.eyes import Eyes, ProjectedEyes
+from ...simulation.scene import Scene
+from .. import processes
+from .bound import bound
+from .claims import TIMES
+from .random_scenes import draw, resize, write
+from .success import FALSE_DEG, WITHIN_DEG, Share
+
+PATIENCE = 20  # looks in a row with too few points, after which a learner is given up
+
+
+@dataclass(frozen=True)
+class Row:
+    """any_head: of the scenes; changes: of the settings."""
+
+    name: str
+    any_head: bool
+    changes: dict
+
+
+NOISY = {"noise_px": 0.25, "frames": 25}
+ROWS = (
+    Row("parallel, equal cameras", False, {}),
+    Row("any head, not rectified", True, {"rectify": "off"}),
+    Row("any head, rectified", True, {}),
+    Row("any head, not rectified, 0.25 px, 25 frames", True, {"rectify": "off", **NOISY}),
+    Row("any head, rectified, 0.25 px, 25 frames", True, NOISY),
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Of a row: shares of runs that ended within so many degrees, largest joint error; rms_deg of all joints' errors,
+    beside what the Cramér-Rao bound leaves to them; beyond: claimed, FALSE_DEG off or more; falsely: and more than
+    TIMES what the learner itself expects."""
+
+    row: str
+    runs: int
+    ended: dict[float, Share]
+    motions_median: float
+    motions_95: float
+    claimed: Share
+    beyond: Share
+    falsely: Share
+    rms_deg: float
+    bound_deg: float
+
+
+def run(
+    settings: Settings,
+    scenes: int,
+    pairs: int,
+    seed: int,
+    max_motions: int,
+    rows: Sequence[Row] = ROWS,
+    workers: int | None = None,
+    tell: Callable[[float], None] = lambda share: None,
+) -> list[Outcome]:
+    """The settings' transfer and servo in that many scenes a row, from that many starts to demonstrators in each."""
+    with tempfile.TemporaryDirectory() as folder:
+        kinds = {row.any_head for row in rows}
+        drawn = {kind: _tasks(settings, scenes, pairs, seed, kind, Path(folder)) for kind in kinds}
+        tasks = [
+            (msgspec.structs.replace(asked, **row.changes), size, max_motions)
+            for row in rows
+            for asked, size in drawn[row.any_head]
+        ]
+        runs: list[Run] = []
+        for found in processes.each(run_once, tasks, workers):
+            runs.append(found)
+            tell(len(runs) / len(tasks))
+    each = scenes * pairs
+    return [_outcome(row.name, runs[k * each : (k + 1) * each]) for k, row in enumerate(rows)]
+
+
+@dataclass(frozen=True)
+class Run:
+    """error, bound: (m,) degrees, of all joints; motions made; claimed: the servo says that it has converged; expected:
+    degrees, what it says of the worst joint's error, inf if nothing."""
+
+    error: NDArray
+    bound: NDArray
+    motions: int
+    claimed: bool
+    expected: float
+
+
+def run_once(settings: Settings, size: float, max_motions: int) -> Run:
+    def open_eyes(camera: str, scene: Scene, points: int) -> Eyes:
+        eyes = ProjectedEyes(scene, points)
+        resize(eyes.world, size)
+        return eyes
+
+    session = Session(settings, open_eyes)
+    last = session.run(max_motions, PATIENCE)
+    left = bound(session.world, last.theta_demo, session.observer.noise_at_rest(settings))
+    error = np.degrees(np.abs(last.theta - last.theta_demo))
+    expected = np.inf if last.expected_error is None else float(np.degrees(last.expected_error))
+    return Run(error, np.degrees(left), last.motion, last.status == "converged", expected)
+
+
+def _outcome(name: str, runs: Sequence[Run]) -> Outcome:
+    error, left, motions, claimed, expected = (
+        np.array([getattr(run, field) for run in runs])
+        for field in ("error", "bound", "motions", "claimed", "expected")
+    )
+    largest = error.max(1)
+    beyond = claimed & (largest > FALSE_DEG)
+    return Outcome(
+        name,
+        len(runs),
+        {near: Share.of(largest <= near) for near in WITHIN_DEG},
+        float(np.median(motions)),
+        float(np.percentile(motions, 95)),
+        Share.of(claimed),
+        Share.of(beyond),
+        Share.of(beyond & (largest > TIMES * expected)),
+        float(np.sqrt((error**2).mean())),
+        float(np.sqrt((left**2).mean())),
+    )
+
+
+def _tasks(
+    settings: Settings, scenes: int, pairs: int, seed: int, any_head: bool, folder: Path
+) -> list[tuple[Settings, float]]:
+    """Settings of every run, and the learner's size."""
+    tasks = []
+    for k in range(scenes):
+        rng = np.random.default_rng([seed, k])
+        drawn = draw(rng, any_head)
+        path = write(drawn.scene, folder, f"{'any' if any_head else 'parallel'}-{k}")
+        for start, demonstrator in _pairs(rng, drawn.scene, pairs):
+            asked = msgspec.structs.replace(
+                settings,
+                scene=str(path),
+                points=drawn.points,
+                start_deg=tuple(start),
+                demonstrator_deg=tuple(demonstrator),
+                seed=int(rng.integers(2**32)) if any_head else settings.seed,
+            )
+            tasks.append((asked, drawn.size))
+    return tasks
+
+
+def _pairs(rng: np.random.Generator, scene: Scene, count: int) -> list[list[list[float]]]:
+    """Starts and demonstrators, count x 2 x 2 degrees."""
+    low, high = np.transpose(scene.range_deg)
+    return rng.uniform(low, high, (count, 2, 2)).tolist()

@@ -9,14 +9,16 @@ scales with the images.
 Component axes come first here, the batch (G) last. h = [1; u] is one of 4, n a point, k one of 4 own coordinates.
 """
 
+import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..equations import HOLE, Equation, column, each, number
-from ..geometry import cholesky
+from ..geometry import sweep
 from ..geometry.affine import centred, components_first, require_points
 from ..views import FourViews
 from .transfer import Transfer, TransferMethod
@@ -25,7 +27,9 @@ from .weighted import Weighted
 STEPS = 3
 PRIOR = 3e-4  # weight of |p|² beside the squared residuals, relative to the mean square of the centred own points
 LARGEST_P, NEAREST = 0.6, 0.15  # bounds of |p| and of ρ: no point is at infinity or behind the camera
-PAIRS = tuple(zip(*np.triu_indices(3)))
+UPPER = np.triu_indices(4)
+SYMMETRIC = np.zeros((4, 4), int)  # where of the products of h that of a and b is
+SYMMETRIC[UPPER] = SYMMETRIC[UPPER[::-1]] = np.arange(10)
 
 
 @dataclass(frozen=True)
@@ -56,106 +60,114 @@ def fit(views: FourViews) -> ProjectiveTransfer:
     """For N ≥ 5 points. `condition` is σ1/σ3 of the centred [l r]."""
     count = views.own.shape[-2]
     require_points(count)
-    demo_mean, demo = centred(views.demo)
+    body = _body_of(views.demo) if views.demo.ndim > 2 else _body(np.ascontiguousarray(views.demo).tobytes())
     own_mean, own = centred(views.own)
+    batch = own.shape[:-2]
+    if math.prod(batch) == 1:
+        p, coefficients = _fit_one(body.h.reshape(4, count).T, own.reshape(count, 4))
+    else:
+        p, coefficients = _fit(body, np.ascontiguousarray(own.reshape(-1, count, 4).transpose(1, 2, 0)))
+    return ProjectiveTransfer(
+        body.basis, coefficients.reshape(batch + (4, 4)), p.reshape(batch + (3,)), body.mean, own_mean, body.flat
+    )
+
+
+class Body(NamedTuple):
+    """What follows from the demonstrator's images alone, which are one, or one for each of the batch.
+
+    h: (4, N) or (4, N, G); products: of two of h, (10, N) or (10, N, G); mean: (..., 4) px; basis, flat: the transfer's.
+    """
+
+    h: NDArray
+    products: NDArray
+    mean: NDArray
+    basis: NDArray
+    flat: NDArray
+
+
+@lru_cache(16)  # a demonstrator stands still while postures are compared
+def _body(demo: bytes) -> Body:
+    return _body_of(np.frombuffer(demo).reshape(-1, 4))
+
+
+def _body_of(demo: NDArray) -> Body:
+    """demo: (N, 4) or (..., N, 4) px"""
+    count = demo.shape[-2]
+    mean, demo = centred(demo)
     U, sigma, Vt = np.linalg.svd(demo, full_matrices=False)
     scale = np.sqrt(count)
-    u = components_first(scale * U[..., :3])  # (3, N, 1 or G)
-    h = np.concatenate([np.ones((1,) + u.shape[1:]), u])
-    Y = components_first(own)
-    prior = PRIOR / count * np.einsum("kng,kng->g", Y, Y)
-    if Y.shape[2] == 1:
-        p, coefficients = _fit_one(h[:, :, 0].T, Y[:, :, 0].T, prior[0])
-    else:
-        p = np.zeros((3, Y.shape[2]))
-        for _ in range(STEPS):
-            p = _step(h, Y, p, prior)
-        coefficients = _linear(h, Y, p)[0]
-    batch = own.shape[:-2]
+    h = np.concatenate([np.ones(U.shape[:-1] + (1,)), scale * U[..., :3]], -1)
+    h = components_first(h) if demo.ndim > 2 else np.ascontiguousarray(h.T)
     with np.errstate(divide="ignore", invalid="ignore"):
         known = sigma[..., :3] > sigma[..., :1] * np.finfo(float).eps * count
         basis = np.swapaxes(Vt[..., :3, :], -1, -2) * np.where(known, scale / sigma[..., :3], 0.0)[..., None, :]
         flat = np.where(known[..., 2], sigma[..., 0] / sigma[..., 2], np.inf)
-    return ProjectiveTransfer(
-        basis,
-        coefficients.transpose(2, 0, 1).reshape(batch + (4, 4)),
-        p.T.reshape(batch + (3,)),
-        demo_mean,
-        own_mean,
-        flat,
-    )
+    return Body(h, h[UPPER[0]] * h[UPPER[1]], mean, basis, flat)
 
 
-def _fit_one(h: NDArray, Y: NDArray, prior: float) -> tuple[NDArray, NDArray]:
-    """As the batch is fitted, for a single posture in a sixth of its time: p (3, 1) and coefficients (4, 4, 1).
+def _fit_one(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
+    """As the batch is fitted, for a single posture in less than half its time: p (3,), coefficients (4, 4).
 
-    h: (N, 4), Y: (N, 4) px. With H = h/ρ = QR and Ŷ = QQᵀY the Jacobian is (I - QQᵀ)[Ŷ u_j/ρ], whose normal matrix
-    needs no projection of its own: AᵀA - (QᵀA)ᵀQᵀA.
+    h: (N, 4), Y: (N, 4) px. With H = h/ρ and Ŷ its combination that is nearest to Y, the Jacobian is what H cannot
+    make of -A, A = [Ŷ u_j/ρ].
     """
-    u, p = h[:, 1:], np.zeros(3)
+    p, prior = np.zeros(3), PRIOR * np.vdot(Y, Y) / len(Y) * np.eye(3)
+    H, inverse = h, np.eye(4) / len(h)  # where p = 0 its columns are orthogonal, of length √N
     for _ in range(STEPS):
-        slope = u / np.maximum(1 + u @ p, NEAREST)[:, None]
-        Q, _ = np.linalg.qr(_over_depth(h, p))
-        found = Q @ (Q.T @ Y)
-        A = found[:, :, None] * slope[:, None]
-        inside = (Q.T @ A.reshape(-1, 12)).reshape(-1, 3)
+        found = H @ (inverse @ (H.T @ Y))
+        A = found[:, :, None] * H[:, None, 1:]
+        inside = H @ (inverse @ (H.T @ A.reshape(-1, 12)))
         A = A.reshape(-1, 3)
-        gradient = -slope.T @ (found * (Y - found)).sum(1) - prior * p
-        p = p + np.linalg.solve(A.T @ A - inside.T @ inside + prior * np.eye(3), gradient)
-        p *= min(1.0, LARGEST_P / max(float(np.sqrt(p @ p)), 1e-300))
-    Q, R = np.linalg.qr(_over_depth(h, p))
-    return p[:, None], np.linalg.solve(R, Q.T @ Y)[:, :, None]
+        normal = A.T @ (A - inside.reshape(-1, 3)) + prior
+        p = p - np.linalg.solve(normal, (Y - found).ravel() @ A + prior @ p)
+        p *= min(1.0, LARGEST_P / max(math.sqrt(p @ p), 1e-300))
+        H = h / np.maximum(1 + h[:, 1:] @ p, NEAREST)[:, None]
+        inverse = np.linalg.inv(H.T @ H)
+    return p, inverse @ (H.T @ Y)
 
 
-def _over_depth(h: NDArray, p: NDArray) -> NDArray:
-    """h/ρ: (N, 4). h: (N, 4), p: (3,)"""
-    return h / np.maximum(1 + h[:, 1:] @ p, NEAREST)[:, None]
+def _fit(body: Body, Y: NDArray) -> tuple[NDArray, NDArray]:
+    """p: (G, 3) and coefficients: (G, 4, 4). Y: (N, 4, G) px, centred."""
+    prior = PRIOR / len(Y) * np.einsum("nkg,nkg->g", Y, Y)
+    p, w, inverse = np.zeros((3, 1)), np.ones((len(Y), 1)), np.eye(4)[:, :, None] / len(Y)
+    for _ in range(STEPS):
+        p = _step(body, Y, p, w, inverse, prior)
+        w = 1 / np.maximum(1 + _product(body.h[1:].swapaxes(0, 1), p), NEAREST)
+        inverse = sweep.inverse(_product(body.products, w * w)[SYMMETRIC])
+    return p.T, _coefficients(body, Y, w, inverse).transpose(2, 0, 1)
 
 
-def _linear(h: NDArray, Y: NDArray, p: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """Coefficients (4, 4, G) of h for each coordinate, by least squares; L of HᵀH = L Lᵀ (4, 4, G); 1/ρ (N, G)."""
-    w = 1 / np.maximum(1 + _product(h[1:].transpose(1, 0, 2), p), NEAREST)
-    S = np.empty((4, 4, w.shape[1]))
+def _coefficients(body: Body, Y: NDArray, w: NDArray, inverse: NDArray) -> NDArray:
+    """(4, 4, G) px, of h for each own coordinate, by least squares."""
+    return np.einsum("abg,bkg->akg", inverse, _product(body.h, w[:, None] * Y))
+
+
+def _step(body: Body, Y: NDArray, p: NDArray, w: NDArray, inverse: NDArray, prior: NDArray) -> NDArray:
+    """One Gauss-Newton step of p: (3, G). w: 1/ρ, (N, G); inverse: of Σ w² h hᵀ, (4, 4, G); prior: (G,) px²."""
+    found = _product(body.h.swapaxes(0, 1), _coefficients(body, Y, w, inverse))  # (N, 4, G)
+    found *= w[:, None]
+    size = np.einsum("nkg,nkg->ng", found, found)
     squared = w * w
-    for a in range(4):
-        S[a, a:] = S[a:, a] = _product(h[a:] * h[a], squared)
-    L = cholesky.factor(S)
-    right = np.stack([_product(h, w * y) for y in Y], 1)
-    return cholesky.backward(L, cholesky.forward(L, right)), L, w
-
-
-def _step(h: NDArray, Y: NDArray, p: NDArray, prior: NDArray) -> NDArray:
-    """One Gauss-Newton step of p: (3, G). h: (4, N, 1 or G), Y: (4, N, G), prior: (G,) px²."""
-    coefficients, L, w = _linear(h, Y, p)
-    u = h[1:]
-    found = np.stack([_product(h.transpose(1, 0, 2), coefficients[:, k]) for k in range(4)])
-    found *= w
-    size = np.einsum("kng,kng->ng", found, found)
-    drop = np.einsum("kng,kng->ng", found, Y) - size  # ŷ·e
-    gradient = -_product(u, w * drop) - prior * p
-    squared = w * w
-    normal = np.empty((3, 3, p.shape[1]))
-    for i, j in PAIRS:
-        normal[i, j] = _product(u[i : i + 1] * u[j], squared * size)[0]
+    weighted = np.empty((len(Y), 6, Y.shape[2]))
+    np.multiply(squared[:, None], found, out=weighted[:, :4])
+    np.multiply(squared, size, out=weighted[:, 4])
+    np.multiply(w, np.einsum("nkg,nkg->ng", found, Y) - size, out=weighted[:, 5])  # ŷ·e/ρ
+    sums = _product(body.products, weighted)  # (10, 6, G)
     # what of Ŷ's derivative the coefficients take over by themselves
-    along = np.concatenate([_product(h * u[j], squared * y)[:, None] for y in found for j in range(3)], 1)
-    along = cholesky.forward(L, along).reshape(4, 4, 3, -1)
-    normal_along = np.einsum("akig,akjg->ijg", along, along)
-    for i, j in PAIRS:
-        normal[i, j] -= normal_along[i, j]
-        normal[j, i] = normal[i, j]
+    along = sums[SYMMETRIC[:, 1:], :4]  # h, u, k
+    taken = np.einsum("abg,bjkg->ajkg", inverse, along)
+    normal = sums[SYMMETRIC[1:, 1:], 4] - np.einsum("ajkg,aikg->ijg", taken, along)
     normal[range(3), range(3)] += prior
-    factor = cholesky.factor(normal)
-    p = p + cholesky.backward(factor, cholesky.forward(factor, gradient[:, None]))[:, 0]
+    p = p - np.einsum("ijg,jg->ig", sweep.inverse(normal), sums[1:4, 5] + prior * p)
     length = np.sqrt(np.einsum("ig,ig->g", p, p))
     return p * np.minimum(1, LARGEST_P / np.maximum(length, 1e-300))
 
 
 def _product(a: NDArray, b: NDArray) -> NDArray:
-    """Σ_n a_in b_n. a: (i, n, 1 or G), b: (n, G) → (i, G); one matrix product where a is the same for the batch."""
-    if a.shape[2] == 1:
-        return a[:, :, 0] @ b
-    return np.einsum("ing,ng->ig", a, b)
+    """Σ_n a_in b_n. a: (i, n) or (i, n, G), b: (n, ..., G) → (i, ..., G)."""
+    if a.ndim == 2:
+        return (a @ b.reshape(len(b), -1)).reshape(len(a), *b.shape[1:])
+    return np.einsum("ing,n...g->i...g", a, b)
 
 
 def equations(fitted: ProjectiveTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:

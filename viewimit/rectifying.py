@@ -11,17 +11,20 @@ from .snapshot import Snapshot
 from .views import FourViews
 
 POOLED = 40  # moments whose matches are pooled; after as many motions the rectification stays
+ASKED = *range(9), 10, 13, 16, 20, 25, 32, POOLED  # motions: as the matches become more by a quarter
 
 
 def rectification_for(settings: Settings, moments: Sequence[Snapshot], views: FourViews) -> Rectification | None:
     """For a moment that sees `views`, after those before it, the present one last; None if images stay as they are.
 
-    It is refined with every posture until POOLED of them are known, and found anew where the settings change.
+    The matches are ASKED now and then; once they want it, it is refined with every posture until POOLED of them are
+    known. It is found anew where the settings change.
     """
     if settings.rectify == "off":
         return None
     now = moments[-1]
-    if now.motion >= POOLED and now.settings == settings:
+    settled = now.motion >= POOLED if now.rectification is not None else now.motion not in ASKED
+    if settled and now.settings == settings:
         return now.rectification
     matches = pooled([*(moment.views for moment in moments[-POOLED:]), views])
     return rectification_of(matches[:, :2], matches[:, 2:])

@@ -1,6 +1,7 @@
 """The conflict that images would have which a servo predicts: no motion is made for it, and no posture is known."""
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,19 +55,30 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
     demo, demo_seen = now.views.demo + drift, np.asarray(now.views.visible[:, :2].all(-1))
     frozen = now.frozen if drift.any() and noise_px > 0 else None
 
+    def alike(like: bytes, known: bytes) -> FourViews:
+        points = np.frombuffer(known, bool)
+        return FourViews(demo[points], np.frombuffer(like).reshape(-1, 4)[points], now.views.visible[points])
+
+    @cache  # a servo asks about many images that are like the same one
+    def near(like: bytes, known: bytes) -> Residuals | None:
+        return _near(now, alike(like, known), noise_px)
+
+    @cache
+    def weight(like: bytes, known: bytes) -> NDArray:
+        return noise_weight(alike(like, known))
+
     def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
         known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
         if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
             return np.full((*own.shape[:-2], 1, 4), np.inf)
         imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
-        if like is not None and not by and frozen is None:
-            near = _near(now, imagined.with_own(like[known]), noise_px)
-            if near is not None:
-                return near.residual(imagined)
+        one = None if like is None else (np.asarray(like, float).tobytes(), known.tobytes())
+        if one and not by and frozen is None:
+            weighed = near(*one)
+            if weighed is not None:
+                return weighed.residual(imagined)
         transfer = now.fit(imagined, by) if by or frozen is None else frozen
         e = transfer.residual(imagined)
-        if like is None or transfer.weighs_noise:
-            return e
-        return e @ noise_weight(imagined.with_own(like[known]))
+        return e if one is None or transfer.weighs_noise else e @ weight(*one)
 
     return conflict

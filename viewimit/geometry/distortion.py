@@ -25,6 +25,8 @@ class Radial:
     @cached_property
     def reach(self) -> float:
         """r up to which the seen distance grows with r, inf without an end: from there on images would fold back."""
+        if not self.bends:
+            return np.inf
         squared = np.roots([5 * self.k2, 3 * self.k1, 1])  # zeros of the growth, in r²
         ends = squared[np.isreal(squared) & (squared.real > 0)].real
         return float(np.sqrt(ends.min())) if len(ends) else np.inf

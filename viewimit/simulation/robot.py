@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -128,7 +128,15 @@ class Robot:
         parse, a missing tip, a loop, or a chain without revolute joints.
         """
         path = Path(path)
-        joints = _read_joints(path)
+        try:
+            return cls._parsed(path, path.read_bytes(), tip)
+        except OSError as error:
+            raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
+
+    @classmethod
+    @lru_cache(8)  # every run of a study begins with it
+    def _parsed(cls, path: Path, content: bytes, tip: str | None) -> "Robot":
+        joints = _joints(path, content)
         by_child = {joint["child"]: joint for joint in joints}
         parents = {joint["parent"] for joint in joints}
         if tip is not None and tip not in by_child:
@@ -170,14 +178,12 @@ def _gather(groups: dict, index: NDArray, xyz: NDArray) -> None:
     groups[shape] = index, xyz
 
 
-def _read_joints(path: Path) -> list[dict]:
+def _joints(path: Path, content: bytes) -> list[dict]:
     """Every joint of the file as a dict with arrays; errors name the file and the joint."""
     try:
-        root = ElementTree.parse(path).getroot()
+        root = ElementTree.fromstring(content)
     except (ElementTree.ParseError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
         raise ValueError(f"{path}: not a URDF that parses: {error}") from None
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
     if root.tag != "robot":
         raise ValueError(f"{path}: not a URDF: its root element is <{root.tag}>, not <robot>")
     return [_read_joint(path, element) for element in root.findall("joint")]

@@ -1,5 +1,6 @@
 """Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
 
+from functools import lru_cache
 from pathlib import Path
 
 import msgspec
@@ -196,8 +197,7 @@ def load_robot(name: str | Path) -> Robot:
 
 
 def _read(path: Path) -> dict:
-    fields = msgspec.toml.decode(path.read_bytes())
-    _require_finite(fields)
+    fields = dict(_decoded(path.read_bytes()))
     if "extends" not in fields:
         return fields
     parent = fields.pop("extends")
@@ -205,6 +205,13 @@ def _read(path: Path) -> dict:
     if not (beside.is_file() or shipped.is_file()):
         raise ValueError(f"extends {parent!r}, but there is no {beside}, nor a shipped scene of that name")
     return _merge(_read(beside if beside.is_file() else shipped), fields)
+
+
+@lru_cache(16)  # every run of a study begins with it
+def _decoded(content: bytes) -> dict:
+    fields = msgspec.toml.decode(content)
+    _require_finite(fields)
+    return fields
 
 
 def _beside(path: Path, robot: str) -> str:

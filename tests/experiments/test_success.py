@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from waiting import wait_until
 
+from viewimit.analysis.landscape import landscape
 from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
 from viewimit.commands.json_output import rounded
@@ -25,6 +26,24 @@ from viewimit.transfer import TRANSFERS
 @pytest.fixture(scope="module")
 def panda():
     return load_scene("panda")
+
+
+@pytest.mark.parametrize("transfer", TRANSFERS)
+@pytest.mark.parametrize("scene", ["panda", "iiwa", "panda-toed"])
+def test_the_transfers_own_minimum_is_the_smallest_of_a_search_of_everything(scene, transfer):
+    for start, demonstrator in success.random_pairs(load_scene(scene), 2, 5):
+        session = Session(Settings(scene=scene, transfer=transfer, start_deg=start, demonstrator_deg=demonstrator))
+        views, (low, high) = session.snapshot.views, np.degrees([session.scene.lower, session.scene.upper])
+        seen = session.world, session.snapshot.fit, views.demo, views.visible[:, :2]
+        around = np.degrees(landscape(*seen).minimum)[:, None] + np.arange(-30, 31) * 0.05
+        axes = tuple(np.radians(np.unique(np.clip(a, *limits))) for a, limits in zip(around, zip(low, high)))
+        np.testing.assert_allclose(success.own_minimum(session), landscape(*seen, axes).minimum, atol=1e-9)
+
+
+def test_there_is_no_own_minimum_where_nothing_is_seen():
+    session = Session(Settings(missing=0.9))
+    assert session.snapshot.usable.sum() < 5
+    assert np.isnan(success.own_minimum(session)).all()
 
 
 @pytest.mark.parametrize("runs", [1, 7, 200, 3000])

@@ -75,7 +75,7 @@ def fit(views: FourViews) -> ProjectiveTransfer:
 class Body(NamedTuple):
     """What follows from the demonstrator's images alone, which are one, or one for each of the batch.
 
-    h: (4, N) or (4, N, G); products: of two of h, (10, N) or (10, N, G); mean: (..., 4) px; basis, flat: the transfer's.
+    h: (4, N) or (4, N, G); products: of two of h, 10 of them; mean: (..., 4) px; basis, flat: as the transfer's.
     """
 
     h: NDArray

@@ -19,7 +19,8 @@ from ...settings import Settings
 from ...simulation.scene import Scene
 from .. import processes
 
-FINE_DEG, AROUND_DEG = 0.05, 1.5  # of the search for the transfer's own minimum about the grid's
+COARSE_DEG, FINER_DEG, FINE_DEG = 4.0, 0.25, 0.05  # of the search for the transfer's own minimum, beside 1°
+AROUND_DEG = 5.0, 1.5, 0.4  # how far each finer grid goes
 WITHIN_DEG = (0.5, 1.0, 3.0)
 FALSE_DEG = 1.0  # from where it arrived, a claim is false
 TARGETS = ("own_minimum", "demonstrator")
@@ -138,16 +139,27 @@ def run_pair(settings: Settings, servos: Sequence[str], max_motions: int) -> lis
 
 
 def own_minimum(session: Session) -> NDArray:
-    """(2,) rad: where the transfer's E is smallest for the demonstrator as now seen, whatever its posture."""
-    views, fit = session.snapshot.views, session.snapshot.fit
-    seen = views.visible[:, :2]
-    coarse = landscape(session.world, fit, views.demo, seen, grid_axes(session.world)).minimum
-    around = np.radians(np.arange(-AROUND_DEG, AROUND_DEG + FINE_DEG / 2, FINE_DEG))
-    scene = session.scene
-    first, second = (
-        np.unique(np.clip(c + around, low, high)) for c, low, high in zip(coarse, scene.lower, scene.upper)
-    )
-    return landscape(session.world, fit, views.demo, seen, (first, second)).minimum
+    """(2,) rad: where the transfer's E is smallest for the demonstrator as now seen, whatever its posture.
+
+    On a grid of FINE_DEG: the local minima of a coarse one are looked at by finer ones. NaN if too few points are seen.
+    """
+    views, fit, world = session.snapshot.views, session.snapshot.fit, session.world
+    over = lambda axes: landscape(world, fit, views.demo, views.visible[:, :2], axes)
+    degrees = grid_axes(world)
+    places = over(grid_axes(world, COARSE_DEG)).local_minima()
+    if not len(places):
+        return np.full(2, np.nan)
+    about = [over(tuple(a[np.abs(a - at) <= np.radians(AROUND_DEG[0])] for a, at in zip(degrees, p))) for p in places]
+    lowest = min(about, key=lambda found: np.nanmin(found.E)).minimum
+    for step, around in zip((FINER_DEG, FINE_DEG), AROUND_DEG[1:]):
+        offsets = np.radians(np.arange(-around, around + step / 2, step))
+        lowest = over(
+            tuple(
+                np.unique(np.clip(at + offsets, low, high))
+                for at, low, high in zip(lowest, session.scene.lower, session.scene.upper)
+            )
+        ).minimum
+    return lowest
 
 
 def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) -> Success:

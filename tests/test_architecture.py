@@ -28,6 +28,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "simulation",
     "looking",
     "rectifying",
+    "contradictions",
     "prediction",
     "session",
     "analysis",
@@ -93,7 +94,8 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "history", "looking", "prediction", "rectifying", "servo", "settings", "simulation", "snapshot", "views",
+        "contradictions", "history", "looking", "prediction", "rectifying", "servo", "settings", "simulation",
+        "snapshot", "views",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

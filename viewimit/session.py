@@ -14,6 +14,7 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .contradictions import believed
 from .history import MAX_HISTORY, History
 from .looking import Observer
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
@@ -124,8 +125,10 @@ class Session:
         like: what it is in all else but `changes`, fields by name.
         """
         settings, demo = changes.get("settings", like.settings), changes.get("theta_demo", like.theta_demo)
-        views = self.observer.four_views(settings, theta, demo, changes.get("look", like.look))  # posture → four views
-        rectification = rectification_for(settings, self.history.recent(POOLED), views)
+        look, before = changes.get("look", like.look), self.history.recent(POOLED)
+        views = self.observer.four_views(settings, theta, demo, look)  # posture → four views
+        views = believed(views, before, self.observer.noise_at_rest(settings), look)
+        rectification = rectification_for(settings, before, views)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status="stopped")

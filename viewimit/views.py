@@ -63,6 +63,11 @@ class FourViews:
         """[R]: (..., N, 2) px"""
         return self.own[..., 2:]
 
+    @property
+    def bodies(self) -> tuple[tuple[NDArray, NDArray], tuple[NDArray, NDArray]]:
+        """Images (..., N, 4) px of the demonstrator and of the learner, with whether points are seen, (..., N, 2)."""
+        return (self.demo, self.visible[..., :2]), (self.own, self.visible[..., 2:])
+
     @cached_property
     def usable(self) -> NDArray:
         """(..., N) bool: seen in all four views, as every transfer needs it."""

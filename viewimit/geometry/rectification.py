@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .affine import fit_affine_fundamental
-from .fundamental import epipoles, fit_fundamental, homogeneous, sampson_distance
+from .consensus import affine_distance, fundamental_distance
+from .fundamental import epipoles, fit_fundamental, homogeneous
 
 NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
 LEAST_PX = 1e-3  # rms distance from any affine geometry below which nothing is to be mended
@@ -73,11 +73,11 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     Cameras with parallel optical axes, also unlike ones, have an affine geometry: both epipoles are at infinity. What
     no affine geometry fits, but F does, asks for rectification; noise and wrong matches are fitted by neither.
     """
-    if len(left) < FEWEST or _squares(_affine_distance(left, right)) < len(left) * LEAST_PX**2:
+    if len(left) < FEWEST or _squares(affine_distance(left, right)) < len(left) * LEAST_PX**2:
         return None
-    for distance in (_affine_distance, _distance):
+    for distance in (affine_distance, fundamental_distance):
         left, right = _most(distance, left, right)
-    affine, left_over = _squares(_affine_distance(left, right)), _squares(_distance(left, right))
+    affine, left_over = _squares(affine_distance(left, right)), _squares(fundamental_distance(left, right))
     count = len(left)
     if affine < count * LEAST_PX**2 or left_over > count * MOST_PX**2:
         return None
@@ -94,17 +94,6 @@ def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, N
             break
         left, right = left[near], right[near]
     return left, right
-
-
-def _affine_distance(left: NDArray, right: NDArray) -> NDArray:
-    """(M,) px from their nearest affine epipolar geometry."""
-    f, f33 = fit_affine_fundamental(left, right)
-    return left @ f[:2] + right @ f[2:] + f33
-
-
-def _distance(left: NDArray, right: NDArray) -> NDArray:
-    """(M,) px from their nearest epipolar geometry."""
-    return sampson_distance(fit_fundamental(left, right), left, right)
 
 
 def _squares(distance: NDArray) -> float:

@@ -1,0 +1,50 @@
+"""Matches that contradict the head are found, and no other, held against the F of cameras that are known."""
+
+import numpy as np
+import pytest
+from stereo_heads import UNLIKE, fundamental_of, head, matches
+
+from viewimit.geometry.consensus import GROSS, LEAST_PX, agree, contradicting
+from viewimit.geometry.fundamental import sampson_distance
+
+HEADS = {"parallel": head(0), "parallel, unlike": head(0, *UNLIKE), "toed-in": head(12), "both": head(9, *UNLIKE)}
+CLEAR = 4 * GROSS  # times the noise: nothing between GROSS and that is judged here
+
+
+@pytest.mark.parametrize("noise_px", [0.0, 0.25, 1.0])
+@pytest.mark.parametrize("stereo", HEADS.values(), ids=HEADS)
+def test_a_fifth_of_wrong_matches_is_found_and_nothing_else(stereo, noise_px):
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        left, right, cameras = matches(stereo, rng, 60, noise_px)
+        wrong = rng.random(len(left)) < 0.2
+        right = right + wrong[:, None] * rng.uniform(-60, 60, right.shape)
+        away = np.abs(sampson_distance(fundamental_of(cameras), left, right))
+        found = contradicting(left, right, noise_px, rng)
+        assert not (found & ~wrong).any()
+        assert found[away > max(5 * LEAST_PX, CLEAR * noise_px)].all()
+
+
+@pytest.mark.parametrize("stereo", HEADS.values(), ids=HEADS)
+def test_with_few_matches_of_which_none_is_wrong_none_is_found(stereo):
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        left, right, _ = matches(stereo, rng, 20, 0.25)
+        assert not contradicting(left, right, 0.25, rng).any()
+        assert not contradicting(left[:8], right[:8], 0.25, rng).any()
+
+
+def test_where_no_geometry_fits_nothing_is_told():
+    rng = np.random.default_rng(0)
+    left, right = rng.uniform(0, 300, (2, 60, 2))
+    assert not contradicting(left, right, 0.25, rng).any() and not agree(left, right, 0.25)
+
+
+@pytest.mark.parametrize("noise_px", [0.0, 0.25])
+def test_matches_of_parallel_cameras_agree_until_one_is_moved_out_of_its_row(noise_px):
+    left, right, _ = matches(HEADS["parallel, unlike"], np.random.default_rng(1), 40, noise_px)
+    assert agree(left, right, noise_px) and agree(left[:5], right[:5] + 20, noise_px)
+    along, across = right.copy(), right.copy()
+    along[3, 0] += 20
+    across[3, 1] += 20
+    assert agree(left, along, noise_px) and not agree(left, across, noise_px)

@@ -1,0 +1,101 @@
+"""Matches that contradict the epipolar geometry of the others: found by the least median of squares (Rousseeuw 1984).
+
+Sets of as few matches as tell a geometry are drawn, and that one is kept from which half of all matches are nearest; so
+up to half of them may be wrong. Geometries are affine, which parallel optical axes have, or those of a fundamental
+matrix, where that contradicts fewer. Where neither fits half of them as well as noise allows, nothing can be told.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .affine import fit_affine_fundamental
+from .fundamental import fit_fundamental, homogeneous, sampson_distance
+
+FEWEST, FEWEST_OF_F = 12, 24  # matches for an affine geometry, for a fundamental matrix
+DRAWS, DRAWS_OF_F = 40, 120  # with a fifth of the matches wrong, one of a million, or of a billion, has no good one
+GROSS, LEAST_PX = 6.0, 0.2  # standard deviations, and px, that contradict nothing
+LEAST_OF_FEW_PX = 1.0  # with too few to see whether they want a fundamental matrix
+FITS = 3.0  # times the noise, or the least that contradicts: what the deviation of half of the matches may be
+TO_NORMAL = 1.4826  # from the median of |x| to the standard deviation
+ROUNDS = 3  # in which the nearest half of the matches tells the geometry anew (Rousseeuw & Van Driessen 1999)
+
+
+def agree(left: NDArray, right: NDArray, noise_px: float) -> bool:
+    """Whether all matches, (M, 2) px each, have one affine geometry, or are too few to tell one."""
+    if len(left) < FEWEST:
+        return True
+    return not (np.abs(affine_distance(left, right)) > max(LEAST_PX, GROSS * noise_px)).any()
+
+
+def contradicting(left: NDArray, right: NDArray, noise_px: float, rng: np.random.Generator) -> NDArray:
+    """(M,) bool; none with too few matches. left, right: (M, 2) px; noise_px: of a coordinate, standard deviation."""
+    count = len(left)
+    found = [np.zeros(count, bool)]
+    if count >= FEWEST:
+        least = LEAST_PX if count >= FEWEST_OF_F else LEAST_OF_FEW_PX
+        found += _wrong(_affine_draws(left, right, rng), affine_distance, left, right, noise_px, least)
+    if count >= FEWEST_OF_F:
+        found += _wrong(_fundamental_draws(left, right, rng), fundamental_distance, left, right, noise_px, LEAST_PX)
+    return min(found[1:], key=np.count_nonzero, default=found[0])
+
+
+def _wrong(
+    away: NDArray, distance: Callable, left: NDArray, right: NDArray, noise_px: float, least: float
+) -> list[NDArray]:
+    """The (M,) bool that contradict one kind of geometry, or nothing if that does not fit. away: (M,) px from the best
+    draw."""
+    for _ in range(ROUNDS):
+        half = away <= np.median(away)
+        away = np.abs(distance(left[half], right[half], left, right))
+    for _ in range(ROUNDS):
+        scale = max(noise_px, TO_NORMAL * (1 + 5 / len(away)) * float(np.median(away)))
+        wrong = away > max(least, GROSS * scale)
+        if scale > max(LEAST_PX, FITS * noise_px) or (~wrong).sum() < FEWEST:
+            return []
+        away = np.abs(distance(left[~wrong], right[~wrong], left, right))
+    return [wrong]
+
+
+def affine_distance(left: NDArray, right: NDArray, *of: NDArray) -> NDArray:
+    """(M,) px, with a sign, from the nearest affine geometry of matches (n, 2); of: other matches than these."""
+    f, f33 = fit_affine_fundamental(left, right)
+    left, right = of or (left, right)
+    return left @ f[:2] + right @ f[2:] + f33
+
+
+def fundamental_distance(left: NDArray, right: NDArray, *of: NDArray) -> NDArray:
+    """As `affine_distance`, by the fundamental matrix."""
+    return sampson_distance(fit_fundamental(left, right), *(of or (left, right)))
+
+
+def _affine_draws(left: NDArray, right: NDArray, rng: np.random.Generator) -> NDArray:
+    """(M,) px from the geometry of the best draw of four."""
+    matches = np.concatenate([left, right], 1)
+    matches = matches - np.median(matches, 0)
+    rows = np.concatenate([matches, np.ones((len(matches), 1))], 1)
+    found = np.linalg.svd(rows[_draws(rng, DRAWS, len(rows), 4)])[2][:, -1]
+    return _best(np.abs(rows @ found.T).T / np.maximum(np.linalg.norm(found[:, :4], axis=1), 1e-12)[:, None])
+
+
+def _fundamental_draws(left: NDArray, right: NDArray, rng: np.random.Generator) -> NDArray:
+    """(M,) px from the geometry of the best draw of eight."""
+    centres = np.median(left, 0), np.median(right, 0)
+    scale = max(float(np.median(np.abs(left - centres[0]))), 1e-12)
+    l, r = (homogeneous((points - centre) / scale) for points, centre in zip((left, right), centres))
+    rows = (r[:, :, None] * l[:, None, :]).reshape(-1, 9)
+    found = np.linalg.svd(rows[_draws(rng, DRAWS_OF_F, len(rows), 8)])[2][:, -1]
+    F = found.reshape(-1, 3, 3)
+    slope = ((l @ np.swapaxes(F, 1, 2))[..., :2] ** 2).sum(-1) + ((r @ F)[..., :2] ** 2).sum(-1)
+    return _best(scale * np.abs(rows @ found.T).T / np.sqrt(np.maximum(slope, 1e-300)))
+
+
+def _draws(rng: np.random.Generator, draws: int, count: int, each: int) -> NDArray:
+    """(draws, each) different indices below count."""
+    return rng.random((draws, count)).argpartition(each, axis=1)[:, :each]
+
+
+def _best(away: NDArray) -> NDArray:
+    """Of distances (draws, M), those whose median is least."""
+    return away[np.median(away, 1).argmin()]

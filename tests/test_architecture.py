@@ -52,7 +52,10 @@ APP_ORDER = (
 )
 MOST_ARGUMENTS = 6  # of a constructor, besides self
 # image points, nothing of the world
-ESTIMATORS_SEE = {"transfer": {"geometry", "views", "evaluation", "equations"}, "servo": {"evaluation", "equations"}}
+ESTIMATORS_SEE = {
+    "transfer": {"geometry", "views", "evaluation", "equations"},
+    "servo": {"evaluation", "equations", "views"},
+}
 MOST_FILES, MOST_AT_THE_TOP = 24, 20  # of a folder; entries of app/
 EVERYTHING = sorted(path for folder in ("viewimit", "app", "assets") for path in ROOT.joinpath(folder).rglob("*.py"))
 MAKE_ASSETS = {path for path in EVERYTHING if path.parent.name == "assets" and path.name != "__init__.py"}

@@ -29,12 +29,25 @@ class Disturbance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImageDisturbance(Disturbance):
+class SightDisturbance(Disturbance):
+    """Of what the learner sees."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImageDisturbance(SightDisturbance):
     """spoil: of an image's points (N, 4) px, which of them are seen (N, 2), an amount, and a generator, the first two.
     It draws the same numbers whatever the amount: turned up it enlarges the same noise and loses the same points
     first."""
 
     spoil: Callable[[NDArray, NDArray, float, np.random.Generator], tuple[NDArray, NDArray]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatchDisturbance(SightDisturbance):
+    """confuse: of N, an amount that is not 0, and a generator, the points that the demonstrator's are taken for: (N,).
+    Turned up, it confuses the same ones first."""
+
+    confuse: Callable[[int, float, np.random.Generator], NDArray]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +69,13 @@ def _lose(points: NDArray, visible: NDArray, share: float, rng: np.random.Genera
 def _misplace(points: NDArray, visible: NDArray, share: float, rng: np.random.Generator):
     wrong = np.repeat(rng.random(visible.shape) < share, 2, -1)
     return np.where(wrong, points + rng.uniform(-GROSS_PX, GROSS_PX, points.shape), points), visible
+
+
+def _exchange(count: int, share: float, rng: np.random.Generator) -> NDArray:
+    order, pairs = np.arange(count), min(int(np.ceil(share * count / 2 - 1e-9)), count // 2)
+    first, second = rng.permutation(count)[: 2 * pairs].reshape(pairs, 2).T
+    order[first], order[second] = second, first
+    return order
 
 
 def _overshoot(theta: NDArray, sent: NDArray, share: float) -> NDArray:
@@ -96,6 +116,16 @@ OUTLIERS = ImageDisturbance(
     per=100,
     spoil=_misplace,
 )
+CONFUSED = MatchDisturbance(
+    bounds=(0, 1),
+    unit="share",
+    says="the demonstrator's points that are taken for each other, in pairs",
+    caption="confused {:.0%}",
+    label="Confused %",
+    reach=(0, 50, 1),
+    per=100,
+    confuse=_exchange,
+)
 GAIN_ERROR = ArmDisturbance(
     bounds=(-0.5, 0.5),
     unit="share",
@@ -117,10 +147,11 @@ QUANTUM = ArmDisturbance(
 )
 
 ImageAmounts = tuple[tuple[ImageDisturbance, float], ...]
+MatchAmounts = tuple[tuple[MatchDisturbance, float], ...]
 ArmAmounts = tuple[tuple[ArmDisturbance, float], ...]
 
 
-def any_of(amounts: ImageAmounts | ArmAmounts) -> bool:
+def any_of(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
     return any(amount for _, amount in amounts)
 
 
@@ -141,6 +172,17 @@ def spoil_frames(
     """Several images of the same: (count, N, 4) px, (count, N, 2)."""
     looks = [spoil(amounts, points, visible, [*seed, k] if k else seed) for k in range(count)]
     return np.array([points for points, _ in looks]), np.array([visible for _, visible in looks])
+
+
+def confuse(amounts: MatchAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
+    """Images of the demonstrator's points (N, 4) px, of which visible (N, 2) are seen → the same, some taken for
+    others."""
+    rng = np.random.default_rng(seed)
+    for disturbance, amount in amounts:
+        if amount:
+            order = disturbance.confuse(len(points), amount, rng)
+            points, visible = points[order], visible[order]
+    return points, visible
 
 
 def drive(amounts: ArmAmounts, theta: NDArray, sent: NDArray) -> NDArray:

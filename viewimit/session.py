@@ -25,7 +25,7 @@ from .settings import USUAL_POINTS, Settings
 from .simulation.eyes import Eyes, open_eyes
 from .simulation.scene import Scene, load_scene
 from .simulation.world import World
-from .snapshot import AT_REST, Snapshot
+from .snapshot import AT_REST, Snapshot, exchanged
 from .views import FourViews
 
 BEGIN_ANEW = (  # what changes body or camera
@@ -107,6 +107,8 @@ class Session:
             self.history.replace(now.with_fields(status="stopped"))
             return False
         state, displacement = self._ask(now)  # residual e → E → servo
+        if exchanged(state) != exchanged(now.servo_state):
+            now = self.observe(now.theta, now, servo_state=state)
         if not np.any(displacement):
             self.history.replace(_resting(now, state))
             return False
@@ -127,6 +129,7 @@ class Session:
         settings, demo = changes.get("settings", like.settings), changes.get("theta_demo", like.theta_demo)
         look, before = changes.get("look", like.look), self.history.recent(POOLED)
         views = self.observer.four_views(settings, theta, demo, look)  # posture → four views
+        views = views.with_exchanged(exchanged(changes.get("servo_state", like.servo_state)))
         views = believed(views, before, self.observer.noise_at_rest(settings), look)
         rectification = rectification_for(settings, before, views)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)

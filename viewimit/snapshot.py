@@ -13,7 +13,7 @@ from .geometry.rectification import Rectification
 from .servo import Certificate
 from .settings import Settings
 from .transfer import TRANSFERS, FittedTransfer, rectified
-from .views import FourViews
+from .views import FourViews, Pairs
 
 AT_REST = ("converged", "rests", "untold", "stalled")  # statuses in which a servo asks for no motion worth making
 
@@ -89,6 +89,11 @@ class Snapshot:
         return getattr(self.servo_state, "certificate", None)
 
     @property
+    def exchanged(self) -> Pairs:
+        """What the servo takes to be exchanged of the demonstrator's points; `views` have them exchanged back."""
+        return exchanged(self.servo_state)
+
+    @property
     def expected_error(self) -> float | None:
         """rad, of the worst joint, as the servo reckons: `Certificate.worst`; None if it gives none."""
         return None if self.certificate is None else self.certificate.worst
@@ -142,6 +147,11 @@ class Snapshot:
             return self.fundamental.lines(images.reshape(4, 2))
         lines = self.fundamental.lines(by.apply(images).reshape(4, 2))
         return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
+
+
+def exchanged(servo_state: Any) -> Pairs:
+    """Pairs of points, none if the servo tells of none."""
+    return getattr(servo_state, "exchanged", ())
 
 
 FIELDS = frozenset(field.name for field in fields(Snapshot))

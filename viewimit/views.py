@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+Pairs = tuple[tuple[int, int], ...]  # of points
 VIEWS = ("l", "r", "L", "R")  # the paper's names: demonstrator left, right; own left, right
 
 
@@ -82,6 +83,22 @@ class FourViews:
         """The views of some points only. points: (N,) bool or indices."""
         return FourViews(self.demo[..., points, :], self.own[..., points, :], self.visible[..., points, :])
 
+    def with_exchanged(self, pairs: Pairs) -> "FourViews":
+        """The demonstrator's points of each pair taken for each other."""
+        if not pairs:
+            return self
+        order = exchange(np.arange(self.demo.shape[-2]), pairs)
+        visible = np.concatenate([self.visible[..., order, :2], self.visible[..., 2:]], -1)
+        return FourViews(self.demo[..., order, :], self.own, visible)
+
     def with_own(self, own: NDArray) -> "FourViews":
         """The same demonstrator beside other own images: (..., N, 4) px."""
         return replace(self, own=own)
+
+
+def exchange(order: NDArray, pairs: Pairs) -> NDArray:
+    """(N,) with the entries of each pair exchanged."""
+    order = order.copy()
+    for pair in pairs:
+        order[[*pair]] = order[[*reversed(pair)]]
+    return order

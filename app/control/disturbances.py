@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from viewimit.disturbances import ArmDisturbance, Disturbance, ImageDisturbance
+from viewimit.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from viewimit.settings import Settings, disturbances
 
 from .checks import number
@@ -48,5 +48,5 @@ def _amounts(kind: type[Disturbance]) -> list[Amount]:
 FRAMES = Count(
     "frames", "Frames", 1, 50, 1, 1, "images averaged at each posture; gross errors among them are set aside"
 )
-OF_IMAGES: tuple[Amount, ...] = (*_amounts(ImageDisturbance), FRAMES)
+OF_IMAGES: tuple[Amount, ...] = (*_amounts(SightDisturbance), FRAMES)
 OF_ARMS: tuple[Amount, ...] = (*_amounts(ArmDisturbance),)

@@ -51,13 +51,13 @@ class Ground:
 
 def landscape_key(snapshot: Snapshot, but: tuple[str, ...] = ()) -> tuple:
     """Everything that E over the postures depends on: all settings but where the learner starts and how it moves, and
-    whether images are rectified.
+    whether images are rectified and points exchanged back.
 
     but: further settings to leave out.
     """
     settings, but = snapshot.settings, (*LEARNERS_OWN, *but)
     chosen = (getattr(settings, name) for name in settings.__struct_fields__ if name not in but)
-    return *chosen, snapshot.rectification is not None
+    return *chosen, snapshot.rectification is not None, snapshot.exchanged
 
 
 def compute(world: World, snapshot: Snapshot) -> Landscape | None:

@@ -61,6 +61,9 @@ def run(args: argparse.Namespace) -> int:
         untold = [joint["name"] for joint in result["joints"] if joint["told"] is False]
         if untold:
             print(f"not told      {', '.join(untold)}: its points do not say where that is")
+        if result["exchanged"]:
+            named = " and ".join(f"{i} with {j}" for i, j in result["exchanged"])
+            print(f"exchanged     points {named} of the demonstrator, as it seems")
         print(f"E             {_at_least(result['E'], 0.001, '.4g')} px²")
     if result["converged"]:
         return DONE
@@ -104,6 +107,7 @@ def outcome(session: Session) -> dict:
             }
             for k, joint in enumerate(session.scene.moving_joints)
         ],
+        "exchanged": last.exchanged,
         "E": last.E,
         "motions": last.motion,
         "converged": last.status == "converged",

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 import msgspec
 import numpy as np
 
-from ..disturbances import ArmDisturbance, Disturbance, ImageDisturbance
+from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..servo import SERVOS
 from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
@@ -35,7 +35,7 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
     parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
     parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
     add_rectify_option(parser)
-    _add_disturbances(parser, ImageDisturbance)
+    _add_disturbances(parser, SightDisturbance)
     parser.add_argument("--frames", type=int, metavar="N", help=f"images averaged at each posture ({defaults.frames})")
     parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
 

@@ -11,7 +11,8 @@ from .observation import Conflict, Observation
 
 class ServoState(Protocol):
     """What a servo remembers, a frozen dataclass. probe: the motion that it asked for last is to learn from, not to
-    arrive. It may have a `certificate` of the posture in which E is least.
+    arrive. It may have a `certificate` of the posture in which E is least, and what it takes to be `exchanged` of the
+    demonstrator's points, pairs of indices: what it is told and asks from then on has them exchanged back.
 
     status: moving; converged, which only a certificate allows; rests, where the next motion would be too small to be
     worth it, without evidence; untold, as converged but for joints that nothing tells; stalled, for want of a way on.

@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 
 from ..equations import Equation, angles, short
 from ..evaluation import conflict as evaluate
+from ..views import Pairs
 from .certificate import CHECK, UNTOLD, Certificate, certify
+from .identities import likely_exchange, with_exchanged
 from .image_model import ENOUGH, Visit, by_coordinate
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
@@ -42,6 +44,8 @@ RESTS = 0.1  # of the expected error from the goal
 NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
 MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
+ASKED_AT = 5, 10, 16, 24  # visits and as many as joints, after which E must be small, or points may be exchanged
+SUSPECT, SURE = 1e-3, 25.0  # of the mean square of the own image; times the noise's square: E that is small
 KEPT = 60  # visits
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
 FAR_CANDIDATES = 200
@@ -54,7 +58,8 @@ class TrustState:
 
     promised: decrease of E predicted for the motion just made, None if it was not made for that. certificate: of the
     best posture, None before E was small anywhere. moved: the demonstrator has, since the last motion; chasing: and
-    before that one as well, so that a motion aside would only leave the learner behind.
+    before that one as well, so that a motion aside would only leave the learner behind. exchanged: of the
+    demonstrator's points, as it seems; asked: how often that was asked.
     """
 
     visits: tuple[Visit, ...]
@@ -72,6 +77,8 @@ class TrustState:
     certificate: Certificate | None = None
     moved: bool = False
     chasing: bool = False
+    exchanged: Pairs = ()
+    asked: int = 0
 
 
 @dataclass(frozen=True)
@@ -89,7 +96,9 @@ class TrustRegion:
 
     def retarget(self, state: TrustState, seen: Observation) -> TrustState:
         """What was learned of the own images stays; all else was about another E."""
-        return TrustState(state.visits, state.probes, moved=True, chasing=state.chasing)
+        return TrustState(
+            state.visits, state.probes, moved=True, chasing=state.chasing, exchanged=state.exchanged, asked=state.asked
+        )
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
@@ -98,6 +107,7 @@ class TrustRegion:
             return _probe(state, seen)
         if state.goal is not None:
             return _towards(state, seen, state.goal)
+        state, conflict = _identified(state, seen, conflict)
         by = PHASES[state.phase][0]
         own, like = _smoothed(state.visits, seen.noise_px), None
         E, of, best = _measured(state.visits, own, lambda images: conflict(images, by))
@@ -117,7 +127,8 @@ class TrustRegion:
             about = lambda place: certify(survey(known, found, place))
         # a short motion is made only for the certainty that it promises
         worthwhile = step >= DONE_STEP or (step >= LEAST_STEP and _doubt(found.E, found) < CERTAIN <= doubt)
-        if worthwhile and state.failures < MOST_FAILURES:
+        stands_there = np.max(np.abs(found.theta - seen.displacement)) < LEAST_STEP
+        if worthwhile and not stands_there and state.failures < MOST_FAILURES:
             last = step < SHORT and _doubt(found.E, found) < CERTAIN and state.checks < len(model.centre)
             if about is not None and like is None and last and not chasing:
                 beyond = about(found.theta).check
@@ -131,9 +142,8 @@ class TrustRegion:
         if about is not None:
             state = replace(state, certificate=about(place))
         settled = _settle(state, seen, place, float(E[best]), found)
-        if settled is None:  # by this transfer; the next one takes over
-            phase = state.phase + 1
-            state = replace(state, phase=phase, radius=float(PHASES[phase][1]), failures=0)
+        if settled is None:
+            state, conflict = _otherwise(state, conflict)
             return self.step(state, seen, conflict)
         return settled
 
@@ -145,6 +155,11 @@ class TrustRegion:
         return (Equation("", "servo: the images are predicted, E is asked", _LAW, note=note, wide=True),)
 
     def says(self, state: TrustState, status: str) -> str:
+        named = " and ".join(f"{i} with {j}" for i, j in state.exchanged)
+        told = self._says(state, status)
+        return f"points {named} exchanged; {told}".rstrip("; ") if named else told
+
+    def _says(self, state: TrustState, status: str) -> str:
         if status == "converged":
             return f"E leaves no room for {np.degrees(CERTAIN):.1g}° and rises every way"
         if status == "rests":
@@ -187,6 +202,28 @@ def _arrived(state: TrustState, seen: Observation) -> TrustState:
     if np.array_equal(visits[-1].displacement, seen.displacement):
         visits = visits[:-1]
     return replace(state, visits=(*visits, _visit(seen))[-KEPT:])
+
+
+def _identified(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Conflict]:
+    """Now and then, while E stays too large: with what seems to be exchanged of the demonstrator's points, and the
+    conflict that is left then."""
+    small = max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
+    asked = state.asked < len(ASKED_AT) and len(state.visits) >= ASKED_AT[state.asked] + len(seen.displacement)
+    if state.exchanged or not asked or not seen.E > small:
+        return state, conflict
+    model = learn(list(state.visits), len(state.visits) - 1, seen.noise_px)
+    pairs = likely_exchange(model.predict, conflict, seen.lower, seen.upper, small)
+    state = replace(state, asked=state.asked + 1)
+    if pairs:
+        state = replace(state, exchanged=pairs, phase=0, radius=float(FIRST_RADIUS), failures=0, promised=None)
+    return state, with_exchanged(conflict, pairs)
+
+
+def _otherwise(state: TrustState, conflict: Conflict) -> tuple[TrustState, Conflict]:
+    """Without the exchange that was to lower E, if there is one; else the next transfer takes over."""
+    phase = 0 if state.exchanged else state.phase + 1
+    begun = replace(state, exchanged=(), phase=phase, radius=float(PHASES[phase][1]), failures=0)
+    return begun, with_exchanged(conflict, state.exchanged)
 
 
 def _smoothed(visits: tuple[Visit, ...], noise_px: float) -> NDArray:

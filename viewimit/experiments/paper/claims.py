@@ -4,7 +4,7 @@ import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...disturbances import ImageDisturbance
+from ...disturbances import SightDisturbance
 from ...equations import with_minus
 from ...settings import Settings, disturbances
 
@@ -71,7 +71,7 @@ class Claims(list[Claim]):
         self._unjudged = unjudged
         self._papers = settings.demonstrator_deg in (None, PAPER_DEMONSTRATOR_DEG) and all(
             getattr(settings, name) == getattr(PAPER, name)
-            for name in ("scene", "robot", "points", "transfer", *disturbances(ImageDisturbance))
+            for name in ("scene", "robot", "points", "transfer", *disturbances(SightDisturbance))
         )
 
     def limit(self, what: str) -> float | None:

@@ -1,0 +1,82 @@
+"""Which of the demonstrator's points are taken for each other, one pair or two: found without a motion.
+
+The images that a learner predicts at postures all over its range are held against the demonstrator's as they are and
+with pairs exchanged. An exchange that leaves far less conflict than none, each at its best posture, is likely; what is
+left of E once the learner has gone there decides.
+"""
+
+from collections.abc import Callable, Sequence
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import conflict as evaluate
+from ..views import Pairs, exchange
+from .minimise import minimise
+from .observation import Conflict
+
+GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
+PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
+DECISIVE = 0.1  # of the conflict without an exchange
+
+
+def exchanged(images: NDArray, pairs: Pairs) -> NDArray:
+    """(..., N, k) with the rows of each pair exchanged."""
+    return images[..., exchange(np.arange(images.shape[-2]), pairs), :] if pairs else images
+
+
+def with_exchanged(conflict: Conflict, pairs: Pairs) -> Conflict:
+    """The conflict if the pairs of the demonstrator's points are exchanged, which is that of exchanged own ones."""
+    if not pairs:
+        return conflict
+
+    def changed(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
+        return conflict(exchanged(own, pairs), by, None if like is None else exchanged(like, pairs))
+
+    return changed
+
+
+def likely_exchange(
+    predict: Callable[[NDArray], NDArray], conflict: Conflict, low: NDArray, high: NDArray, small: float
+) -> Pairs:
+    """None, one or two pairs. predict: displacements (..., m) rad → own images (..., N, 4) px, NaN of points that are
+    not known; low, high: (m,) rad; small: px², an E that explains itself."""
+
+    def least(pairs: Pairs, postures: NDArray, E: NDArray) -> float:
+        """px², near the most promising postures."""
+        residual_at = lambda theta: conflict(exchanged(predict(theta), pairs))
+        return minimise(residual_at, postures[np.argsort(E)[:REFINED]], low, high).E
+
+    def over(postures: NDArray, hypotheses: Sequence[Pairs]) -> NDArray:
+        """(hypotheses, postures) px²"""
+        images = predict(postures)
+        return np.array([evaluate(conflict(exchanged(images, pairs))) for pairs in hypotheses])
+
+    postures = _postures(low, high, GRID)
+    without = least((), postures, over(postures, [()])[0])
+    if without < small:
+        return ()
+    known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
+    single: list[Pairs] = [(pair,) for pair in combinations(known, 2)]
+    E = over(postures, single)
+    order = np.argsort(E.min(1))
+    one = single[order[0]]
+    E_one = least(one, postures, E[order[0]])
+    if E_one < small:
+        return one
+    postures = _postures(low, high, GRID_OF_TWO)
+    double = [(*single[k], *other) for k in order[:PROMISING] for other in single if not {*single[k][0]} & {*other[0]}]
+    E = over(postures, double)
+    k = int(E.min(1).argmin())
+    two, E_two = double[k], least(double[k], postures, E[k])
+    if E_two < DECISIVE * min(E_one, without):
+        return two
+    return one if E_one < DECISIVE * without else ()
+
+
+def _postures(low: NDArray, high: NDArray, count: int) -> NDArray:
+    """(n, m) rad: a grid of `count` a joint, with many joints as many at random as with two."""
+    if len(low) > 2:
+        return np.random.default_rng(count).uniform(low, high, (count**2, len(low)))
+    return np.stack(np.meshgrid(*np.linspace(low, high, count).T, indexing="ij"), -1).reshape(-1, len(low))

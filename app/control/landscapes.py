@@ -13,18 +13,30 @@ from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
 from ..jobs.experiments import ExperimentWorker, Request, Run
-from ..jobs.landscapes import Ground, LandscapeWorker, MadeLandscape, landscape_key, make_ground, make_landscape
+from ..jobs.landscapes import (
+    COARSE_DEG,
+    Ground,
+    LandscapeWorker,
+    MadeLandscape,
+    landscape_key,
+    make_ground,
+    make_landscape,
+)
 from .commands.command import Arrival
 from .queue import CommandQueue
 
 
 class OwnLandscape:
-    """Of the transfer that the visitor's learner uses. made: None before the first moment is known."""
+    """Of the transfer that the visitor's learner uses: coarse at once, then fine, unless it has changed by then.
+
+    made: None before the first moment is known.
+    """
 
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
         self._page_id, self._worker, self._queue = page_id, worker, queue
         self._asked: tuple | None = None
         self._begun: Snapshot | None = None  # the first moment in the world
+        self._about: Snapshot | None = None  # the moment that was asked for last
         self.made: MadeLandscape | None = None
 
     def ask(self, world: World, present: Snapshot) -> None:
@@ -33,8 +45,8 @@ class OwnLandscape:
             self.begin(world, present)
         asked = world, *landscape_key(present)
         if asked != self._asked:
-            self._asked = asked
-            self._worker.ask(self._page_id, partial(make_landscape, world, present), self._take_later)
+            self._asked, self._about = asked, present
+            self._worker.ask(self._page_id, partial(make_landscape, world, present, COARSE_DEG), self._take_later)
 
     def begin(self, world: World, present: Snapshot) -> None:
         """With an empty one."""
@@ -51,6 +63,8 @@ class OwnLandscape:
             made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
         if made.world is self.made.world:
             self.made = made
+            if made.about is not None and made.about is self._about:
+                self._worker.ask(self._page_id, partial(make_landscape, made.world, made.about), self._take_later)
 
     def _take_later(self, made: MadeLandscape | Exception) -> None:
         self._queue.put(Arrival("landscape", self.take, made))

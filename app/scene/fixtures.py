@@ -49,12 +49,16 @@ LOOKS = {
 }
 
 
-def add_light_and_floor(scene: SceneApi, look: Look) -> None:
-    """Light and floor; a page's own shadow those of the server."""
+def add_light(scene: SceneApi, look: Look) -> None:
+    """A page's own shadows that of the server, which is there before anything is to be lit: else all is drawn once
+    without it, by programs of its own."""
     scene.add_light_hemisphere(
         "/light/sky", sky_color=(255, 255, 255), ground_color=(190, 190, 200), intensity=look.sky
     )
     scene.add_light_directional("/light/sun", intensity=look.sun, cast_shadow=True, position=(-2.0, -3.0, 5.0))
+
+
+def add_floor(scene: SceneApi, look: Look) -> None:
     scene.add_grid(
         "/floor",
         width=12,

@@ -57,7 +57,6 @@ def share_meshes(server: ViserServer, robot: str, arm: str) -> None:
             mesh.faces,
             color=rgb(arm) if opacity else half_white(arm),
             opacity=opacity,
-            side="front" if opacity else "double",
             cast_shadow=opacity is None,
             receive_shadow=opacity is None,
         )
@@ -95,7 +94,7 @@ class Arm:
                 vertices, faces = meshes.bone(end)
                 name = f"{link_name(scene, arm, i)}/rod"
                 rod = self._client.scene.add_mesh_simple(
-                    name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm], side="double"
+                    name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm]
                 )
                 self._nodes.keep(rod)
 

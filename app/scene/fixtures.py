@@ -119,7 +119,6 @@ class Fixtures:
                 faces,
                 color=self._look.pedestal,
                 position=(x, y, height),
-                side="double",
             )
         )
         self._add_text(f"/stage/{arm}_label", arm, arm, (x, y, 0) + LABEL_OFFSET)
@@ -146,7 +145,6 @@ class Fixtures:
                     color=self._look.lens if name.startswith("camera") else self._look.metal,
                     position=position,
                     wxyz=quaternion(turn),
-                    side="double",
                 )
             )
 
@@ -166,11 +164,9 @@ class Fixtures:
         )
         self._plates[name] = scene.add_mesh_simple(
             f"/stage/plate_{name}",
-            plate,
-            np.array([[0, 1, 2], [0, 2, 3]]),
+            *meshes.sheet(plate),
             color=self._look.plate,
             opacity=0.55,
-            side="double",
             cast_shadow=False,
             receive_shadow=False,
         )

@@ -43,9 +43,9 @@ class Look:
 
 LOOKS = {
     False: Look(
-        1.2, 1.7, (236, 238, 241), (214, 218, 224), (176, 180, 188), (120, 128, 140), (44, 50, 60), (245, 246, 248)
+        3.0, 2.3, (236, 238, 241), (214, 218, 224), (176, 180, 188), (120, 128, 140), (44, 50, 60), (245, 246, 248)
     ),
-    True: Look(0.62, 1.0, (34, 35, 37), (52, 54, 58), (86, 89, 95), (112, 118, 128), (30, 33, 38), (58, 60, 64)),
+    True: Look(2.7, 1.7, (34, 35, 37), (52, 54, 58), (86, 89, 95), (112, 118, 128), (30, 33, 38), (58, 60, 64)),
 }
 
 
@@ -53,7 +53,7 @@ def add_light(scene: SceneApi, look: Look) -> None:
     """A page's own shadows that of the server, which is there before anything is to be lit: else all is drawn once
     without it, by programs of its own."""
     scene.add_light_hemisphere(
-        "/light/sky", sky_color=(255, 255, 255), ground_color=(190, 190, 200), intensity=look.sky
+        "/light/sky", sky_color=(245, 244, 255), ground_color=(178, 177, 187), intensity=look.sky, position=(0, 0, 1)
     )
     scene.add_light_directional("/light/sun", intensity=look.sun, cast_shadow=True, position=(-2.0, -3.0, 5.0))
 

@@ -26,8 +26,10 @@ POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 
 
 def share_light(server: ViserServer) -> None:
-    """What all pages share besides meshes."""
+    """What all pages share besides meshes. Without viser's environment map, whose shaders take a browser that renders
+    in software seconds to make ready."""
     server.scene.configure_default_lights(enabled=False)
+    server.scene.configure_environment_map(hdri=None)
     add_light(server.scene, LOOKS[False])
 
 

@@ -34,10 +34,12 @@ SHOWN = (ImagesPanel, LandscapePanel, StatusPanel)
 def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, float]:
     """Median ms of CPU of the loop's pass, of its drawings, and of both together. runs: starts."""
     client, queue = quiet_client(0), CommandQueue()
-    services = Services(LandscapeWorker(), ExperimentWorker(), CameraProcess(), LoadShedding(0.05), lambda: None)
+    services = Services(
+        LandscapeWorker(), ExperimentWorker(), CameraProcess(), LoadShedding(0.05), lambda robot, arm: None
+    )
     model = PageModel(0, settings, services, queue, lambda name, data: None)
     layout, panels = Layout(client, queue), [panel() for panel in SHOWN]
-    scene = Scene3D(client, queue, services.share_opponent)
+    scene = Scene3D(client, queue, services.share)
     for panel in panels:
         panel.build(layout, model.state(0.0))
     session: Session = model.session

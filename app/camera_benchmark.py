@@ -65,7 +65,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of each part (%(default)s)")
     seconds = parser.parse_args().seconds
     scheduler, camera, loop = Scheduler(lambda: None), CameraProcess(), asyncio.new_event_loop()
-    services = Services(LandscapeWorker(), ExperimentWorker(), camera, scheduler.shedding, lambda: None)
+    services = Services(LandscapeWorker(), ExperimentWorker(), camera, scheduler.shedding, lambda robot, arm: None)
     threading.Thread(target=loop.run_forever, name="viewimit-pages", daemon=True).start()
     other = TimedPage(1, services, RESTLESS)
     other.play("10 a second")

@@ -24,6 +24,7 @@ from .panels import PANELS
 from .panels.panel import Layout
 from .panels.status import StatusPanel
 from .scene.scene3d import Scene3D
+from .scene.view import Docking
 from .sessions.autosave import SavedSession
 
 PANELS_EVERY = 0.1  # s
@@ -58,7 +59,8 @@ class Page:
             for panel in self._panels:
                 panel.build(layout, state)
             layout.dock()
-            self._scene = Scene3D(client, self.queue, services.share_opponent)
+            self._scene = Scene3D(client, self.queue, services.share)
+        self._docking = Docking(client, waits=address is not None)
 
     def put(self, command: Command) -> None:
         """As if the visitor had done it; from any thread."""
@@ -123,19 +125,20 @@ class Page:
             self.queue.put(LoadMotion.parse(memory.head.motion))
 
     def _show(self, now: float) -> None:
-        poses = self.model.poses(now)
-        anew = self._redraw.changed("world", self.model.generation)
-        if anew:  # widgets of the world before are gone at once: what is sent to them would be lost
-            self._scene.build(self.model.session.world)
-        if self._redraw.changed("poses", self.model.generation, *(pose.tobytes() for pose in poses)):
-            self._scene.arms.draw(*poses)
+        anew = self._redraw.changed("world", self.model.generation, docked := self._docking.over(now))
+        if docked:
+            poses = self.model.poses(now)
+            if anew:  # widgets of the world before are gone at once: what is sent to them would be lost
+                self._scene.build(self.model.session.world)
+            if self._redraw.changed("poses", self.model.generation, *(pose.tobytes() for pose in poses)):
+                self._scene.arms.draw(*poses)
         every = PANELS_EVERY * self._shedding.panels
         if self._redraw.due("panels", now, every) or anew:
             self.model.ask_for_landscapes()
             self._show_state(self.model.state(now, shortest_motion=2 * every), now)
 
     def _show_state(self, state: PageState, now: float) -> None:
-        if self._redraw.changed("scene", *self._scene.depends_on(state)):
+        if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
             self._scene.show(state)
         for panel in self._panels:
             period = panel.period(state) * self._shedding.plots

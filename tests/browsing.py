@@ -43,6 +43,8 @@ MOTION = css(drawn.MOTION)
 PHOTOGRAPH = f"image{css(drawn.PHOTOGRAPH)}"
 DETECTED = f"{css(drawn.OWN_POINTS)}:not({css(drawn.NOT_DETECTED)})"
 
+LAST_NODE = "/now/chosen_demonstrator"  # of the 3-D scene, as it is built
+
 # A software renderer needs nearly a second of both cores for a frame of the 3-D scene. Everything but its triangles is
 # as ever, three.js with its shaders, lights and meshes too. `canvas_colours` has them drawn in the next frame, and no
 # frame follow it until it has been looked at.
@@ -85,6 +87,7 @@ def open_page(browser, url: str, size: str = "least", **options):
 def wait_until_complete(page) -> None:
     page.wait_for_selector(STATUS, timeout=PATIENCE_MS)
     wait_for_count(page, LEVELS, 1)
+    page.wait_for_function(f"window.__viserMutable?.nodeRefFromName['{LAST_NODE}']", timeout=PATIENCE_MS)
 
 
 def wait_for_count(page, selector: str, least: int, exactly: bool = False) -> None:

@@ -21,10 +21,20 @@ EMPTY = (
     "import viser, time; server = viser.ViserServer(host='127.0.0.1', port=0); "
     "print(server.get_port(), flush=True); time.sleep(999)"
 )
+DRAWN = """() => {
+  const small = Object.assign(document.createElement("canvas"), {width: 64, height: 64}).getContext("2d");
+  const coloured = ([red, green, blue]) => Math.max(red, green, blue) - Math.min(red, green, blue) > 30;
+  return [...document.querySelectorAll("canvas")].some(canvas => {
+    if (!canvas.width) return false;
+    small.drawImage(canvas, 0, 0, 64, 64);
+    const {data} = small.getImageData(0, 0, 64, 64);
+    return Array.from({length: 4096}, (_, k) => data.slice(4 * k, 4 * k + 3)).filter(coloured).length > 20;
+  });
+}"""
 COMPLETE = {
     "viser": "document.querySelector('canvas') !== null",
     "viewimit": f"document.querySelectorAll('{css(LEVELS)}, {css(VIEW_NAME)}, {css(STATUS)}').length >= 6"
-    " && document.querySelector('canvas') !== null",
+    f" && ({DRAWN})()",
 }
 
 
@@ -32,7 +42,7 @@ def seconds_until_complete(browser, name: str, url: str) -> float:
     page = browser.new_page(viewport={"width": 1280, "height": 720})
     began = time.perf_counter()
     page.goto(url)
-    page.wait_for_function(COMPLETE[name], timeout=60_000)
+    page.wait_for_function(COMPLETE[name], timeout=60_000, polling=50)
     page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
     taken = time.perf_counter() - began
     page.close()

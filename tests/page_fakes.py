@@ -148,7 +148,7 @@ class QuietExperiments:
 def quiet_model(settings, experiments=None, send=lambda *file: None):
     """A page's model whose workers make nothing, and the queue that they would hand it to."""
     worker = experiments or QuietExperiments()
-    services = Services(QuietLandscapes(), worker, CameraProcess(), LoadShedding(TICK), lambda: None)
+    services = Services(QuietLandscapes(), worker, CameraProcess(), LoadShedding(TICK), lambda robot, arm: None)
     queue = CommandQueue()
     return PageModel(1, settings, services, queue, send), queue
 
@@ -185,7 +185,7 @@ class Visit:
 
     def __init__(self, camera, resumed=None, settings=BEST):
         self.kept, self.now = [], 100.0
-        services = Services(LandscapeWorker(), ExperimentWorker(), camera, LoadShedding(TICK), lambda: None)
+        services = Services(LandscapeWorker(), ExperimentWorker(), camera, LoadShedding(TICK), lambda robot, arm: None)
         self.page = Page(quiet_client(id(self)), services, settings, self.kept.append, resumed)
         self.session, self.player, self.duel = (
             getattr(self.page.model, name) for name in ("session", "player", "duel")

@@ -67,7 +67,7 @@ class QuietPage:
         self.client, self.now = QuietClient(id(self)), 100.0
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
-        services = Services(LandscapeWorker(), ExperimentWorker(), camera, shedding, lambda: None)
+        services = Services(LandscapeWorker(), ExperimentWorker(), camera, shedding, lambda robot, arm: None)
         self.page = Page(self.client, services, settings or Settings(), keep, resumed, address)
 
     def widget(self, label):

@@ -12,11 +12,11 @@ from .shedding import LoadShedding
 
 @dataclass(frozen=True, eq=False)
 class Services:
-    """share_opponent(): puts its meshes on the server's scene, before they are first shown."""
+    """share(robot, arm): puts its meshes on the server's scene, before they are first shown."""
 
     landscapes: LandscapeWorker
     experiments: ExperimentWorker
     camera: CameraProcess
     shedding: LoadShedding
-    share_opponent: Callable[[], None]
+    share: Callable[[str, str], None]
     basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(basin_child.work))

@@ -7,6 +7,7 @@ where the learner does, so one sees through it.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from viser import ClientHandle, ViserServer
 
 from viewimit.drawing.theme import half_white, rgb
 from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.scene import Scene, robot_names
+from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
 from ..viser_private import push_orientation
@@ -22,6 +23,7 @@ from . import meshes
 from .nodes import Nodes
 from .rotations import joint_quaternion, quaternion
 
+ALWAYS_SEEN = ("learner", "demonstrator")
 OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}
 SHRUNK = 0.97  # of the see-through links' size, which so lie inside the learner's where both agree
 
@@ -36,27 +38,28 @@ def link_name(scene: Scene, arm: str, link: int) -> str:
     return robot_root(scene, arm) + "".join(f"/j{i}" for i in range(1, link + 1))
 
 
-def share_meshes(server: ViserServer, arm: str) -> None:
-    """Put every shipped robot's links on the server's scene, hidden until a page shows that arm."""
-    opacity = OPACITY[arm]
-    for robot in robot_names():
-        name = f"/{robot}/{arm}"
-        server.scene.add_frame(name, show_axes=False, visible=False)
-        for link, mesh in sorted(link_meshes(robot).items()):
-            if link > 0:
-                name += f"/j{link}"
-                server.scene.add_frame(name, show_axes=False)
-            middle = (mesh.vertices.min(0) + mesh.vertices.max(0)) / 2
-            server.scene.add_mesh_simple(
-                f"{name}/mesh",
-                middle + SHRUNK * (mesh.vertices - middle) if opacity else mesh.vertices,
-                mesh.faces,
-                color=rgb(arm) if opacity else half_white(arm),
-                opacity=opacity,
-                side="front" if opacity else "double",
-                cast_shadow=opacity is None,
-                receive_shadow=opacity is None,
-            )
+def share_meshes(server: ViserServer, robot: str, arm: str) -> None:
+    """Put a shipped robot's links on the server's scene, hidden until a page shows that arm; of a robot of the user's
+    own, nothing."""
+    shapes, opacity = link_meshes(robot), OPACITY[arm]
+    if not shapes:
+        return
+    name = f"/{robot}/{arm}"
+    server.scene.add_frame(name, show_axes=False, visible=False)
+    for link, mesh in sorted(shapes.items()):
+        if link > 0:
+            name += f"/j{link}"
+            server.scene.add_frame(name, show_axes=False)
+        middle = (mesh.vertices.min(0) + mesh.vertices.max(0)) / 2
+        server.scene.add_mesh_simple(
+            f"{name}/mesh",
+            middle + SHRUNK * (mesh.vertices - middle) if opacity else mesh.vertices,
+            mesh.faces,
+            color=rgb(arm) if opacity else half_white(arm),
+            opacity=opacity,
+            cast_shadow=opacity is None,
+            receive_shadow=opacity is None,
+        )
 
 
 class Arm:
@@ -91,7 +94,7 @@ class Arm:
                 vertices, faces = meshes.bone(end)
                 name = f"{link_name(scene, arm, i)}/rod"
                 rod = self._client.scene.add_mesh_simple(
-                    name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm], side="double"
+                    name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm]
                 )
                 self._nodes.keep(rod)
 
@@ -111,11 +114,13 @@ class Arm:
 
 
 class Arms:
-    """Those of one page in one world. share_opponent(): puts the opponent's meshes on the server's scene, before they
-    are first shown."""
+    """Those of one page in one world. share(robot, arm): puts its meshes on the server's scene, before they are first
+    shown."""
 
-    def __init__(self, client: ClientHandle, nodes: Nodes, world: World, share_opponent: Callable[[], None]):
-        self._share_opponent = share_opponent
+    def __init__(self, client: ClientHandle, nodes: Nodes, world: World, share: Callable[[str, str], None]):
+        self._share_opponent = partial(share, world.scene.robot, "opponent")
+        for arm in ALWAYS_SEEN:
+            share(world.scene.robot, arm)
         self._learner = Arm(client, nodes, world, "learner", world.T_world_own)
         self._demonstrator = Arm(client, nodes, world, "demonstrator", world.T_world_demo)
         self._opponent = Arm(client, nodes, world, "opponent", world.T_world_own)

@@ -43,18 +43,22 @@ class Look:
 
 LOOKS = {
     False: Look(
-        1.2, 1.7, (236, 238, 241), (214, 218, 224), (176, 180, 188), (120, 128, 140), (44, 50, 60), (245, 246, 248)
+        3.0, 2.3, (236, 238, 241), (214, 218, 224), (176, 180, 188), (120, 128, 140), (44, 50, 60), (245, 246, 248)
     ),
-    True: Look(0.62, 1.0, (34, 35, 37), (52, 54, 58), (86, 89, 95), (112, 118, 128), (30, 33, 38), (58, 60, 64)),
+    True: Look(2.7, 1.7, (34, 35, 37), (52, 54, 58), (86, 89, 95), (112, 118, 128), (30, 33, 38), (58, 60, 64)),
 }
 
 
-def add_light_and_floor(scene: SceneApi, look: Look) -> None:
-    """Light and floor; a page's own shadow those of the server."""
+def add_light(scene: SceneApi, look: Look) -> None:
+    """A page's own shadows that of the server, which is there before anything is to be lit: else all is drawn once
+    without it, by programs of its own."""
     scene.add_light_hemisphere(
-        "/light/sky", sky_color=(255, 255, 255), ground_color=(190, 190, 200), intensity=look.sky
+        "/light/sky", sky_color=(245, 244, 255), ground_color=(178, 177, 187), intensity=look.sky, position=(0, 0, 1)
     )
     scene.add_light_directional("/light/sun", intensity=look.sun, cast_shadow=True, position=(-2.0, -3.0, 5.0))
+
+
+def add_floor(scene: SceneApi, look: Look) -> None:
     scene.add_grid(
         "/floor",
         width=12,
@@ -115,7 +119,6 @@ class Fixtures:
                 faces,
                 color=self._look.pedestal,
                 position=(x, y, height),
-                side="double",
             )
         )
         self._add_text(f"/stage/{arm}_label", arm, arm, (x, y, 0) + LABEL_OFFSET)
@@ -142,7 +145,6 @@ class Fixtures:
                     color=self._look.lens if name.startswith("camera") else self._look.metal,
                     position=position,
                     wxyz=quaternion(turn),
-                    side="double",
                 )
             )
 
@@ -162,11 +164,9 @@ class Fixtures:
         )
         self._plates[name] = scene.add_mesh_simple(
             f"/stage/plate_{name}",
-            plate,
-            np.array([[0, 1, 2], [0, 2, 3]]),
+            *meshes.sheet(plate),
             color=self._look.plate,
             opacity=0.55,
-            side="double",
             cast_shadow=False,
             receive_shadow=False,
         )

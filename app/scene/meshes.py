@@ -1,4 +1,8 @@
-"""Shapes of the 3-D scene: pedestals, the head, markers of the points."""
+"""Shapes of the 3-D scene: pedestals, the head, image plates, markers of the points.
+
+All are closed, and their faces turn outwards: what is seen from one side only is drawn in half the time, and casts its
+shadow from behind, so that it does not lie on itself.
+"""
 
 import numpy as np
 import trimesh
@@ -51,6 +55,12 @@ def bone(end: NDArray, radius: float = 0.03, sides: int = 12) -> tuple[NDArray, 
     aside = np.cross(forward, [1, 0, 0] if abs(forward[0]) < 0.9 else [0, 1, 0])
     aside /= np.linalg.norm(aside)
     return vertices @ np.stack([aside, np.cross(forward, aside), forward]).astype(np.float32), faces
+
+
+def sheet(corners: NDArray) -> tuple[NDArray, NDArray]:
+    """A quadrilateral, (4, 3) m, that is seen from both sides."""
+    faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
+    return np.concatenate([corners, corners]).astype(np.float32), np.concatenate([faces, faces[:, ::-1] + 4])
 
 
 def box(size: tuple[float, float, float]) -> tuple[NDArray, NDArray]:

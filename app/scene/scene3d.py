@@ -14,8 +14,8 @@ from ..control.commands.display import ChoosePoint
 from ..control.queue import CommandQueue
 from ..control.state import PageState
 from . import meshes
-from .arms import Arms, link_name, share_meshes
-from .fixtures import LOOKS, Fixtures, add_light_and_floor
+from .arms import Arms, link_name
+from .fixtures import LOOKS, Fixtures, add_floor, add_light
 from .hand_gizmo import HandGizmo
 from .moment import Moment
 from .nodes import Nodes
@@ -25,23 +25,23 @@ from .view import DefaultView
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
 
 
-def share_scene(server: ViserServer) -> None:
-    """What all pages share: link meshes, floor, light."""
+def share_light(server: ViserServer) -> None:
+    """What all pages share besides meshes. Without viser's environment map, whose shaders take a browser that renders
+    in software seconds to make ready."""
     server.scene.configure_default_lights(enabled=False)
-    add_light_and_floor(server.scene, LOOKS[False])
-    for arm in ("learner", "demonstrator"):
-        share_meshes(server, arm)
+    server.scene.configure_environment_map(hdri=None)
+    add_light(server.scene, LOOKS[False])
 
 
 class Scene3D:
     """`build` for a world, then `arms.draw` and `show` as often as wanted; `build` again for another world.
 
-    share_opponent(): puts its meshes on the server's scene, before they are first shown.
+    share(robot, arm): puts its meshes on the server's scene, before they are first shown.
     """
 
-    def __init__(self, client: ClientHandle, queue: CommandQueue, share_opponent: Callable[[], None]):
+    def __init__(self, client: ClientHandle, queue: CommandQueue, share: Callable[[str, str], None]):
         self._client, self._queue = client, queue
-        self._share_opponent = share_opponent
+        self._share = share
         self._arms: Arms | None = None  # before the first world
         self._nodes = Nodes()
         self._fixtures: Fixtures | None = None  # before the first world
@@ -58,7 +58,7 @@ class Scene3D:
         """Set up the scene of a world, in place of the one before."""
         self._nodes.begin()
         self._world = world
-        self._arms = Arms(self._client, self._nodes, world, self._share_opponent)
+        self._arms = Arms(self._client, self._nodes, world, self._share)
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
         self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
         self._furnish()
@@ -67,6 +67,7 @@ class Scene3D:
 
     def _furnish(self) -> None:
         """All but the arms, in the colours of the scheme, in place of what there is."""
+        add_floor(self._client.scene, LOOKS[self._dark])
         self._fixtures = Fixtures(self._client, self._nodes, self._world, self._dark)
         for name in self._bases:
             for i in range(len(self._world.body)):
@@ -84,7 +85,7 @@ class Scene3D:
         view = state.view
         if view.on("dark") != self._dark:
             self._dark = view.on("dark")
-            add_light_and_floor(self._client.scene, LOOKS[self._dark])
+            add_light(self._client.scene, LOOKS[self._dark])
             self._furnish()
         self._view.follow(lambda: self._landmarks(state.present))
         if view.fits != self._fits:
@@ -104,6 +105,11 @@ class Scene3D:
         demo = self._demo_points[1]
         self._points = np.concatenate([own, demo])
         self._moment.draw(state, own, demo)
+
+    @property
+    def built(self) -> bool:
+        """Whether there is a world."""
+        return self._arms is not None
 
     @property
     def arms(self) -> Arms:

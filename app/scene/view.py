@@ -11,6 +11,7 @@ FOV = np.radians(36.0)
 MARGIN = 0.93  # of the half angle that the default view fills
 BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
+DOCKED_WITHIN = 3.0  # s
 UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
 LATELY = 8  # such places: the browser may tell of an earlier one while the window's edge is dragged
 AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
@@ -27,8 +28,7 @@ class DefaultView:
     @property
     def aspect(self) -> float | None:
         """Width by height of the canvas, in whatever pixels; None while it has no size."""
-        width, height = self._client.camera.image_width, self._client.camera.image_height
-        return width / height if min(width, height) > 0 else None
+        return aspect_of(self._client)
 
     def fit(self, landmarks: NDArray) -> None:
         """As near as the canvas allows. landmarks: (k, 3) m, what must be seen."""
@@ -41,7 +41,7 @@ class DefaultView:
     def follow(self, landmarks: Callable[[], NDArray]) -> None:
         """Fit a camera that is where the page put it to a canvas of another shape than before."""
         aspect = self.aspect
-        if aspect is None or (self._aspect is not None and abs(np.log(aspect / self._aspect)) < SAME_SHAPE):
+        if aspect is None or same_shape(aspect, self._aspect):
             return
         self._aspect, here = aspect, self._client.camera.position
         if min(np.linalg.norm(here - place) for place in self._places) < UNTOUCHED:
@@ -50,6 +50,34 @@ class DefaultView:
     def forget(self) -> None:
         """What was fitted is gone: the next `follow` fits anew."""
         self._aspect = None
+
+
+class Docking:
+    """Panels come to stand beside a canvas that fills the window at first. What is drawn in it before is drawn twice,
+    and fitted to the wrong shape. waits: whether there are panels to wait for."""
+
+    def __init__(self, client: ClientHandle, waits: bool):
+        self._client, self._waits, self._until = client, waits, np.inf
+        self._aspect = aspect_of(client)
+
+    def over(self, now: float) -> bool:
+        """Whether they do, or seem never to; s of any clock."""
+        if self._waits:
+            self._until = min(self._until, now + DOCKED_WITHIN)
+            self._waits = now < self._until and same_shape(aspect_of(self._client), self._aspect)
+        return not self._waits
+
+
+def aspect_of(client: ClientHandle) -> float | None:
+    """Width by height of the canvas, in whatever pixels; None while it has no size."""
+    width, height = client.camera.image_width, client.camera.image_height
+    return width / height if min(width, height) > 0 else None
+
+
+def same_shape(aspect: float | None, other: float | None) -> bool:
+    if aspect is None or other is None:
+        return aspect is other
+    return bool(abs(np.log(aspect / other)) < SAME_SHAPE)
 
 
 def looking() -> NDArray:

@@ -7,11 +7,12 @@ import io
 import socket
 import threading
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 
 import viser
 
 from viewimit.settings import Settings
+from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
 from ..control.scheduler import Scheduler
@@ -20,8 +21,8 @@ from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..page import Page
-from ..scene.arms import share_meshes
-from ..scene.scene3d import share_scene
+from ..scene.arms import ALWAYS_SEEN, share_meshes
+from ..scene.scene3d import share_light
 from ..sessions.autosave import Autosave
 from ..sessions.resume import SessionKeys, token_of_client
 from ..sessions.stores import open_store
@@ -85,12 +86,14 @@ class App:
         self._keys = SessionKeys(server, autosave, settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._collecting = threading.Lock()
-        share_opponent = cache(lambda: share_meshes(server, "opponent"))  # its meshes wait for the first duel
+        share = cache(partial(share_meshes, server))  # what no page has shown yet waits
         camera = CameraProcess(pictured)
-        self.services = Services(LandscapeWorker(), ExperimentWorker(), camera, scheduler.shedding, share_opponent)
+        self.services = Services(LandscapeWorker(), ExperimentWorker(), camera, scheduler.shedding, share)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
-        share_scene(server)
+        share_light(server)
+        for arm in ALWAYS_SEEN:
+            share(load_scene(settings.scene, settings.robot).robot, arm)
         server.on_client_connect(self._connect)
         server.on_client_disconnect(self._disconnect)
         self._scheduler.start(server.get_event_loop())

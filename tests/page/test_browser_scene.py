@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from browsing import LESSON, PATIENCE_MS, choose, chosen_point, open_page, press, switch, wait
+from browsing import LESSON, choose, chosen_point, open_page, press, switch, wait
 from viewimit.app.control.presets import PRESETS
 
 from viewimit.drawing.theme import ROLES
@@ -46,7 +46,6 @@ def begin(page, preset):
 
 def test_after_other_worlds_all_stands_where_it_stood_at_first(page):
     first = PRESETS[0]
-    page.wait_for_function(f"() => window.__viserMutable.nodeRefFromName['{HAND}']", timeout=PATIENCE_MS)
     before = page.evaluate(POSES)
     for name in ("Demonstrator faces the learner", "Seven joints"):
         begin(page, next(preset for preset in PRESETS if preset.name == name))

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from viewed_scene import ViewedScene
 from viewimit.app.control.presets import PRESETS
 from viewimit.app.control.queue import CommandQueue
 from viewimit.app.scene.arms import share_meshes
-from viewimit.app.scene.scene3d import Scene3D, share_scene
+from viewimit.app.scene.scene3d import Scene3D, share_light
 from waiting import wait_until
+
+from viewimit.settings import Settings
 
 
 class Viewer(Client):
@@ -36,7 +39,7 @@ class Stage:
         self.viewer = Viewer(f"http://127.0.0.1:{server.get_port()}")
         (client_id,) = wait_until(lambda: set(server.get_clients()) - before)
         self._client = server.get_clients()[client_id]
-        self._scene = Scene3D(self._client, CommandQueue(), lambda: share_meshes(server, "opponent"))
+        self._scene = Scene3D(self._client, CommandQueue(), partial(share_meshes, server))
         self._shown = 0
 
     def show(self, model, theta_opponent=None) -> dict:
@@ -51,13 +54,22 @@ class Stage:
         return self.viewer.scene.nodes
 
 
-@pytest.fixture(scope="module")
-def server():
+@contextlib.contextmanager
+def serving():
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        share_scene(server)
+        share_light(server)
         yield server
         server.stop()
+
+
+@pytest.fixture(scope="module")
+def server(models):
+    """Where every robot has been shown."""
+    with serving() as server:
+        for model in models:
+            Stage(server).show(model)
+        yield server
 
 
 @pytest.fixture(scope="module")
@@ -100,3 +112,15 @@ def test_an_opponent_is_seen_in_a_duel_alone_and_where_it_stands(server, models)
         seen = arm(stage.show(first, opponent))
         assert "/panda/opponent/j1/mesh" in seen
         assert_same(seen, arm(fresh))
+
+
+def test_no_robot_is_sent_before_a_page_shows_it():
+    panda, iiwa = (quiet_model(Settings(scene=scene))[0] for scene in ("panda", "iiwa"))
+    with serving() as server:
+        stage = Stage(server)
+        sent = lambda: {tuple(name.split("/")[1:3]) for name in stage.viewer.nodes if name.endswith("/mesh")}
+        assert sent() == set()
+        stage.show(panda)
+        assert sent() == {("panda", "learner"), ("panda", "demonstrator")}
+        assert {"/iiwa/learner/j1/mesh", "/iiwa/demonstrator/j1/mesh"} <= stage.show(iiwa).keys()
+        assert not any(name.startswith("/panda") and name.endswith("/mesh") for name in stage.show(iiwa))

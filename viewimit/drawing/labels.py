@@ -1,5 +1,7 @@
 """Places for labels in a plot, so that none covers another, a mark or a line. What finds no room is left out."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -11,6 +13,7 @@ BESIDE = np.array(
     [(0, 1), (0, -1), (1, 0), (-1, 0), (0.5, 1), (-0.5, 1), (0.5, -1), (-0.5, -1), (0, 2), (0, -2), (0.7, 2), (-0.7, 2)]
 )
 OUTS, UPS = (1.0, 2.0, 0.3, 3.0, 4.0), (-1, 1, -2, 2, 0, -3, 3)  # of OUT, of UP, the better ones first
+AT_ONCE = 8  # places that are tried together
 STRIDE = 5.0  # px between the points of a line that are kept free
 
 
@@ -28,12 +31,11 @@ class Labels:
 
     def take(self, rectangles: ArrayLike) -> None:
         """(4,) or (k, 4) px"""
-        self._taken = np.concatenate([self._taken, np.atleast_2d(np.asarray(rectangles, float))])
+        self._taken = np.concatenate([self._taken, np.reshape(rectangles, (-1, 4))])
 
     def take_points(self, places: NDArray, radius: float) -> None:
         """places: (2,) or (k, 2) px"""
-        places = np.atleast_2d(places)
-        self.take(np.concatenate([places - radius, places + radius], 1))
+        self.take(np.concatenate([places - radius, places + radius], -1))
 
     def take_line(self, points: NDArray, radius: float) -> None:
         """points: (k, 2) px"""
@@ -53,12 +55,15 @@ class Labels:
 
     def take_first_free(self, places: NDArray) -> NDArray | None:
         """The first of (k, 4) px that covers nothing and is within bounds."""
-        low, high = self.bounds[:2], self.bounds[2:]
-        free = np.flatnonzero(~self.covers(places) & (places[:, :2] >= low).all(1) & (places[:, 2:] <= high).all(1))
-        if not len(free):
-            return None
-        self.take(places[free[0]])
-        return places[free[0]]
+        left, top, right, bottom = self.bounds
+        a, b, c, d = places.T
+        places = places[(a >= left) & (b >= top) & (c <= right) & (d <= bottom)]
+        for k in range(0, len(places), AT_ONCE):  # the better places come first, and mostly one of the first is free
+            free = np.flatnonzero(~self.covers(places[k : k + AT_ONCE]))
+            if len(free):
+                self.take(places[k + free[0]])
+                return places[k + free[0]]
+        return None
 
     def beside(self, x: float, y: float, words: str, classes: str, distance: float) -> str:
         """A label next to a mark, on the first side with room."""
@@ -69,14 +74,7 @@ class Labels:
 
     def led(self, x: float, y: float, words: str, kind: str, to_left: bool) -> str:
         """A label with a line of class `kind` that leads from the mark to it."""
-        w = CHARACTER * len(words)
-        places = []
-        for out in OUTS:
-            for side in (-1, 1) if to_left else (1, -1):
-                for up in UPS:
-                    left, middle = x - out * OUT - w if side < 0 else x + out * OUT, y + up * UP
-                    places.append((left, middle - LINE / 2, left + w, middle + LINE / 2))
-        place = self.take_first_free(np.array(places))
+        place = self.take_first_free(_led_places(x, y, CHARACTER * len(words), to_left))
         if place is None:
             return ""
         left, top, right, _ = place.tolist()
@@ -86,6 +84,18 @@ class Labels:
         self.take_line(np.array([[from_x, from_y], [end_x, end_y]]), 1)
         leader = f'<path class="{kind}" d="M{from_x:.1f} {from_y:.1f}L{end_x:.1f} {end_y:.1f}"/>'
         return leader + _text(place, words, "vi-halo")
+
+
+@lru_cache(64)  # marks stay where they are while a path grows
+def _led_places(x: float, y: float, w: float, to_left: bool) -> NDArray:
+    """(k, 4) px around a mark, the better ones first. w: px of the words."""
+    places = []
+    for out in OUTS:
+        for side in (-1, 1) if to_left else (1, -1):
+            for up in UPS:
+                left, middle = x - out * OUT - w if side < 0 else x + out * OUT, y + up * UP
+                places.append((left, middle - LINE / 2, left + w, middle + LINE / 2))
+    return np.array(places)
 
 
 def _text(place: NDArray, words: str, classes: str) -> str:

@@ -42,6 +42,8 @@ class PosturePlane:
         edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
         up, across = zip(self._low.tolist(), self._high.tolist())
         self._axes = Axes(*edges, across, up)
+        self._start, self._sides = np.array([edges[0], edges[3]]), np.array([edges[2] - edges[0], edges[1] - edges[3]])
+        self._span = span[::-1]
         self.labels = Labels(*edges)
 
     @property
@@ -50,8 +52,8 @@ class PosturePlane:
         return self._top + self.box[3] + self._bottom
 
     def place(self, degrees: NDArray) -> NDArray:
-        """(..., 2) degrees → px"""
-        return self._axes.place(degrees[..., 1], degrees[..., 0])
+        """(..., 2) degrees → px, in one step: it is asked for several times a motion"""
+        return self._start + self._sides * (degrees[..., ::-1] - self._low[::-1]) / self._span
 
     def grid(self, axes: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
         """px of the columns and of the rows of a grid over axes, rad"""

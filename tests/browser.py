@@ -27,8 +27,8 @@ def find() -> str | None:
     chosen = os.environ.get("VIEWIMIT_CHROMIUM")
     if chosen:
         return chosen
-    candidates = [shutil.which(name) for name in NAMES] + [*ELSEWHERE, _playwrights_own()]
-    return next((path for path in candidates if path and _runs(path)), None)
+    candidates = [*map(shutil.which, NAMES), *ELSEWHERE]
+    return next((path for path in candidates if path and _runs(path)), None) or _playwrights_own()
 
 
 def install() -> str | None:
@@ -77,7 +77,7 @@ def _playwrights_own() -> str | None:
         return None
     with sync_playwright() as playwright:
         path = playwright.chromium.executable_path
-    return path if Path(path).is_file() else None
+    return path if Path(path).is_file() and _runs(path) else None
 
 
 if __name__ == "__main__":

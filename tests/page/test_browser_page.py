@@ -54,14 +54,6 @@ from viewimit.app.control.presets import PRESETS
 pytestmark = pytest.mark.browser
 
 
-@pytest.fixture
-def page(browser, server):
-    page = open_page(browser, server)
-    yield page
-    page.close()
-    assert page.problems == []
-
-
 @pytest.fixture(scope="module")
 def used_page(browser, server):
     page = open_page(browser, server)
@@ -73,17 +65,21 @@ def used_page(browser, server):
 @pytest.fixture
 def session(used_page):
     """A page on which others have been, with its session as at first. Who changes more than that puts it right."""
+    preset = used_page.get_by_label("Preset", exact=True).first
     press(used_page, "Escape")  # nothing is large
-    choose(used_page, "Preset", PRESETS[1].name)
-    choose(used_page, "Preset", PRESETS[0].name)
+    press(used_page, "r")
+    wait_for_status(used_page, "Ready")  # all that others did is carried out: the preset's name says if it changed
+    if preset.input_value() != PRESETS[0].name:
+        choose(used_page, "Preset", PRESETS[0].name)
     used_page.get_by_role("tab", name="Landscape").click()
     wait(used_page, lambda: used_page.text_content(LESSON) == PRESETS[0].lesson)
     wait_for_status(used_page, "Ready")
-    assert posture(used_page) == [25, -25]
+    assert preset.input_value() == PRESETS[0].name and demonstrator(used_page) == 45 and posture(used_page) == [25, -25]
     return used_page
 
 
-def test_a_new_visitor_sees_everything(page):
+def test_a_new_visitor_sees_everything(used_page):
+    page = used_page  # by nobody yet: the others come after
     assert "Ready" in status(page)
     assert canvas_colours(page) > 1000
     names = page.locator(VIEW_NAME).all_text_contents()

@@ -8,6 +8,18 @@ from pathlib import Path
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 ELSEWHERE = ("/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",)
+OFF = (
+    "WebUIOmniboxPopup",  # the address bar's lists, which nobody sees: each window would have a process for them
+    "WebUIOmniboxAimPopup",
+    # As Playwright has it, whose own list this takes the place of
+    "DestroyProfileOnBrowserClose",
+    "HttpsUpgrades",
+    "LensOverlay",
+    "MediaRouter",
+    "OptimizationHints",
+    "PaintHolding",
+    "ThirdPartyStoragePartitioning",
+)
 FLAGS = [
     "--no-sandbox",  # tests run as root too; the page is our own
     "--disable-quic",
@@ -19,6 +31,7 @@ FLAGS = [
     "--use-angle=swiftshader",  # WebGL without a graphics card
     "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",  # what is not WebGL costs a third where no graphics card is imitated for it
+    f"--disable-features={','.join(OFF)}",
 ]
 
 

@@ -203,7 +203,7 @@ def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")
-@pytest.mark.parametrize("visits, bound_mb", [(25, 50), pytest.param(125, 12.5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("visits, bound_mb", [(15, 30), pytest.param(125, 12.5, marks=pytest.mark.slow)])
 def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
     server = Server()
     for visit in range(10 + visits):

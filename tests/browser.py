@@ -8,6 +8,18 @@ from pathlib import Path
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 ELSEWHERE = ("/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",)
+OFF = (
+    "WebUIOmniboxPopup",  # the address bar's lists, which nobody sees: each window would have a process for them
+    "WebUIOmniboxAimPopup",
+    # As Playwright has it, whose own list this takes the place of
+    "DestroyProfileOnBrowserClose",
+    "HttpsUpgrades",
+    "LensOverlay",
+    "MediaRouter",
+    "OptimizationHints",
+    "PaintHolding",
+    "ThirdPartyStoragePartitioning",
+)
 FLAGS = [
     "--no-sandbox",  # tests run as root too; the page is our own
     "--disable-quic",
@@ -19,6 +31,7 @@ FLAGS = [
     "--use-angle=swiftshader",  # WebGL without a graphics card
     "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",  # what is not WebGL costs a third where no graphics card is imitated for it
+    f"--disable-features={','.join(OFF)}",
 ]
 
 
@@ -27,8 +40,8 @@ def find() -> str | None:
     chosen = os.environ.get("VIEWIMIT_CHROMIUM")
     if chosen:
         return chosen
-    candidates = [shutil.which(name) for name in NAMES] + [*ELSEWHERE, _playwrights_own()]
-    return next((path for path in candidates if path and _runs(path)), None)
+    candidates = [*map(shutil.which, NAMES), *ELSEWHERE]
+    return next((path for path in candidates if path and _runs(path)), None) or _playwrights_own()
 
 
 def install() -> str | None:
@@ -77,7 +90,7 @@ def _playwrights_own() -> str | None:
         return None
     with sync_playwright() as playwright:
         path = playwright.chromium.executable_path
-    return path if Path(path).is_file() else None
+    return path if Path(path).is_file() and _runs(path) else None
 
 
 if __name__ == "__main__":

@@ -46,16 +46,26 @@ DETECTED = f"{css(drawn.OWN_POINTS)}:not({css(drawn.NOT_DETECTED)})"
 LAST_NODE = "/now/chosen_demonstrator"  # of the 3-D scene, as it is built
 
 # A software renderer needs nearly a second of both cores for a frame of the 3-D scene. Everything but its triangles is
-# as ever, three.js with its shaders, lights and meshes too. `canvas_colours` has them drawn in the next frame, and no
-# frame follow it until it has been looked at.
-SPARING = """
+# as ever, three.js with its shaders, lights and meshes too, at as many frames a second as on a slow machine.
+# `canvas_colours` has them drawn in the next frame, and no frame follow it until it has been looked at.
+SPARING = """{
 window.drawsTriangles = window.holds = false;
-const nextFrame = window.requestAnimationFrame.bind(window), waiting = [];
-window.requestAnimationFrame = call => nextFrame(time => window.holds ? waiting.push(call) : call(time));
-window.goOn = () => {
-  window.drawsTriangles = window.holds = false;
-  waiting.splice(0).forEach(call => nextFrame(call));
+const nextFrame = window.requestAnimationFrame.bind(window), waiting = new Map(), period = 100;
+let asked = 0, comes = false;
+const next = () => {
+  if (!comes) setTimeout(() => nextFrame(show), period - performance.now() % period);
+  comes = true;
 };
+const show = time => {
+  comes = false;
+  if (window.holds) return;
+  for (const [id, call] of [...waiting]) try {
+    if (waiting.delete(id)) call(time);
+  } catch (error) { reportError(error); }
+};
+window.requestAnimationFrame = call => { waiting.set(++asked, call); next(); return asked; };
+window.cancelAnimationFrame = id => waiting.delete(id);
+window.goOn = () => { window.drawsTriangles = window.holds = false; next(); };
 for (const kind of [WebGLRenderingContext, WebGL2RenderingContext])
   for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
     const draw = kind.prototype[name];
@@ -65,7 +75,7 @@ for (const kind of [WebGLRenderingContext, WebGL2RenderingContext])
       setTimeout(() => { window.holds = window.drawsTriangles; });
     };
   }
-"""
+}"""
 
 
 def open_page(browser, url: str, size: str = "least", **options):
@@ -117,7 +127,7 @@ def wait_for_status(page, pattern: str, seconds: float = PATIENCE_S) -> str:
 
 def wait(page, condition, seconds: float = PATIENCE_S) -> None:
     """Until condition(), while the page's events are heard."""
-    wait_until(condition, seconds, lambda passed: page.wait_for_timeout(2000 * passed))
+    wait_until(condition, seconds, lambda _: pause(page))  # a look costs the browser more than a moment of waiting
 
 
 def pause(page) -> None:
@@ -208,4 +218,4 @@ def canvas_colours(page) -> int:
     page.wait_for_function("window.holds", polling=50, timeout=PATIENCE_MS)
     picture = Image.open(io.BytesIO(page.screenshot(clip=box, timeout=PATIENCE_MS))).convert("RGB")
     page.evaluate("window.goOn()")
-    return len(np.unique(np.asarray(picture).reshape(-1, 3), axis=0))
+    return len(picture.getcolors(picture.width * picture.height))

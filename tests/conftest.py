@@ -18,6 +18,7 @@ from waiting import wait_until
 
 from viewimit.cli import main
 
+LONG = ("test_types.py", "test_readme.py", "test_extension.py")
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
 hypothesis.settings.register_profile("patient", deadline=None)  # how long an example takes is the machine's matter
@@ -103,8 +104,9 @@ def redis_url(tmp_path_factory):
 
 
 def pytest_collection_modifyitems(items):
-    """The browser's tests first: they are the longest, and none of them should be left to one process at the end."""
-    items.sort(key=lambda item: "browser" not in item.keywords)
+    """The browser's tests first, then the longest of the files that would come last: none of them should be left to one
+    process at the end."""
+    items.sort(key=lambda item: ("browser" not in item.keywords, item.path.name not in LONG))
 
 
 @pytest.hookimpl(optionalhook=True)

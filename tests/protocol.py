@@ -85,7 +85,7 @@ class Client:
     @property
     def status(self) -> str:
         """The pill over the scene."""
-        return next((html for html in self.html.values() if 'role="status"' in html), "")
+        return next((html for html in list(self.html.values()) if 'role="status"' in html), "")
 
     def ready(self, seconds: float = 30.0) -> "Client":
         """Once its page is built."""

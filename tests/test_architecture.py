@@ -1,6 +1,7 @@
 """Who may import whom, read from the source; and what `import viewimit` loads."""
 
 import ast
+import functools
 import re
 import subprocess
 import sys
@@ -69,10 +70,16 @@ def module_of(path):
     return parts[:-1] if parts[-1] == "__init__" else parts
 
 
+@functools.cache
+def nodes_of(path):
+    """All of a file's syntax tree."""
+    return tuple(ast.walk(ast.parse(path.read_text())))
+
+
 def imports_of(path):
     """(module as a tuple, AST node) of everything that a file imports, at any depth."""
     here = module_of(path) if path.name == "__init__.py" else module_of(path)[:-1]
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield tuple(alias.name.split(".")), node
@@ -146,7 +153,7 @@ def test_panels_and_scene_are_given_what_they_show():
 
 def test_no_constructor_takes_more_than_anybody_keeps_apart():
     for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes_of(path):
             if isinstance(node, ast.FunctionDef) and node.name == "__init__":
                 arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
                 assert len(arguments) - 1 <= MOST_ARGUMENTS, f"{path}:{node.lineno}"
@@ -175,7 +182,7 @@ def test_drawings_are_given_what_they_show(path):
         if module[0] == "viewimit" and module[1:2] not in (("drawing",), ("assets",)):
             for name in {alias.name for alias in node.names} - COUNT:
                 assert name[0].isupper() and name not in COMPUTE, f"{path.name}: {name}"
-    called = {ast.unparse(node.func) for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)}
+    called = {ast.unparse(node.func) for node in nodes_of(path) if isinstance(node, ast.Call)}
     assert not [one for one in called if re.match(rf"({'|'.join(METHODS)})\[[^]]*\](\.fit|\.step)?$", one)], path.name
 
 

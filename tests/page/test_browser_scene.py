@@ -12,7 +12,8 @@ pytestmark = pytest.mark.browser
 POSES = """() => Object.fromEntries(Object.entries(window.__viserMutable.nodeRefFromName)
   .filter(([name, node]) => node && name && window.__viserSceneTree.getState()[name]?.effectiveVisibility)
   .map(([name, node]) => [name, [...node.quaternion.toArray(), ...node.position.toArray()]]))"""
-CAMERA = "() => window.__viserMutable.camera.position.toArray()"
+CAMERA = """() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() =>
+  done(window.__viserMutable.camera.position.toArray()))))"""  # after another frame
 COLOURS = """name => { const found = []; window.__viserMutable.nodeRefFromName[name].traverse(part => {
   if (part.material?.color) found.push('#' + part.material.color.getHexString()) }); return found }"""
 PLACE = """name => {

@@ -49,7 +49,7 @@ def here(tmp_path, monkeypatch):
 
 def photographs(client: Client) -> set[str]:
     """The pictures that the page shows, as data."""
-    panel = next((html for html in client.html.values() if 'aria-label="The four images"' in html), "")
+    panel = next((html for html in list(client.html.values()) if 'aria-label="The four images"' in html), "")
     return set(re.findall(r'href="(data:image/jpeg;base64,[^"]+)"', panel))
 
 

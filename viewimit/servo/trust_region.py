@@ -20,12 +20,13 @@ from numpy.typing import NDArray
 from ..equations import Equation, angles, short
 from ..evaluation import conflict as evaluate
 from .certificate import CHECK, UNTOLD, Certificate, certify
-from .image_model import ENOUGH, Visit, by_coordinate
+from .image_model import ENOUGH
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
 from .servo import Moment
 from .surrogate import Surrogate, learn
 from .surroundings import FREE, Known, survey
+from .visit import Visit
 
 _LAW = (
     r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
@@ -178,7 +179,7 @@ def _outcome(state: TrustState, moment: Moment) -> str:
 
 
 def _visit(seen: Observation) -> Visit:
-    return Visit(seen.displacement, np.where(by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
+    return Visit.of(seen.displacement, seen.own, seen.seen)
 
 
 def _arrived(state: TrustState, seen: Observation) -> TrustState:

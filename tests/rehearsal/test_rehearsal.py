@@ -8,6 +8,7 @@ from viewimit.app.sessions import codec
 
 from viewimit.body_image import FEWEST
 from viewimit.rehearsal import rehearse
+from viewimit.servo.trust_region import FIRST_RADIUS
 from viewimit.session import Session
 from viewimit.settings import BEST
 from viewimit.simulation.eyes import ProjectedEyes
@@ -84,6 +85,7 @@ def test_where_points_have_moved_it_notices_and_probes():
     assert [moment.E for moment in session.history] == [moment.E for moment in alone.history]
     session.pose(np.radians((60.0, -60.0)))
     alone.pose(np.radians((60.0, -60.0)))
+    assert session.snapshot.servo_state.radius == FIRST_RADIUS
     assert session.run(60).E == alone.run(60).E and error_deg(session.snapshot) < 0.5
 
 

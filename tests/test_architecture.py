@@ -24,6 +24,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "servo",
     "perception",
     "settings",
+    "body_image",
     "snapshot",
     "history",
     "simulation",
@@ -32,6 +33,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "contradictions",
     "prediction",
     "session",
+    "rehearsal",
     "analysis",
     "drawing",
     "experiments",
@@ -104,8 +106,8 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "contradictions", "history", "looking", "prediction", "rectifying", "servo", "settings", "simulation",
-        "snapshot", "views",
+        "body_image", "contradictions", "history", "looking", "prediction", "rectifying", "servo", "settings",
+        "simulation", "snapshot", "views",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

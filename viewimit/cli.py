@@ -17,6 +17,7 @@ BAD_INPUT = 2
 COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
     "imitate": "One run of the loop, without a page.",
+    "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --body goes on from that.",
     "landscape": "E over the range of the two moving joints.",
     "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
     "detect": "Markers in your own pictures or videos, as a table of points.",

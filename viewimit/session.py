@@ -14,6 +14,7 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .body_image import FEWEST, Body, BodyImage
 from .contradictions import believed
 from .history import MAX_HISTORY, History
 from .looking import Observer
@@ -21,6 +22,7 @@ from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .rectifying import POOLED, rectification_for
 from .servo import SERVOS, Observation
 from .servo.observation import Conflict
+from .servo.visit import Visit
 from .settings import USUAL_POINTS, Settings
 from .simulation.eyes import Eyes, open_eyes
 from .simulation.scene import Scene, load_scene
@@ -100,6 +102,9 @@ class Session:
 
         From a moment in the past the later history is dropped.
         """
+        if self.snapshot.rehearses:
+            self._rehearse(self.snapshot)
+            return True
         now = self._with_points()
         if now.transfer is None:
             return False
@@ -112,12 +117,7 @@ class Session:
         if not np.any(displacement):
             self.history.replace(_resting(now, state))
             return False
-        commanded, theta = self._drive(now, displacement)  # → next posture
-        waited, lag = self.observer.wait(now, theta)
-        after = self.observe(  # → four views → transfer → recovered points → e → E
-            theta, now, motion=now.motion + 1, look=now.look + 1 + waited, lag=lag, commanded=commanded,
-            moved=theta - now.theta, probe=state.probe, status=state.status, servo_state=state,
-        )  # fmt: skip
+        after = self._moved(now, displacement, probe=state.probe, status=state.status, servo_state=state)
         self.history.append(after)
         return True
 
@@ -140,6 +140,8 @@ class Session:
     def observation(self, now: Snapshot) -> Observation:
         """What a servo is told of a moment of the history."""
         start = now.settings.start_rad
+        known = now.body if now.body is not None and len(now.body) >= FEWEST else None
+        noise_px = self.observer.noise_at_rest(now.settings)
         return Observation(
             own=now.views.own,
             seen=now.views.visible[:, 2:],
@@ -148,7 +150,8 @@ class Session:
             lower=self.scene.lower - start,
             upper=self.scene.upper - start,
             motion=now.motion,
-            noise_px=self.observer.noise_at_rest(now.settings),
+            noise_px=noise_px if known is None else max(noise_px, known.noise_px),
+            rehearsed=() if known is None else known.seen_from(self.scene.lower - start),
         )
 
     def predicted_conflict(self, now: Snapshot) -> Conflict:
@@ -177,6 +180,30 @@ class Session:
         """
         self._pose(self.scene.require_posture(theta_demo, "demonstrator's"), self.settings, self.snapshot)
 
+    def rehearse(self, postures: NDArray) -> None:
+        """Go through these, (K, m) rad, in the next steps, with nobody to imitate, and keep what is seen of the own
+        body; then imitate. The servo begins afresh, and what was rehearsed before is forgotten.
+
+        Raises ValueError, with the session as it was, for a posture out of the limits or fewer than FEWEST.
+        """
+        if len(postures) < FEWEST:
+            raise ValueError(f"needs {FEWEST} postures or more, got {len(postures)}")
+        to_rehearse = np.array([self.scene.require_posture(theta, "the rehearsed") for theta in postures])
+        settings = self.settings
+        body = BodyImage(body_of(settings, self.scene), settings.scene, self.observer.noise_at_rest(settings))
+        now = self.snapshot.with_fields(body=body, to_rehearse=to_rehearse, servo_state=None, status="rehearsing")
+        self.history.replace(now)
+
+    def remember(self, body: BodyImage | None) -> None:
+        """Imitate with what was rehearsed elsewhere, or None. The servo begins afresh.
+
+        Raises ValueError, with the session as it was, for a rehearsal of another body, with what differs.
+        """
+        if body is not None:
+            body_of(self.settings, self.scene).require(body.body)
+        now = self.snapshot
+        self.history.replace(now.with_fields(body=body, to_rehearse=None, servo_state=None, status=_awake(now)))
+
     def undo(self) -> bool:
         """One motion back; the later ones stay until the next step. False at the start."""
         return self.history.undo()
@@ -199,9 +226,15 @@ class Session:
         self.history = History(history, cursor, self._dense)
 
     def begin(self, settings: Settings) -> None:
-        """Begin anew, at motion 0. Raises ValueError, with the session as it was, if the settings cannot be."""
+        """Begin anew, at motion 0, with what was rehearsed if that was of the same body.
+
+        Raises ValueError, with the session as it was, if the settings cannot be.
+        """
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort)
         settings, demo, start = _complete(settings, scene)
+        body = None if self._built is None else self.snapshot.body
+        if body is not None and body.body != body_of(settings, scene):
+            body = None
         build = settings.camera, scene, settings.points
         if build != self._built:
             self.eyes, self._built = self._open_eyes(*build), build
@@ -210,7 +243,7 @@ class Session:
         blank = Snapshot(
             settings=settings, motion=0, look=0, theta=standing, theta_demo=demo, views=NOTHING_SEEN,
             rectification=None, E=np.nan, commanded=start, moved=np.zeros_like(start), probe=False, status="ready",
-            servo_state=None, lag=None, frozen=None,
+            servo_state=None, lag=None, frozen=None, body=body,
         )  # fmt: skip
         self.history = History([blank], dense=self._dense)
         self.history.replace(self.observe(standing, blank))
@@ -228,6 +261,24 @@ class Session:
         servo, seen = SERVOS[now.settings.servo], self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
         return servo.step(state, seen, self.predicted_conflict(now))
+
+    def _moved(self, now: Snapshot, displacement: NDArray, **changes) -> Snapshot:
+        """The moment after a motion, (m,) rad, that changes these fields as well."""
+        commanded, theta = self._drive(now, displacement)  # → next posture
+        waited, lag = self.observer.wait(now, theta)
+        return self.observe(  # → four views → transfer → recovered points → e → E
+            theta, now, motion=now.motion + 1, look=now.look + 1 + waited, lag=lag, commanded=commanded,
+            moved=theta - now.theta, **changes,
+        )  # fmt: skip
+
+    def _rehearse(self, now: Snapshot) -> None:
+        """On to the next posture to watch itself in, and keep what is seen there."""
+        assert now.to_rehearse is not None and now.body is not None
+        target, left = now.to_rehearse[0], now.to_rehearse[1:]
+        after = self._moved(now, target - now.commanded, probe=True, to_rehearse=left)
+        visit = Visit.of(after.commanded - self.scene.lower, after.views.own, after.views.visible[:, 2:])
+        status = "rehearsing" if len(left) else _awake(after)
+        self.history.append(after.with_fields(body=now.body.with_visit(visit), status=status))
 
     def _drive(self, now: Snapshot, displacement: NDArray) -> tuple[NDArray, NDArray]:
         """Where the arm is sent within its limits, and where it then stands: (m,) rad each."""
@@ -251,6 +302,18 @@ def complete(settings: Settings) -> Settings:
     Raises ValueError as `Session` does.
     """
     return _complete(settings, load_scene(settings.scene, settings.robot, settings.joints))[0]
+
+
+def body_of(settings: Settings, scene: Scene) -> Body:
+    """What a rehearsal with these is a rehearsal of."""
+    return Body(
+        robot=scene.robot,
+        joints=tuple(scene.moving_joints),
+        span_deg=tuple(round(high - low, 6) for low, high in scene.range_deg),
+        points=settings.points,
+        camera=settings.camera,
+        undistort=scene.head.undistort,
+    )
 
 
 def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDArray]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .body_image import BodyImage
 from .geometry.affine import MIN_POINTS, flatness
 from .geometry.pairs import INTO, PairGeometry, fit_pairs
 from .geometry.rectification import Rectification
@@ -27,9 +28,12 @@ class Snapshot:
     they are not; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: ready, moving, converged, rests, untold, stalled, stopped; servo_state: None before the servo was asked;
+    status: ready, rehearsing, moving, converged, rests, untold, stalled, stopped; servo_state: None before the servo
+    was asked;
     lag: looks that images come late, None until a motion has shown it;
-    frozen: the transfer as it was fitted at the last convergence, None before.
+    frozen: the transfer as it was fitted at the last convergence, None before;
+    body: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
+    to_rehearse: (k, m) rad, postures still to watch itself in, None or (0, m) if there are none.
     """
 
     settings: Settings
@@ -47,6 +51,8 @@ class Snapshot:
     servo_state: Any
     lag: int | None
     frozen: FittedTransfer | None
+    body: BodyImage | None = None
+    to_rehearse: NDArray | None = None
 
     @cached_property
     def usable(self) -> NDArray:
@@ -82,6 +88,18 @@ class Snapshot:
     def e(self) -> NDArray:
         """(N, 4) px: residuals in [L, R], from the recovered points to the learner's own; NaN if not usable."""
         return self.views.own - self.recovered
+
+    @property
+    def rehearses(self) -> bool:
+        """Whether it is to watch itself before it imitates."""
+        return self.to_rehearse is not None and len(self.to_rehearse) > 0
+
+    @property
+    def rehearsal_holds(self) -> bool | None:
+        """Whether the servo still goes by what was rehearsed; None if nothing was, or none was asked yet."""
+        if self.body is None or self.servo_state is None:
+            return None
+        return bool(getattr(self.servo_state, "rehearsed", ()))
 
     @property
     def certificate(self) -> Certificate | None:

@@ -12,8 +12,10 @@ import msgspec
 import numpy as np
 import zstandard
 
+from viewimit.body_image import Body, BodyImage
 from viewimit.geometry.rectification import Rectification
 from viewimit.servo import SERVOS
+from viewimit.servo.visit import Visit
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
@@ -23,6 +25,7 @@ from viewimit.views import FourViews
 MOST_BYTES = 256 << 20  # of a part, unpacked
 SCALARS = (type(None), bool, int, float, str)
 KINDS = "biuf"  # of arrays: numbers and truth values, no objects
+OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, BodyImage, Body, Visit)
 ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
 
 
@@ -86,7 +89,7 @@ class _Packer:
 
 def _classes() -> dict[str, type]:
     """What may be kept, by name. Raises TypeError if two classes have one name."""
-    found: dict[str, type] = {kind.__name__: kind for kind in (Snapshot, FourViews, Rectification, RectifiedTransfer)}
+    found: dict[str, type] = {kind.__name__: kind for kind in OF_THE_LOOP}
     stored = [method.stored for method in TRANSFERS.values()] + [servo.stored for servo in SERVOS.values()]
     for kind in (kind for kinds in stored for kind in kinds):
         if found.setdefault(kind.__name__, kind) is not kind:

@@ -50,7 +50,7 @@ def test_the_table_is_of_the_runs(monkeypatch):
 
 def test_a_run_repeats_itself_and_gives_up_when_blind():
     settings = robustness.msgspec.structs.replace(BEST, noise_px=0.5, frames=3)
-    assert run_once(settings, None, [0, 1], 12) == run_once(settings, None, [0, 1], 12)
+    assert run_once(settings, CASES[0], [0, 1], 12) == run_once(settings, CASES[0], [0, 1], 12)
     blind = robustness.msgspec.structs.replace(BEST, missing=1.0)
-    error, expected, motions, claimed = run_once(blind, None, [0, 1], 12)
+    error, expected, motions, claimed = run_once(blind, CASES[0], [0, 1], 12)
     assert motions == 0 and not claimed and expected == 0

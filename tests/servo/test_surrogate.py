@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.servo.image_model import Visit
 from viewimit.servo.surrogate import BEND, LEAST_NOISE, LENGTH, OFFSET, SLOPE, learn
+from viewimit.servo.visit import Visit
 
 
 def kernel(a, b):

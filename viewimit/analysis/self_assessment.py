@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..servo.certificate import Certificate, certify
-from ..servo.image_model import Visit, by_coordinate
 from ..servo.minimise import Minimum, minimise
 from ..servo.surrogate import LEAST_NOISE, learn
 from ..servo.surroundings import Known, survey
+from ..servo.visit import Visit
 from ..session import Session
 from ..snapshot import Snapshot
 
@@ -81,6 +81,4 @@ def _room(E: float, found: Minimum) -> float:
 
 
 def _visit(moment: Snapshot) -> Visit:
-    seen = moment.views.visible[:, 2:]
-    own = np.where(by_coordinate(seen), moment.views.own, np.nan)
-    return Visit(moment.commanded - moment.settings.start_rad, own, seen)
+    return Visit.of(moment.commanded - moment.settings.start_rad, moment.views.own, moment.views.visible[:, 2:])

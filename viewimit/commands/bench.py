@@ -5,11 +5,13 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 
 import msgspec
 from tqdm import tqdm
 
 from ..analysis.landscape import grid_axes
+from ..body_image import FEWEST
 from ..experiments.bench import claims, following, robustness, scenes, speed, success
 from ..geometry.affine import require_points
 from ..history import MAX_HISTORY
@@ -19,9 +21,11 @@ from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene, load_scene
 from ..simulation.world import World
 from ..transfer import TRANSFERS
+from . import BadInput
 from . import bench_tables as tables
 from .json_output import print_json
 from .options import DONE, USUAL_LAYOUT, add_json_option, between, layout, naming
+from .rehearse import MOST_POSTURES
 
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 RUNS, MAX_MOTIONS = 200, 500
@@ -58,6 +62,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     runs.add_argument("--transfer", choices=TRANSFERS, help="this one only")
     runs.add_argument("--servo", choices=SERVOS, help="this one only")
     runs.add_argument("--max-motions", type=motions, default=MAX_MOTIONS, metavar="N", help="of a run (%(default)s)")
+    runs.add_argument(
+        "--rehearsed",
+        type=between(int, FEWEST, MOST_POSTURES),
+        default=0,
+        metavar="K",
+        help="of servos that use it, after watching themselves in so many postures, whose motions do not count (none)",
+    )
     add_json_option(parser)
 
 
@@ -102,14 +113,14 @@ def _success(args: argparse.Namespace, scene: Scene) -> tuple[list[dict], str]:
     else:
         pairs = success.random_pairs(scene, args.runs, args.seed)
         what = f"{len(pairs)} random starts and demonstrators over the whole range, seed {args.seed}"
+    if args.rehearsed:
+        what += f", {args.rehearsed} postures rehearsed"
     settings = Settings(scene=args.scene, points=args.points)
     results = []
     for transfers, servos in _asked(args):
         name = f"success, {', '.join(transfers)}"
-        results += _with_bar(
-            name,
-            lambda tell: success.run(settings, pairs, transfers, servos, args.max_motions, tell=tell),  # noqa: B023
-        )
+        made = partial(success.run, settings, pairs, transfers, servos, args.max_motions, rehearsed=args.rehearsed)
+        results += _with_bar(name, lambda tell: made(tell=tell))  # noqa: B023
     heading = f"{what}, {args.points} points of {args.scene}"
     return [{"pairs": heading, **asdict(result)} for result in results], tables.success_table(results, heading)
 
@@ -118,6 +129,11 @@ def _asked(args: argparse.Namespace) -> list[tuple[list[str], list[str]]]:
     """Transfers with the servos that run on them. Slow ones, as the paper's law, take minutes, and are the paper's
     transfer's alone unless one of the two is asked for by name."""
     servos = [args.servo] if args.servo else list(SERVOS)
+    if args.rehearsed:
+        servos = [name for name in servos if SERVOS[name].uses_rehearsal]
+        if not servos:
+            raise BadInput(f"--rehearsed: {args.servo} learns from its own motions alone")
+        return [([args.transfer] if args.transfer else list(TRANSFERS), servos)]
     if args.transfer or args.servo:
         return [([args.transfer] if args.transfer else list(TRANSFERS), servos)]
     others = [name for name in TRANSFERS if name != PAPER_TRANSFER]
@@ -152,8 +168,12 @@ def _scenes(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
 
 
 def _claims(args: argparse.Namespace, _: Scene) -> tuple[list[dict], str]:
-    found = _with_bar("claims", lambda tell: claims.run(runs=args.runs, seed=args.seed, tell=tell))
+    found = _with_bar(
+        "claims", lambda tell: claims.run(runs=args.runs, seed=args.seed, rehearsed=args.rehearsed, tell=tell)
+    )
     heading = f"{args.runs} random runs a case of {BEST.transfer} and {BEST.servo} in {BEST.scene}, seed {args.seed}"
+    if args.rehearsed:
+        heading += f", {args.rehearsed} postures rehearsed"
     return [asdict(outcome) for outcome in found], f"{heading}\n{tables.claims_table(found)}"
 
 

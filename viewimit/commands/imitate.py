@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from ..analysis.self_assessment import assess
+from ..body_image import BodyImage
 from ..history import MAX_HISTORY
+from ..servo import SERVOS
 from ..session import Session
 from ..settings import BEST
-from . import history_file
+from . import BadInput, history_file
 from .json_output import print_json
 from .options import (
     DONE,
@@ -35,6 +37,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the history, a row a motion, as .csv or .npz")
+    parser.add_argument("--body", type=Path, metavar="FILE", help="begin with what `viewimit rehearse` has kept there")
     add_json_option(parser)
 
 
@@ -44,6 +47,8 @@ def run(args: argparse.Namespace) -> int:
             history_file.require_format(args.out)
     settings = settings_from(args, BEST)
     session = Session(settings)
+    if args.body:
+        _remember(session, args.body)
     session.run(args.max_motions)
     if args.out:
         with naming("--out"):
@@ -54,6 +59,8 @@ def run(args: argparse.Namespace) -> int:
         print_json(args, result, settings)
     else:
         print(f"demonstrator  {posture(result['demonstrator_deg'])}")
+        if result.get("rehearsal_holds") is False:
+            print("rehearsal     does not hold any more: it has probed anew; rehearse again")
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
         expected = result["expected_error_deg"]
         reckoned = f"; it expects {_at_least(expected, 0.1, '.2g')}°" if np.isfinite(expected or np.inf) else ""
@@ -70,6 +77,20 @@ def run(args: argparse.Namespace) -> int:
     why = "too few points are seen in all four images" if session.snapshot.transfer is None else WHY[result["status"]]
     print(f"viewimit imitate: not converged after {result['motions']} motions: {why}", file=sys.stderr)
     return MISSED
+
+
+def _remember(session: Session, path: Path) -> None:
+    """Raises BadInput for a file that is none, of another body, or of no use to the servo."""
+    servo = session.settings.servo
+    if not SERVOS[servo].uses_rehearsal:
+        able = ", ".join(name for name, found in SERVOS.items() if found.uses_rehearsal)
+        raise BadInput(f"--body: {servo} learns from its own motions alone; --servo {able} begins with a rehearsal")
+    with naming("--body"):
+        body = BodyImage.load(path)
+        try:
+            session.remember(body)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
 
 
 WHY = {
@@ -110,6 +131,7 @@ def outcome(session: Session) -> dict:
         "exchanged": last.exchanged,
         "E": last.E,
         "motions": last.motion,
+        **({} if last.body is None else {"rehearsed": len(last.body), "rehearsal_holds": last.rehearsal_holds}),
         "converged": last.status == "converged",
         "status": last.status,
         "history": [

@@ -113,6 +113,9 @@ def describe(
 ) -> Said:
     """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
     from 1 of those that move."""
+    if snapshot.to_rehearse is not None and snapshot.rehearses:
+        sentence = f"watches itself, with nobody to imitate; {len(snapshot.to_rehearse)} postures to go."
+        return Said("moving" if playing else "paused", sentence)
     if snapshot.transfer is None:
         return Said("lost", _too_few(int(snapshot.usable.sum())))
     E, doubt = f"E {svg.short_E(snapshot.E)} px²", _ill_conditioned(snapshot)

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from ..equations import Equation, angles, short
 from ..evaluation import conflict as evaluate
-from .image_model import ImageModel, Visit
+from .image_model import ImageModel
 from .minimise import minimise
 from .observation import Conflict, Observation
 from .servo import Moment
+from .visit import Visit
 
 _LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 PROBE = np.radians(15.0)
@@ -52,6 +53,7 @@ class Broyden:
     assumes = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
     fails = "Flat valleys and missing points: it may stop degrees away, and does not know whether it has arrived."
     slow = False
+    uses_rehearsal = False
     stored = (BroydenState, ImageModel, Visit)
 
     def start(self, seen: Observation) -> BroydenState:

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from .surroundings import Surroundings
 
-LEAST, NEAR = np.radians((1.0, 15.0))  # along a direction, and away from the best, of visits that are evidence
+LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
 CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
-NOISY_LEAST = np.radians(5.5)  # LEAST where the slopes of the images must be told from their noise
+NOISY_LEAST, NOISY_NEAR = np.radians((5.5, 15.0))  # where the slopes of the images must be told from their noise
 OWN_SHARE, RISEN = 0.6, 0.5  # of a predicted rise: what must be the direction's own, what must be measured
 ALIGNED = 0.95  # of its length: what must be along a direction, for a visit to have asked about that at least
 CONFLICTING = 1e-4  # of the squared motion of the own images: what must be left as conflict
@@ -105,8 +105,8 @@ def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
     mostly = own >= OWN_SHARE * predicted
     fully = own >= 0.5 * (0.5 * along**2 * (v @ here.hessian @ v))  # by as many points, nearly, as there are
     aligned = np.abs(along) >= ALIGNED * np.linalg.norm(here.away, axis=-1)
-    least = LEAST if here.noise_px == 0 else NOISY_LEAST
-    near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= NEAR) & np.isfinite(here.rise)
+    least, most = (LEAST, NEAR) if here.noise_px == 0 else (NOISY_LEAST, NOISY_NEAR)
+    near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= most) & np.isfinite(here.rise)
     seen = np.maximum(0.5 * CONFLICTING * along**2 * (v @ here.slopes @ v), _noise_of_rise(here))
     risen = near & mostly & (here.rise >= np.maximum(RISEN * predicted, seen))
     level = near & aligned & fully & (here.rise < seen) & (RISEN * predicted >= _noise_of_rise(here))
@@ -118,8 +118,8 @@ def _length(here: Surroundings, v: NDArray) -> float:
     if here.noise_px == 0:
         return float(CHECK)
     needed = 1.1 * np.sqrt(2 * _noise_of_rise(here) / (RISEN * max(v @ here.hessian @ v, 1e-12)))
-    made = (np.abs(here.away @ v) >= NEAR / 2) & (np.abs(here.away).max(-1) <= 2 * NEAR)
-    return float(np.clip(needed, NOISY_CHECK, NEAR)) if needed <= NEAR or not made.any() else 0.0
+    made = (np.abs(here.away @ v) >= NOISY_NEAR / 2) & (np.abs(here.away).max(-1) <= 2 * NOISY_NEAR)
+    return float(np.clip(needed, NOISY_CHECK, NOISY_NEAR)) if needed <= NOISY_NEAR or not made.any() else 0.0
 
 
 def _noise_of_rise(here: Surroundings) -> float:

@@ -7,8 +7,9 @@ on improving it.
 import numpy as np
 from numpy.typing import NDArray
 
-from .image_model import ImageModel, by_coordinate
+from .image_model import ImageModel
 from .observation import Observation
+from .visit import by_coordinate
 
 LONGEST = np.radians(10.0)  # a joint and motion
 DAMPING = 1e-6  # of the normal equations, relative to their trace: what the images cannot tell is left alone

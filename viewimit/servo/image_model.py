@@ -10,21 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .observation import Observation
+from .visit import Visit, by_coordinate
 
 ENOUGH = 12  # points that were seen often, so that those seen rarely can be done without
 SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mostly noise
-
-
-@dataclass(frozen=True)
-class Visit:
-    """A posture really visited: displacement (m,) rad, own (N, 4) px, seen (N, 2) bool in [L], [R].
-
-    Points not seen there are where the model expects them, NaN until they have been seen once.
-    """
-
-    displacement: NDArray
-    own: NDArray
-    seen: NDArray
 
 
 @dataclass(frozen=True)
@@ -45,7 +34,7 @@ class ImageModel:
     @classmethod
     def start(cls, seen: Observation) -> "ImageModel":
         """Nothing is known yet but the image that is seen."""
-        here = Visit(seen.displacement, np.where(by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
+        here = Visit.of(seen.displacement, seen.own, seen.seen)
         return cls(np.zeros(seen.own.shape + seen.displacement.shape), here, np.zeros(len(seen.own), int))
 
     def learn(self, seen: Observation, soft: float = SOFT) -> "ImageModel":
@@ -66,8 +55,3 @@ class ImageModel:
     def predict(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (N, 4) px"""
         return self.last.own + self.jacobian @ (displacement - self.last.displacement)
-
-
-def by_coordinate(seen: NDArray) -> NDArray:
-    """(N, 2) of [L], [R] → (N, 4) of x_L, y_L, x_R, y_R."""
-    return np.repeat(seen, 2, axis=-1)

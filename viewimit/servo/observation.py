@@ -5,6 +5,8 @@ from typing import Protocol
 
 from numpy.typing import NDArray
 
+from .visit import Visit
+
 
 class Conflict(Protocol):
     """Asks what the residual would be of images that a servo predicts; that needs no motion.
@@ -23,6 +25,7 @@ class Observation:
 
     displacement: (m,) rad, made since the start; lower, upper: (m,) rad, what the joint limits leave of it.
     motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
+    rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed.
     """
 
     own: NDArray
@@ -33,3 +36,4 @@ class Observation:
     upper: NDArray
     motion: int
     noise_px: float = 0.0
+    rehearsed: tuple[Visit, ...] = ()

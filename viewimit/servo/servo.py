@@ -43,7 +43,8 @@ class Moment:
 class Servo(Protocol):
     """A law, with all that anybody says about it. Its methods have no side effects.
 
-    title: in dropdowns; assumes, fails: a sentence each; slow: whether it makes hundreds of motions or more.
+    title: in dropdowns; assumes, fails: a sentence each; slow: whether it makes hundreds of motions or more;
+    uses_rehearsal: whether it begins with what was `rehearsed`, if anything was.
     stored: the dataclasses that its state is made of, nested ones too; they are stored by their fields, which are
     arrays, scalars, strings, tuples or such dataclasses. States are its own alone: they are passed back as they were.
     """
@@ -59,6 +60,9 @@ class Servo(Protocol):
 
     @property
     def slow(self) -> bool: ...
+
+    @property
+    def uses_rehearsal(self) -> bool: ...
 
     @property
     def stored(self) -> tuple[type, ...]: ...

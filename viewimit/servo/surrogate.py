@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .image_model import ENOUGH, Visit, by_coordinate
+from .image_model import ENOUGH
+from .visit import Visit, by_coordinate
 
 OFFSET, SLOPE, BEND, LENGTH = 30.0, 200.0, 100.0, np.radians(100.0)  # px, px/rad, px, rad
 LEAST_NOISE = 0.02  # px: keeps the system regular
@@ -29,14 +30,14 @@ class Surrogate:
 
     def predict(self, displacement: NDArray) -> NDArray:
         """(..., m) rad → (..., N, 4) px, NaN for points never seen, or too rarely to tell how they move."""
-        k = _kernel(displacement - self.centre, self.away)
+        k = kernel(displacement - self.centre, self.away)
         return self.at_centre + np.tensordot(k, self.weight, 1)
 
     def slope_weights(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (n, m) /rad: the derivatives of the predicted images are these sums of the images visited."""
         apart = displacement - self.away - self.centre
         bend = BEND**2 * np.exp((apart * apart).sum(-1, keepdims=True) / (-2 * LENGTH**2))
-        weights = np.linalg.solve(_gram(self.away, self.noise_px), SLOPE**2 * self.away - bend * apart / LENGTH**2)
+        weights = np.linalg.solve(gram(self.away, self.noise_px), SLOPE**2 * self.away - bend * apart / LENGTH**2)
         weights[np.abs(self.away).sum(-1).argmin()] -= weights.sum(0)  # images are told from that at the centre
         return weights
 
@@ -49,7 +50,7 @@ def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
     away = displacement - displacement[centre]
     at_centre = _nearest_seen(own, seen, np.abs(away).max(1))
     at_centre[_rarely_seen(seen, away.shape[1] + 1)] = np.nan
-    K = _gram(away, noise_px)
+    K = gram(away, noise_px)
     rise = np.where(seen, own - at_centre, 0.0).reshape(len(visits), -1)
     if seen.all():
         weight = np.linalg.solve(K, rise)
@@ -74,13 +75,13 @@ def _rarely_seen(seen: NDArray, times: int) -> NDArray:
     return count < min(times, np.sort(count)[-min(ENOUGH, len(count))])
 
 
-def _kernel(a: NDArray, b: NDArray) -> NDArray:
+def kernel(a: NDArray, b: NDArray) -> NDArray:
     """a: (..., m), b: (n, m) rad → (..., n) px²"""
     along = a @ b.T
     apart = (a * a).sum(-1)[..., None] + (b * b).sum(-1) - 2 * along
     return OFFSET**2 + SLOPE**2 * along + BEND**2 * np.exp(apart / (-2 * LENGTH**2))
 
 
-def _gram(away: NDArray, noise_px: float) -> NDArray:
+def gram(away: NDArray, noise_px: float) -> NDArray:
     """(n, n) px²: of the images visited, with their noise."""
-    return _kernel(away, away) + max(noise_px, LEAST_NOISE) ** 2 * np.eye(len(away))
+    return kernel(away, away) + max(noise_px, LEAST_NOISE) ** 2 * np.eye(len(away))

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
-from .image_model import Visit
 from .minimise import DIFFERENCE, Minimum
 from .observation import Observation
 from .surrogate import Surrogate
+from .visit import Visit
 
 FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 DRAWS = 4  # of noise

@@ -2,7 +2,8 @@
 
 The surrogate learns the image as a function of the displacement; the argmin of the predicted E inside a trust region
 is visited next, and the E then measured judges the region. Where that ends without enough evidence, another transfer's
-E leads on, then the first one's again; then it begins anew, far from all that was visited.
+E leads on, then the first one's again; then it begins anew, far from all that was visited. A learner that has watched
+itself before needs no probes: it predicts from what it rehearsed as well, until its images say that this is past.
 
 E small is no evidence of arrival by itself: a flat valley has small E far from its floor. With E ≈ δθᵀQδθ, what is
 left of E could be a displacement of up to √(E/λ), λ the smallest eigenvalue of Q. Where that is less than CERTAIN, or E
@@ -22,12 +23,14 @@ from ..evaluation import conflict as evaluate
 from ..views import Pairs
 from .certificate import CHECK, UNTOLD, Certificate, certify
 from .identities import likely_exchange, with_exchanged
-from .image_model import ENOUGH, Visit, by_coordinate
+from .image_model import ENOUGH
+from .innovation import holds
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
 from .servo import Moment
 from .surrogate import Surrogate, learn
 from .surroundings import FREE, Known, survey
+from .visit import Visit
 
 _LAW = (
     r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
@@ -36,6 +39,7 @@ _LAW = (
 PROBE = np.radians(15.0)
 FIRST_RADIUS, LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 12.0, 45.0, 0.5))
 LONGEST = np.radians(45.0)  # a joint and motion
+EVERYWHERE = float(np.inf)  # of a learner that has been all over its range
 DONE_STEP, LEAST_STEP = np.radians((0.1, 0.01))
 SHORT = np.radians(5.0)  # a motion that may be lengthened to look beyond its target
 CERTAIN, DOUBTFUL = np.radians((0.3, 5.0))
@@ -59,7 +63,8 @@ class TrustState:
     promised: decrease of E predicted for the motion just made, None if it was not made for that. certificate: of the
     best posture, None before E was small anywhere. moved: the demonstrator has, since the last motion; chasing: and
     before that one as well, so that a motion aside would only leave the learner behind. exchanged: of the
-    demonstrator's points, as it seems; asked: how often that was asked.
+    demonstrator's points, as it seems; asked: how often that was asked. rehearsed: what was seen before, as long as it
+    holds: it takes the place of probes, and with it the whole range is the first region.
     """
 
     visits: tuple[Visit, ...]
@@ -79,6 +84,12 @@ class TrustState:
     chasing: bool = False
     exchanged: Pairs = ()
     asked: int = 0
+    rehearsed: tuple[Visit, ...] = ()
+
+    @property
+    def known(self) -> tuple[Visit, ...]:
+        """All that the images are predicted from, what was rehearsed first."""
+        return (*self.rehearsed, *self.visits)
 
 
 @dataclass(frozen=True)
@@ -89,33 +100,37 @@ class TrustRegion:
     assumes = "That the images follow the joints smoothly; it predicts them from all postures visited."
     fails = "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
     slow = False
+    uses_rehearsal = True
     stored = (TrustState, Visit, Certificate)
 
     def start(self, seen: Observation) -> TrustState:
-        return TrustState((_visit(seen),), tuple(range(len(seen.displacement))))
+        probes = () if seen.rehearsed else tuple(range(len(seen.displacement)))
+        return TrustState((_visit(seen),), probes, _first_radius(seen.rehearsed), rehearsed=seen.rehearsed)
 
     def retarget(self, state: TrustState, seen: Observation) -> TrustState:
         """What was learned of the own images stays; all else was about another E."""
-        return TrustState(
-            state.visits, state.probes, moved=True, chasing=state.chasing, exchanged=state.exchanged, asked=state.asked
-        )
+        anew = TrustState(state.visits, state.probes, _first_radius(state.rehearsed), moved=True)
+        kept = {name: getattr(state, name) for name in ("chasing", "exchanged", "asked", "rehearsed")}
+        return replace(anew, **kept)
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
         state = replace(_arrived(state, seen), moved=False, chasing=state.moved)
+        if state.rehearsed and not holds(state.rehearsed, state.visits, seen.noise_px):
+            state = _without_rehearsal(state)
         if state.probes:
             return _probe(state, seen)
         if state.goal is not None:
             return _towards(state, seen, state.goal)
         state, conflict = _identified(state, seen, conflict)
         by = PHASES[state.phase][0]
-        own, like = _smoothed(state.visits, seen.noise_px), None
-        E, of, best = _measured(state.visits, own, lambda images: conflict(images, by))
+        own, like = _smoothed(state.known, seen.noise_px), None
+        E, of, best = _measured(state.known, own, lambda images: conflict(images, by))
         if seen.noise_px > 0 and by is None:
             like = own[best]
-            E, of, best = _measured(state.visits, own, lambda images: conflict(images, by, like))
+            E, of, best = _measured(state.known, own, lambda images: conflict(images, by, like))
         state = _judge(state, E)
-        model = learn(list(state.visits), best, seen.noise_px)
+        model = learn(list(state.known), best, seen.noise_px)
         same = np.where(of[best], 0.0, np.nan)[:, None]  # points as those of the best visit's E
         residual_at = lambda theta: conflict(model.predict(theta) + same, by, like)
         found = _search(model, state.radius, seen, residual_at)
@@ -123,13 +138,14 @@ class TrustRegion:
         doubt = _doubt(float(E[best]), found)
         about = None
         if by is None:
-            known = Known(state.visits, best, float(E[best]), model, seen, lambda own: conflict(own, None, like))
+            known = Known(state.known, best, float(E[best]), model, seen, lambda own: conflict(own, None, like))
             about = lambda place: certify(survey(known, found, place))
         # a short motion is made only for the certainty that it promises
         worthwhile = step >= DONE_STEP or (step >= LEAST_STEP and _doubt(found.E, found) < CERTAIN <= doubt)
         stands_there = np.max(np.abs(found.theta - seen.displacement)) < LEAST_STEP
         if worthwhile and not stands_there and state.failures < MOST_FAILURES:
-            last = step < SHORT and _doubt(found.E, found) < CERTAIN and state.checks < len(model.centre)
+            short = step < SHORT or bool(state.rehearsed)
+            last = short and _doubt(found.E, found) < CERTAIN and state.checks < len(model.centre)
             if about is not None and like is None and last and not chasing:
                 beyond = about(found.theta).check
                 if beyond.any():
@@ -193,7 +209,7 @@ def _outcome(state: TrustState, moment: Moment) -> str:
 
 
 def _visit(seen: Observation) -> Visit:
-    return Visit(seen.displacement, np.where(by_coordinate(seen.seen), seen.own, np.nan), seen.seen)
+    return Visit.of(seen.displacement, seen.own, seen.seen)
 
 
 def _arrived(state: TrustState, seen: Observation) -> TrustState:
@@ -208,14 +224,16 @@ def _identified(state: TrustState, seen: Observation, conflict: Conflict) -> tup
     """Now and then, while E stays too large: with what seems to be exchanged of the demonstrator's points, and the
     conflict that is left then."""
     small = max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
-    asked = state.asked < len(ASKED_AT) and len(state.visits) >= ASKED_AT[state.asked] + len(seen.displacement)
+    asked = state.asked < len(ASKED_AT) and len(state.known) >= ASKED_AT[state.asked] + len(seen.displacement)
     if state.exchanged or not asked or not seen.E > small:
         return state, conflict
-    model = learn(list(state.visits), len(state.visits) - 1, seen.noise_px)
+    model = learn(list(state.known), len(state.known) - 1, seen.noise_px)
     pairs = likely_exchange(model.predict, conflict, seen.lower, seen.upper, small)
     state = replace(state, asked=state.asked + 1)
     if pairs:
-        state = replace(state, exchanged=pairs, phase=0, radius=float(FIRST_RADIUS), failures=0, promised=None)
+        state = replace(
+            state, exchanged=pairs, phase=0, radius=_first_radius(state.rehearsed), failures=0, promised=None
+        )
     return state, with_exchanged(conflict, pairs)
 
 
@@ -264,13 +282,13 @@ def _judge(state: TrustState, E: NDArray) -> TrustState:
         return replace(state, promised=None)
     before = int(np.argmin(E[:-1]))
     ratio = (E[before] - E[-1]) / max(state.promised, 1e-12)
-    step = np.max(np.abs(state.visits[-1].displacement - state.visits[before].displacement))
+    step = np.max(np.abs(state.known[-1].displacement - state.known[before].displacement))
     radius, failures = state.radius, 0
     if ratio < SHRINK_BELOW:
         radius = max(0.4 * step, MIN_RADIUS)
         failures = state.failures + 1 if ratio <= 0 and step < 2 * MIN_RADIUS else 0
     elif ratio > GROW_ABOVE and step > 0.8 * radius:
-        radius = min(2 * radius, MAX_RADIUS)
+        radius = max(radius, min(2 * radius, MAX_RADIUS))
     return replace(state, radius=float(radius), failures=failures, promised=None)
 
 
@@ -305,7 +323,7 @@ def _settle(
     if state.phase + 1 < len(PHASES):
         return None
     if state.restarts < MOST_RESTARTS:
-        goal = _farthest(state.visits, seen)
+        goal = _farthest(state.known, seen)
         begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0)
         return _towards(begun, seen, goal)
     told = certificate is None or bool(certificate.told.all())
@@ -317,6 +335,17 @@ def _doubt(E: float, found: Minimum) -> float:
     curvatures = np.linalg.eigvalsh(found.hessian)
     told = curvatures[curvatures * found.points > UNTOLD**-2]
     return float(np.sqrt(2 * E / max(told[0] if len(told) else curvatures[0], 1e-12)))
+
+
+def _first_radius(rehearsed: tuple[Visit, ...]) -> float:
+    """rad"""
+    return EVERYWHERE if rehearsed else float(FIRST_RADIUS)
+
+
+def _without_rehearsal(state: TrustState) -> TrustState:
+    """Head, base or points are not where they were: what was seen since is all that is known."""
+    visits, joints = state.visits, len(state.visits[0].displacement)
+    return TrustState(visits, tuple(range(joints)) if len(visits) <= joints else (), chasing=state.chasing)
 
 
 def _probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
@@ -344,14 +373,14 @@ def _move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustS
     """One motion to the target, or as far towards it as one motion may go."""
     step = target - seen.displacement
     longest = np.max(np.abs(step))
-    if longest > LONGEST:
+    if longest > LONGEST and not state.rehearsed:
         step, state = step * (LONGEST / longest), replace(state, promised=None)
     return replace(state, status="moving", probe=False), step
 
 
 def _towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustState, NDArray]:
     """On to the goal; there, a learner that drove back to its best posture rests."""
-    there = np.max(np.abs(goal - seen.displacement)) <= LONGEST
+    there = bool(state.rehearsed) or np.max(np.abs(goal - seen.displacement)) <= LONGEST
     state, step = _move(replace(state, promised=None, goal=None if there else goal), seen, goal)
     expected = 0.0 if state.certificate is None else float(state.certificate.expected.max())
     if state.ending and np.max(np.abs(step)) < np.clip(RESTS * expected, DONE_STEP / 10, DONE_STEP):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
+from ...rehearsal import rehearse
 from ...session import Session
 from ...settings import BEST
 from ...simulation.eyes import ProjectedEyes
@@ -99,9 +100,11 @@ def run(
     seed: int = 0,
     workers: int | None = None,
     tell: Callable[[float], None] = lambda share: None,
+    rehearsed: int = 0,
 ) -> list[Outcome]:
-    """Every case from the same starts to the same demonstrators. tell(share done)."""
-    tasks = [(case, [seed, k]) for case in cases for k in range(runs)]
+    """Every case from the same starts to the same demonstrators. rehearsed: postures in which the learner has watched
+    itself before; tell(share done)."""
+    tasks = [(case, [seed, k], rehearsed) for case in cases for k in range(runs)]
     found = []
     for ending in processes.each(run_once, tasks, workers):
         found.append(ending)
@@ -109,7 +112,7 @@ def run(
     return [outcome(case.name, found[k * runs : (k + 1) * runs]) for k, case in enumerate(cases)]
 
 
-def run_once(case: Case, seed: list[int]) -> Ending:
+def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     """With the default transfer and servo."""
     rng = np.random.default_rng(seed)
     low, high = np.transpose(load_scene(BEST.scene).range_deg)
@@ -120,6 +123,9 @@ def run_once(case: Case, seed: list[int]) -> Ending:
         session = Session(settings, lambda camera, scene, points: _eyes(case, scene, points, rng))
         if session.snapshot.transfer is not None:
             break
+    if rehearsed:
+        rehearse(session, rehearsed, seed[-1])
+        session.reset()
     last = session.run(MOST_MOTIONS, PATIENCE)
     error = np.degrees(np.abs(last.theta - last.theta_demo).max())
     expected = np.nan if last.expected_error is None else np.degrees(last.expected_error)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
+from ...rehearsal import rehearse
 from ...session import Session
 from ...settings import Settings
 from .. import processes
@@ -19,15 +20,18 @@ NEAR_DEG = (0.5, 1.0, 3.0)
 SURELY = 3.0  # standard deviations
 PATIENCE = 20  # looks in a row with too few points, after which a learner is given up
 SEVEN = tuple(range(1, 8))
+SEVEN_16, SEVEN_REHEARSED = {"joints": SEVEN, "points": 16}, 80
 
 
 @dataclass(frozen=True)
 class Case:
-    """changes: of the settings; offset_deg: of the start from the demonstrator, None for anywhere."""
+    """changes: of the settings; offset_deg: of the start from the demonstrator, None for anywhere; rehearsed: postures
+    within reach of all starts in which the learner has watched itself before."""
 
     name: str
     changes: dict
     offset_deg: float | None = None
+    rehearsed: int = 0
 
 
 CASES = (
@@ -48,6 +52,7 @@ CASES = (
         for points in (16, 20)
         for offset in (30.0, 60.0)
     ),
+    Case(f"seven joints, ±30°, 16 points, {SEVEN_REHEARSED} rehearsed", SEVEN_16, 30.0, SEVEN_REHEARSED),
 )
 
 
@@ -78,7 +83,7 @@ def run(
 ) -> list[Outcome]:
     """Every case from the same draws. settings: scene, layout, transfer and servo. tell(share done)."""
     tasks = [
-        (msgspec.structs.replace(settings, **case.changes), case.offset_deg, [seed, k], max_motions)
+        (msgspec.structs.replace(settings, **case.changes), case, [seed, k], max_motions)
         for case in cases
         for k in range(runs)
     ]
@@ -89,10 +94,10 @@ def run(
     return [_outcome(case.name, found[k * runs : (k + 1) * runs]) for k, case in enumerate(cases)]
 
 
-def run_once(
-    settings: Settings, offset_deg: float | None, seed: list[int], max_motions: int
-) -> tuple[float, float, int, bool]:
-    """Largest joint error at the end and the one that the servo expects, degrees; motions; claimed."""
+def run_once(settings: Settings, case: Case, seed: list[int], max_motions: int) -> tuple[float, float, int, bool]:
+    """Largest joint error at the end and the one that the servo expects, degrees; motions; claimed. settings: the
+    case's."""
+    offset_deg = case.offset_deg
     session, rng = Session(settings), np.random.default_rng(seed)
     low, high = np.transpose(session.scene.range_deg)
     if offset_deg is None:
@@ -103,6 +108,10 @@ def run_once(
         start = np.clip(demo + rng.uniform(-offset_deg, offset_deg, len(low)), low, high)
     noise_seed = int(rng.integers(2**32))
     postures = {"demonstrator_deg": tuple(demo.tolist()), "start_deg": tuple(start.tolist())}
+    if case.rehearsed:
+        rest_deg = tuple(np.array(session.scene.posture_deg)[session.scene.moving].tolist())
+        session.begin(msgspec.structs.replace(settings, start_deg=rest_deg))
+        rehearse(session, case.rehearsed, noise_seed, None if offset_deg is None else DEMO_DEG + offset_deg)
     session.begin(msgspec.structs.replace(settings, seed=noise_seed, **postures))
     last = session.run(max_motions, PATIENCE)
     error = np.degrees(np.abs(last.theta - last.theta_demo)).max()

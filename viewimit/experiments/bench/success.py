@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import grid_axes, landscape
+from ...rehearsal import rehearse
 from ...session import Session
 from ...settings import Settings
 from ...simulation.scene import Scene
@@ -101,15 +102,23 @@ def run(
     max_motions: int,
     workers: int | None = None,
     tell: Callable[[float], None] = lambda share: None,
+    rehearsed: int = 0,
 ) -> list[Success]:
-    """Of every transfer and servo, from every pair. workers: processes, if None as many as processors.
+    """Of every transfer and servo, from every pair. rehearsed: postures in which the learner has watched itself before,
+    other ones for every pair; their motions do not count. workers: processes, if None as many as processors.
 
     tell(share done), as often as a pair is done with.
     """
     tasks = [
-        (msgspec.structs.replace(settings, transfer=name, start_deg=start, demonstrator_deg=demo), servos, max_motions)
+        (
+            msgspec.structs.replace(settings, transfer=name, start_deg=start, demonstrator_deg=demo),
+            servos,
+            max_motions,
+            rehearsed,
+            k,
+        )
         for name in transfers
-        for start, demo in pairs
+        for k, (start, demo) in enumerate(pairs)
     ]
     results = []
     for runs in processes.each(run_pair, tasks, workers):
@@ -122,9 +131,13 @@ def run(
     ]
 
 
-def run_pair(settings: Settings, servos: Sequence[str], max_motions: int) -> list[Run]:
-    """A run of each servo, from the settings' start to their demonstrator."""
+def run_pair(
+    settings: Settings, servos: Sequence[str], max_motions: int, rehearsed: int = 0, seed: int = 0
+) -> list[Run]:
+    """A run of each servo, from the settings' start to their demonstrator. seed: of the postures rehearsed."""
     session = Session(settings)
+    if rehearsed:
+        rehearse(session, rehearsed, seed)
     targets = dict(zip(TARGETS, (own_minimum(session), session.snapshot.theta_demo)))
     bias = _error_deg(*targets.values())
     runs = []

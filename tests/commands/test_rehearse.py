@@ -1,0 +1,69 @@
+"""rehearse keeps a file, and imitate --body begins with it."""
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def body(tmp_path, ask):
+    path = tmp_path / "body.npz"
+    assert ask("rehearse", "--postures", 12, "--out", path)[0] == 0
+    return path
+
+
+def test_imitate_makes_few_motions_of_its_own_and_tells_how_many_were_rehearsed(ask, ask_json, body):
+    run = "imitate", "--demonstrator", "45,-90", "--start", "80,-20"
+    status, told = ask_json(*run, "--body", body)
+    assert status == 0 and told["converged"] and told["error_deg"] < 0.5
+    assert told["rehearsed"] == 12 and told["rehearsal_holds"] is True
+    assert told["motions"] == len(told["history"]) - 1 <= 6 and told["options"]["body"] == str(body)
+    alone = ask_json(*run)[1]
+    assert alone["motions"] > told["motions"] and "rehearsed" not in alone
+
+
+def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body):
+    status, told = ask_json("rehearse", "--postures", 12, "--out", tmp_path / "again.npz")
+    assert status == 0 and told["rehearsed"] == 12 == len(told["points_seen"])
+    postures = np.array(told["postures_deg"])
+    assert postures.shape == (12, 2) and (postures >= (0, -180)).all() and (postures <= (90, 0)).all()
+    with np.load(body) as one, np.load(tmp_path / "again.npz") as other:
+        assert all(np.array_equal(one[name], other[name], equal_nan=name == "own_px") for name in one.files)
+    other = ask_json("rehearse", "--postures", 12, "--seed", 8, "--out", tmp_path / "other.npz")[1]
+    assert other["postures_deg"] != told["postures_deg"]
+    near = ask_json("rehearse", "--within", 10, "--start", "40,-90", "--out", tmp_path / "near.npz")[1]
+    assert np.abs(np.array(near["postures_deg"]) - (40, -90)).max() <= 10 + 1e-6
+
+
+@pytest.mark.parametrize(
+    "words, named",
+    [
+        (("--points", 16), "rehearsed with points 10, here it is 16"),
+        (("--robot", "iiwa"), "rehearsed with robot panda"),
+        (("--servo", "broyden"), "broyden learns from its own motions alone; --servo trust-region"),
+    ],
+)
+def test_a_rehearsal_of_no_use_is_refused(ask, body, words, named):
+    status, out, err = ask("imitate", "--body", body, *words)
+    assert status == 2 and not out and "--body" in err and named in err
+
+
+def test_files_that_are_none_are_named(ask, tmp_path):
+    missing = tmp_path / "none.npz"
+    status, _, err = ask("imitate", "--body", missing)
+    assert status == 2 and "--body" in err and str(missing) in err
+    missing.write_text("theta,E")
+    status, _, err = ask("imitate", "--body", missing)
+    assert status == 2 and "no body image" in err and "viewimit rehearse" in err
+    assert ask("rehearse", "--out", tmp_path / "body.csv")[0] == 2
+    assert ask("rehearse", "--out", tmp_path / "nowhere" / "body.npz")[0] == 2
+    assert ask("rehearse", "--out", tmp_path / "body.npz", "--postures", 2)[0] == 2
+    assert ask("rehearse")[0] == 2
+
+
+def test_bench_counts_the_motions_after_a_rehearsal(ask, ask_json):
+    words = "bench", "success", "--transfer", "projective", "--runs", 4, "--seed", 3
+    (with_it,) = ask_json(*words, "--servo", "trust-region", "--rehearsed", 12)[1]["success"]
+    (alone,) = ask_json(*words, "--servo", "trust-region")[1]["success"]
+    assert with_it["motions_median"] < alone["motions_median"] and "12 postures rehearsed" in with_it["pairs"]
+    status, _, err = ask(*words, "--servo", "broyden", "--rehearsed", 12)
+    assert status == 2 and "--rehearsed" in err

@@ -1,0 +1,62 @@
+"""viewimit rehearse: the learner watches its own body, and a file keeps what it saw."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from ..body_image import FEWEST
+from ..rehearsal import rehearse
+from ..session import Session
+from ..settings import BEST
+from . import BadInput
+from .json_output import print_json
+from .options import (
+    DONE,
+    add_camera_option,
+    add_json_option,
+    add_run_options,
+    add_setting_options,
+    add_undistort_option,
+    between,
+    naming,
+    settings_from,
+)
+
+POSTURES, MOST_POSTURES = 12, 200
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_setting_options(parser, BEST)
+    add_undistort_option(parser)
+    add_camera_option(parser)
+    add_run_options(parser, BEST)
+    number, reach = between(int, FEWEST, MOST_POSTURES), between(float, 1.0, 360.0)
+    parser.add_argument(
+        "--postures", type=number, default=POSTURES, metavar="K", help="far from each other, by --seed (%(default)s)"
+    )
+    parser.add_argument("--within", type=reach, metavar="DEG", help="of the start, a joint (the whole range)")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="keep it there, as .npz")
+    add_json_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    if args.out.suffix.lower() != ".npz":
+        raise BadInput(f"--out: {args.out}: unknown extension {args.out.suffix!r}; there is .npz")
+    settings = settings_from(args, BEST)
+    session = Session(settings)
+    body = rehearse(session, args.postures, settings.seed, args.within)
+    with naming("--out"):
+        body.save(args.out)
+    print(f"written to {args.out}", file=sys.stderr)
+    usable = [int(visit.seen.all(-1).sum()) for visit in body.visits]
+    if args.json:
+        postures_deg = [np.degrees(moment.commanded) for moment in session.history[1:]]
+        told = {"rehearsed": len(body), "postures_deg": postures_deg, "points_seen": usable}
+        print_json(args, told | {"noise_px": body.noise_px, "body": msgspec.to_builtins(body.body)}, settings)
+    else:
+        print(f"rehearsed     {len(body)} postures of {body.body.robot}, {min(usable)} points or more seen in each")
+        print(f"imitate with  viewimit imitate --body {args.out}")
+    return DONE

@@ -159,7 +159,7 @@ def own_minimum(session: Session) -> NDArray:
     views, fit, world = session.snapshot.views, session.snapshot.fit, session.world
     over = lambda axes: landscape(world, fit, views.demo, views.visible[:, :2], axes)
     degrees = grid_axes(world)
-    places = over(grid_axes(world, COARSE_DEG)).local_minima()
+    places = over(grid_axes(world, step_deg=COARSE_DEG)).local_minima()
     if not len(places):
         return np.full(2, np.nan)
     about = [over(tuple(a[np.abs(a - at) <= np.radians(AROUND_DEG[0])] for a, at in zip(degrees, p))) for p in places]

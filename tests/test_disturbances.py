@@ -15,8 +15,16 @@ from viewimit.session import Session
 from viewimit.settings import DISTURBANCES, Settings
 
 POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
-# the fields, and cases made of them
-KNOWN_BY_NAME = {"settings.py", "presets.py", "robustness.py", "following.py", "claims.py", "scenes.py"}
+# the fields, cases made of them, and a noise that was measured
+KNOWN_BY_NAME = {
+    "body_image.py",
+    "settings.py",
+    "presets.py",
+    "robustness.py",
+    "following.py",
+    "claims.py",
+    "scenes.py",
+}
 
 
 def spoilt(seed=(1,), **amounts):

@@ -18,6 +18,7 @@ POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 # the fields, cases made of them, and a noise that was measured
 KNOWN_BY_NAME = {
     "body_image.py",
+    "rehearse.py",
     "settings.py",
     "presets.py",
     "robustness.py",

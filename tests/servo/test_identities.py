@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from viewimit.app.sessions.codec import decode, encode
 
+from viewimit.drawing.status import describe
 from viewimit.looking import MATCH
-from viewimit.servo import SERVOS
 from viewimit.servo.identities import exchanged, likely_exchange, with_exchanged
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
@@ -87,7 +87,7 @@ def test_a_learner_arrives_names_them_and_shows_the_conflict_that_is_left(share)
         assert error_deg(last) < 0.5 and last.E < 0.01 < session.history[0].E
         straight = Session(replace(settings, confused=0.0)).snapshot.views
         np.testing.assert_array_equal(last.views.demo, straight.demo)
-        assert "exchanged" in SERVOS[settings.servo].says(last.servo_state, last.status)
+        assert all(f"{i} and {j}" in describe(last).doubt for i, j in last.exchanged)
 
 
 def test_what_was_found_is_kept_with_the_session_and_goes_on():

@@ -118,7 +118,7 @@ def describe(
         return Said("moving" if playing else "paused", sentence)
     if snapshot.transfer is None:
         return Said("lost", _too_few(int(snapshot.usable.sum())))
-    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _ill_conditioned(snapshot)
+    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _exchanged(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == "stopped":
         return Said("stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on.", doubt=doubt)
     if snapshot.status in AT_REST:
@@ -168,6 +168,12 @@ def _upto(rad: float) -> str:
 def _too_few(used: int) -> str:
     seen = "no point is" if used == 0 else "only 1 point is" if used == 1 else f"only {used} points are"
     return f"{seen} seen in all images; at least {MIN_POINTS} non-coplanar points are needed."
+
+
+def _exchanged(snapshot: Snapshot) -> str:
+    """Which of the demonstrator's points the learner takes for each other, "" for none."""
+    pairs = ", ".join(f"{svg.point_name(i)} and {svg.point_name(j)}" for i, j in snapshot.exchanged)
+    return f"The demonstrator's points {pairs} seem to be exchanged." if pairs else ""
 
 
 def _ill_conditioned(snapshot: Snapshot) -> str:

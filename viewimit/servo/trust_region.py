@@ -171,11 +171,6 @@ class TrustRegion:
         return (Equation("", "servo: the images are predicted, E is asked", _LAW, note=note, wide=True),)
 
     def says(self, state: TrustState, status: str) -> str:
-        named = " and ".join(f"{i} with {j}" for i, j in state.exchanged)
-        told = self._says(state, status)
-        return f"points {named} exchanged; {told}".rstrip("; ") if named else told
-
-    def _says(self, state: TrustState, status: str) -> str:
         if status == "converged":
             return f"E leaves no room for {np.degrees(CERTAIN):.1g}° and rises every way"
         if status == "rests":

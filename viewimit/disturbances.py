@@ -44,10 +44,10 @@ class ImageDisturbance(SightDisturbance):
 
 @dataclass(frozen=True, kw_only=True)
 class MatchDisturbance(SightDisturbance):
-    """confuse: of N, an amount that is not 0, and a generator, the points that the demonstrator's are taken for: (N,).
-    Turned up, it confuses the same ones first."""
+    """permute: of N, an amount that is not 0, and a generator, the points that the demonstrator's are taken for: (N,).
+    Turned up, it swaps the same ones first."""
 
-    confuse: Callable[[int, float, np.random.Generator], NDArray]
+    permute: Callable[[int, float, np.random.Generator], NDArray]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +71,7 @@ def _misplace(points: NDArray, visible: NDArray, share: float, rng: np.random.Ge
     return np.where(wrong, points + rng.uniform(-GROSS_PX, GROSS_PX, points.shape), points), visible
 
 
-def _exchange(count: int, share: float, rng: np.random.Generator) -> NDArray:
+def _swap(count: int, share: float, rng: np.random.Generator) -> NDArray:
     order, pairs = np.arange(count), min(int(np.ceil(share * count / 2 - 1e-9)), count // 2)
     first, second = rng.permutation(count)[: 2 * pairs].reshape(pairs, 2).T
     order[first], order[second] = second, first
@@ -116,15 +116,15 @@ OUTLIERS = ImageDisturbance(
     per=100,
     spoil=_misplace,
 )
-CONFUSED = MatchDisturbance(
+SWAPPED = MatchDisturbance(
     bounds=(0, 1),
     unit="share",
-    says="the demonstrator's points that are taken for each other, in pairs",
-    caption="confused {:.0%}",
-    label="Confused %",
+    says="the demonstrator's points that are swapped, in pairs",
+    caption="swapped {:.0%}",
+    label="Swapped %",
     reach=(0, 50, 1),
     per=100,
-    confuse=_exchange,
+    permute=_swap,
 )
 GAIN_ERROR = ArmDisturbance(
     bounds=(-0.5, 0.5),
@@ -174,13 +174,13 @@ def spoil_frames(
     return np.array([points for points, _ in looks]), np.array([visible for _, visible in looks])
 
 
-def confuse(amounts: MatchAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
+def mismatch(amounts: MatchAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
     """Images of the demonstrator's points (N, 4) px, of which visible (N, 2) are seen → the same, some taken for
     others."""
     rng = np.random.default_rng(seed)
     for disturbance, amount in amounts:
         if amount:
-            order = disturbance.confuse(len(points), amount, rng)
+            order = disturbance.permute(len(points), amount, rng)
             points, visible = points[order], visible[order]
     return points, visible
 

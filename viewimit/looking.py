@@ -6,7 +6,7 @@ With equal seeds it sees the same to the last bit. Every look has a stream of th
 import numpy as np
 from numpy.typing import NDArray
 
-from .disturbances import ImageDisturbance, MatchDisturbance, SightDisturbance, any_of, confuse, spoil, spoil_frames
+from .disturbances import ImageDisturbance, MatchDisturbance, SightDisturbance, any_of, mismatch, spoil, spoil_frames
 from .perception import frames
 from .perception.latency import MOST_LAG, lag_of
 from .settings import Settings
@@ -15,7 +15,7 @@ from .snapshot import Snapshot
 from .views import FourViews
 
 DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH = 0, 1, 4, 5  # streams of the seed: demonstrator, once; own body, at every
-# motion, at rest; which of the demonstrator's points are confused
+# motion, at rest; which of the demonstrator's points are swapped
 REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
 
 Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4) px, visible (N, 2) bool
@@ -44,7 +44,7 @@ class Observer:
         key = theta_demo.tobytes(), settings.amounts(SightDisturbance), settings.frames, settings.seed
         if self._demo is None or self._demo[0] != key:
             images = merged_look(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
-            self._demo = key, confuse(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
+            self._demo = key, mismatch(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
         return self._demo[1]
 
     def noise_at_rest(self, settings: Settings) -> float:

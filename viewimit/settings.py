@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from .disturbances import CONFUSED, GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, Disturbance
+from .disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from .perception.latency import MOST_LAG
 from .servo import SERVOS
 from .transfer import TRANSFERS
@@ -47,7 +47,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     noise_px: Annotated[float, NOISE] = 0.0
     missing: Annotated[float, MISSING] = 0.0
     outliers: Annotated[float, OUTLIERS] = 0.0
-    confused: Annotated[float, CONFUSED] = 0.0
+    swapped: Annotated[float, SWAPPED] = 0.0
     frames: int = 1
     gain_error: Annotated[float, GAIN_ERROR] = 0.0
     quantum_deg: Annotated[float, QUANTUM] = 0.0

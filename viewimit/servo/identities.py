@@ -54,10 +54,10 @@ def likely_exchange(
         return np.array([evaluate(conflict(exchanged(images, pairs))) for pairs in hypotheses])
 
     postures = _postures(low, high, GRID)
-    without = least((), postures, over(postures, [()])[0])
-    if without < small:
-        return ()
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
+    without = least((), postures, over(postures, [()])[0]) if len(known) >= 2 else np.nan
+    if not small <= without < np.inf:
+        return ()
     single: list[Pairs] = [(pair,) for pair in combinations(known, 2)]
     E = over(postures, single)
     order = np.argsort(E.min(1))

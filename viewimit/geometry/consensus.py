@@ -14,7 +14,7 @@ from .affine import fit_affine_fundamental
 from .fundamental import fit_fundamental, homogeneous, sampson_distance
 
 FEWEST, FEWEST_OF_F = 12, 24  # matches for an affine geometry, for a fundamental matrix
-DRAWS, DRAWS_OF_F = 40, 120  # with a fifth of the matches wrong, one of a million, or of a billion, has no good one
+DRAWS, DRAWS_OF_F = 40, 120  # with a fifth of the matches wrong, less than one in a billion has no good draw
 GROSS, LEAST_PX = 6.0, 0.2  # standard deviations, and px, that contradict nothing
 LEAST_OF_FEW_PX = 1.0  # with too few to see whether they want a fundamental matrix
 FITS = 3.0  # times the noise, or the least that contradicts: what the deviation of half of the matches may be
@@ -24,9 +24,10 @@ ROUNDS = 3  # in which the nearest half of the matches tells the geometry anew (
 
 def agree(left: NDArray, right: NDArray, noise_px: float) -> bool:
     """Whether all matches, (M, 2) px each, have one affine geometry, or are too few to tell one."""
-    if len(left) < FEWEST:
+    most = max(LEAST_PX, GROSS * noise_px)
+    if len(left) < FEWEST or (np.abs(right[:, 1] - left[:, 1]) <= most).all():  # rows are one, which most heads have
         return True
-    return not (np.abs(affine_distance(left, right)) > max(LEAST_PX, GROSS * noise_px)).any()
+    return bool((np.abs(affine_distance(left, right)) <= most).all())
 
 
 def contradicting(left: NDArray, right: NDArray, noise_px: float, rng: np.random.Generator) -> NDArray:

@@ -8,7 +8,7 @@ from viewimit.app.sessions import codec
 
 from viewimit.body_image import FEWEST
 from viewimit.rehearsal import rehearse
-from viewimit.servo.trust_region import FIRST_RADIUS
+from viewimit.servo.trust_state import FIRST_RADIUS
 from viewimit.session import Session
 from viewimit.settings import BEST
 from viewimit.simulation.eyes import ProjectedEyes

@@ -10,7 +10,8 @@ from viewimit.disturbances import NOISE, spoil
 from viewimit.evaluation import residual
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
-from viewimit.servo.trust_region import LONGEST, TrustRegion
+from viewimit.servo.trust_motions import LONGEST
+from viewimit.servo.trust_region import TrustRegion
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import linear_combination, projective

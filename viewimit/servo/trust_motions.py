@@ -1,0 +1,64 @@
+"""The motions of the trust region: a probe, a check, a step to a target, or a long way to a goal."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .observation import Observation
+from .trust_state import TrustState
+from .visit import Visit
+
+PROBE = np.radians(15.0)
+LONGEST = np.radians(45.0)  # a joint and motion
+DONE_STEP = np.radians(0.1)
+RESTS = 0.1  # of the expected error from the goal
+FAR_CANDIDATES = 200
+
+
+def probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
+    """Turn one joint by 15°, towards where its limits leave more room."""
+    joint, *rest = state.probes
+    above, below = seen.upper[joint] - seen.displacement[joint], seen.displacement[joint] - seen.lower[joint]
+    step = np.zeros_like(seen.displacement)
+    step[joint] = min(PROBE, above) if above >= min(PROBE, below) else -min(PROBE, below)
+    return replace(state, probes=tuple(rest), status="moving", probe=True), step
+
+
+def check(state: TrustState, seen: Observation, place: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:
+    """A short motion to one side of a place: it teaches what the surrogate knows least."""
+    state, step = move(replace(state, checks=state.checks + 1), seen, aside(seen, place, away))
+    return replace(state, probe=True), step
+
+
+def aside(seen: Observation, place: NDArray, away: NDArray) -> NDArray:
+    """(m,) rad, away from a place or the other way, where the limits leave more room."""
+    either = np.clip(np.stack([place + away, place - away]), seen.lower, seen.upper)
+    return either[int(np.argmax(np.abs(either - place).sum(1)))]
+
+
+def move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustState, NDArray]:
+    """One motion to the target, or as far towards it as one motion may go."""
+    step = target - seen.displacement
+    longest = np.max(np.abs(step))
+    if longest > LONGEST and not state.rehearsed:
+        step, state = step * (LONGEST / longest), replace(state, promised=None)
+    return replace(state, status="moving", probe=False), step
+
+
+def towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustState, NDArray]:
+    """On to the goal; there, a learner that drove back to its best posture rests."""
+    there = bool(state.rehearsed) or np.max(np.abs(goal - seen.displacement)) <= LONGEST
+    state, step = move(replace(state, promised=None, goal=None if there else goal), seen, goal)
+    expected = 0.0 if state.certificate is None else float(state.certificate.expected.max())
+    if state.ending and np.max(np.abs(step)) < np.clip(RESTS * expected, DONE_STEP / 10, DONE_STEP):
+        return replace(state, ending="", status=state.ending), np.zeros_like(step)
+    return state, step
+
+
+def farthest(visits: tuple[Visit, ...], seen: Observation) -> NDArray:
+    """The posture, of many, that is farthest from all visited."""
+    candidates = np.random.default_rng(seen.motion).uniform(seen.lower, seen.upper, (FAR_CANDIDATES, len(seen.lower)))
+    visited = np.array([visit.displacement for visit in visits])
+    apart = np.abs(candidates[:, None] - visited).max(-1).min(1)
+    return candidates[int(np.argmax(apart))]

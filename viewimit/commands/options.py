@@ -23,6 +23,15 @@ USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
     """What is seen, and how it is transferred."""
+    add_scene_options(parser, defaults)
+    parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
+    parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
+    add_rectify_option(parser)
+    add_image_options(parser, SightDisturbance, defaults)
+
+
+def add_scene_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
+    """Which body is seen, and where."""
     scenes = ", ".join(scene_names())
     parser.add_argument("--scene", help=f"{scenes}, or the path of a .toml file ({defaults.scene})")
     parser.add_argument(
@@ -32,10 +41,11 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
     )
     parser.add_argument("--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the scene's)")
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
-    parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
-    parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
-    add_rectify_option(parser)
-    _add_disturbances(parser, SightDisturbance)
+
+
+def add_image_options(parser: argparse.ArgumentParser, spoilt_by: type[Disturbance], defaults: Settings) -> None:
+    """How well it is seen."""
+    _add_disturbances(parser, spoilt_by)
     parser.add_argument("--frames", type=int, metavar="N", help=f"images averaged at each posture ({defaults.frames})")
     parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
 
@@ -93,8 +103,13 @@ def add_camera_option(parser: argparse.ArgumentParser) -> None:
 
 def add_run_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
     """Where the learner starts, and how it moves."""
-    parser.add_argument("--start", type=angles, metavar="DEG,DEG", help="the learner's moving joints (the scene's)")
+    add_arm_options(parser)
     parser.add_argument("--servo", metavar="NAME", help=f"{', '.join(SERVOS)} ({defaults.servo})")
+
+
+def add_arm_options(parser: argparse.ArgumentParser) -> None:
+    """Where the learner starts, and how well it obeys."""
+    parser.add_argument("--start", type=angles, metavar="DEG,DEG", help="the learner's moving joints (the scene's)")
     _add_disturbances(parser, ArmDisturbance)
 
 
@@ -135,7 +150,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     with naming("--camera"):
         require_eyes(settings.camera, scene)
     points = layout(args, scene)
-    postures = {"demonstrator": args.demonstrator, "start": vars(args).get("start")}
+    postures = {name: vars(args).get(name) for name in ("demonstrator", "start")}
     for name, posture in postures.items():
         if posture is not None:
             with naming("--" + name):

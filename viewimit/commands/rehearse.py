@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from ..body_image import FEWEST
+from ..disturbances import ImageDisturbance
 from ..rehearsal import rehearse
 from ..session import Session
 from ..settings import BEST
@@ -15,10 +16,11 @@ from . import BadInput
 from .json_output import print_json
 from .options import (
     DONE,
+    add_arm_options,
     add_camera_option,
+    add_image_options,
     add_json_option,
-    add_run_options,
-    add_setting_options,
+    add_scene_options,
     add_undistort_option,
     between,
     naming,
@@ -29,10 +31,11 @@ POSTURES, MOST_POSTURES = 12, 200
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser, BEST)
+    add_scene_options(parser, BEST)
+    add_image_options(parser, ImageDisturbance, BEST)
     add_undistort_option(parser)
     add_camera_option(parser)
-    add_run_options(parser, BEST)
+    add_arm_options(parser)
     number, reach = between(int, FEWEST, MOST_POSTURES), between(float, 1.0, 360.0)
     parser.add_argument(
         "--postures", type=number, default=POSTURES, metavar="K", help="far from each other, by --seed (%(default)s)"

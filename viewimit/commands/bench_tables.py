@@ -122,7 +122,7 @@ def scenes_table(outcomes: Sequence[scenes.Outcome], heading: str) -> str:
     """For people: a row a kind of scenes."""
     heads = *(f"ended ≤{near:g}°" for near in success.WITHIN_DEG), "motions", "95 %", "claimed"
     heads = *heads, f"off >{success.FALSE_DEG:g}°", f"and >{claims.TIMES:g} exp.", "rms", "bound"
-    widths = (18, 18, 18, 9, 7, 18, 17, 17, 10, 10)
+    widths = (18, 18, 18, 9, 7, 18, 20, 20, 10, 10)
     lines = [heading, " " * 46 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
         motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
@@ -146,7 +146,7 @@ def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
         "rms",
         "exp.",
     )
-    widths = (17, 17, 15, 8, 6, 19, 19, 20, 8, 8)
+    widths = (17, 17, 15, 8, 6, 20, 20, 20, 8, 8)
     lines = [" " * 38 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
         shares = [_share(share) for share in (o.claimed, o.untold, o.unended)]

@@ -6,7 +6,8 @@ one tint, near the role's in light and in dark, which each page's own light make
 where the learner does, so one sees through it.
 """
 
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterable
 from functools import partial
 
 import numpy as np
@@ -19,7 +20,6 @@ from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
 from ..viser_private import push_orientation
-from . import meshes
 from .nodes import Nodes
 from .rotations import joint_quaternion, quaternion
 
@@ -39,17 +39,17 @@ def link_name(scene: Scene, arm: str, link: int) -> str:
 
 
 def share_meshes(server: ViserServer, robot: str, arm: str) -> None:
-    """Put a shipped robot's links on the server's scene, hidden until a page shows that arm; of a robot of the user's
-    own, nothing."""
+    """Put a robot's links on the server's scene, hidden until a page shows that arm. robot: as a scene names it."""
     shapes, opacity = link_meshes(robot), OPACITY[arm]
-    if not shapes:
-        return
-    name = f"/{robot}/{arm}"
+    name = f"/{_slug(robot)}/{arm}"
     server.scene.add_frame(name, show_axes=False, visible=False)
-    for link, mesh in sorted(shapes.items()):
+    for link in range(max(shapes) + 1):
         if link > 0:
             name += f"/j{link}"
             server.scene.add_frame(name, show_axes=False)
+        if link not in shapes:
+            continue
+        mesh = shapes[link]
         middle = (mesh.vertices.min(0) + mesh.vertices.max(0)) / 2
         server.scene.add_mesh_simple(
             f"{name}/mesh",
@@ -67,7 +67,7 @@ class Arm:
 
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, arm: str, T_world_base: NDArray):
         self._client, self._nodes = client, nodes
-        self._joints, self._moving = world.robot.joints, world.scene.moving
+        self._robot, self._joints, self._moving = world.robot, world.robot.joints, world.scene.moving
         self._frame = nodes.keep(
             client.scene.add_frame(
                 robot_root(world.scene, arm),
@@ -83,27 +83,22 @@ class Arm:
         for i, joint in enumerate(self._joints):
             position = joint.T_parent_joint[:3, 3]
             nodes.keep(client.scene.add_frame(self._names[i], show_axes=False, wxyz=self._turned(i), position=position))
-        if not link_meshes(world.scene.robot):
-            self._add_bones(world.scene, arm)
-
-    def _add_bones(self, scene: Scene, arm: str) -> None:
-        """A robot of the user's own has no meshes here: rods between its joints stand for it."""
-        for i, joint in enumerate(self._joints):
-            end = joint.T_parent_joint[:3, 3]
-            if np.linalg.norm(end) > 0.01:
-                vertices, faces = meshes.bone(end)
-                name = f"{link_name(scene, arm, i)}/rod"
-                rod = self._client.scene.add_mesh_simple(
-                    name, vertices, faces, color=half_white(arm), opacity=OPACITY[arm]
-                )
-                self._nodes.keep(rod)
 
     def draw(self, theta: NDArray) -> None:
         """theta: (m,) rad, of the moving joints. Only those that turned are sent."""
-        for i, angle in zip(self._moving, theta.tolist()):
+        for i, angle in self._turning(theta):
             if angle != self._angles[i]:
                 self._angles[i] = angle
                 push_orientation(self._client, self._names[i], self._turned(i))
+
+    def _turning(self, theta: NDArray) -> Iterable[tuple[int, float]]:
+        """Joints, from 0, that may have turned, and their angles, rad."""
+        if not self._robot.mimics:
+            return zip(self._moving, theta.tolist())
+        angles = list(self._angles)
+        for i, angle in zip(self._moving, theta.tolist()):
+            angles[i] = angle
+        return enumerate(np.array(self._robot.coupled(angles), float).tolist())
 
     def show(self, visible: bool) -> None:
         """Or hide it."""
@@ -137,5 +132,6 @@ class Arms:
 
 
 def _slug(robot: str) -> str:
-    """A node name from a robot's name or the path of its URDF."""
-    return "".join(c if c.isalnum() else "_" for c in robot)
+    """A node name from a robot's name or the path of its URDF, of which another one may differ in signs alone."""
+    plain = "".join(c if c.isalnum() else "_" for c in robot)
+    return plain if plain == robot else f"{plain}_{zlib.crc32(robot.encode()):08x}"

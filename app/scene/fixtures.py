@@ -10,6 +10,7 @@ from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
 from viewimit.drawing.theme import rgb
 from viewimit.geometry.rigid import rotation_about_axis
 from viewimit.simulation.camera import Camera
+from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.world import World
 from viewimit.views import VIEWS
 
@@ -24,6 +25,7 @@ PLATE = 0.17  # m from the camera to its image plate
 BEHIND = 0.002  # m, a picture's distance from its plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
 LINE, HALF_NAME = 0.1, 0.25  # m: the height of a line of text, half the length of a base's name
+SUNK = 0.05  # m, of a base's shape under its origin: less is how it is mounted
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
 
 
@@ -58,17 +60,18 @@ def add_light(scene: SceneApi, look: Look) -> None:
     scene.add_light_directional("/light/sun", intensity=look.sun, cast_shadow=True, position=(-2.0, -3.0, 5.0))
 
 
-def add_floor(scene: SceneApi, look: Look) -> None:
+def add_floor(scene: SceneApi, look: Look, size: float = 1.0) -> None:
+    """size: of the scene, as of all that stands in it."""
     scene.add_grid(
         "/floor",
-        width=12,
-        height=12,
-        cell_size=0.25,
-        section_size=1.0,
+        width=12 * size,
+        height=12 * size,
+        cell_size=0.25 * size,
+        section_size=1.0 * size,
         cell_color=look.cells,
         section_color=look.sections,
         shadow_opacity=0.10,
-        fade_distance=9.0,
+        fade_distance=9.0 * size,
     )
 
 
@@ -77,7 +80,7 @@ class Fixtures:
 
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
         self._client, self._nodes, self._world = client, nodes, world
-        self._dark, self._look = dark, LOOKS[dark]
+        self._dark, self._look, self._size = dark, LOOKS[dark], world.scene.size
         self._plates: dict[str, MeshHandle] = {}
         self._pictures: dict[str, ImageHandle] = {}  # on the plates
         self._shown: dict[str, bytes | None] = {}  # what they show
@@ -104,43 +107,54 @@ class Fixtures:
         """(k, 3) m: what the default view must hold of it."""
         feet = [T[:3, 3] * [1, 1, 0] for T in (self._world.T_world_own, self._world.T_world_demo)]
         head = np.array(self._world.scene.head.position) * [1, 1, 0]
-        plates = [on_plate(camera, corners(camera)) for camera in self._cameras]
-        names = [foot + LABEL_OFFSET + side * looking()[:, 0] for foot in feet for side in (-HALF_NAME, HALF_NAME)]
+        plates = [on_plate(camera, corners(camera), self._size) for camera in self._cameras]
+        aside = self._size * looking()[:, 0]
+        names = [foot + self._size * LABEL_OFFSET + side * aside for foot in feet for side in (-HALF_NAME, HALF_NAME)]
         return np.concatenate([*plates, [head], feet, names])
 
     def _add_pedestal(self, arm: str, T_world_base: NDArray) -> None:
-        x, y, height = T_world_base[:3, 3]
-        vertices, faces = meshes.pedestal(max(height, 0.03))
+        x, y, height = T_world_base[:3, 3] + [0, 0, self._below(arm)]
+        size = self._size
+        vertices, faces = meshes.pedestal(max(height / size, 0.03))
         scene = self._client.scene
         self._nodes.keep(
             scene.add_mesh_simple(
                 f"/stage/{arm}_pedestal",
-                vertices,
+                size * vertices,
                 faces,
                 color=self._look.pedestal,
                 position=(x, y, height),
             )
         )
-        self._add_text(f"/stage/{arm}_label", arm, arm, (x, y, 0) + LABEL_OFFSET)
+        self._add_text(f"/stage/{arm}_label", arm, arm, (x, y, 0) + size * LABEL_OFFSET)
+
+    def _below(self, arm: str) -> float:
+        """m from a base's origin down to the lowest of what is drawn of it, as of a body that stands on legs; what is
+        drawn of a base that is mounted begins there."""
+        shape = link_meshes(self._world.scene.robot)[0]
+        down = self._world.T_world_own[2, :3] if arm == "learner" else self._world.T_world_demo[2, :3]
+        lowest = float((shape.vertices @ down).min())
+        return lowest if lowest < -SUNK * self._size else 0.0
 
     def _add_head(self) -> None:
         """The head between its two gazes: a stand, a bar of the baseline's length, a camera at each end."""
         centre = np.array(self._world.scene.head.position)
-        below = centre - [0, 0, 0.045]
+        size = self._size
+        below = centre - [0, 0, 0.045 * size]
         scene = self._client.scene
         forward = sum(camera.T_world_camera[:3, 2] for camera in self._cameras) * [1, 1, 0]
         turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
-        half = self._world.scene.head.baseline / 2
-        parts = [("stand", meshes.stand(below[2]), below)]
+        half = self._world.scene.head.baseline / 2 / size
+        parts = [("stand", meshes.stand(below[2] / size), below)]
         parts.append(("bar", meshes.box((0.04, 2 * half + 0.06, 0.025)), below))
         for side in (-1, 1):
-            place = centre + turn @ [-0.035, side * half, 0]
+            place = centre + size * (turn @ [-0.035, side * half, 0])
             parts.append((f"camera{side}", meshes.box((0.07, 0.09, 0.065)), place))
         for name, (vertices, faces), position in parts:
             self._nodes.keep(
                 scene.add_mesh_simple(
                     f"/stage/{name}",
-                    vertices,
+                    size * vertices,
                     faces,
                     color=self._look.lens if name.startswith("camera") else self._look.metal,
                     position=position,
@@ -149,7 +163,7 @@ class Fixtures:
             )
 
     def _add_frustum(self, name: str, camera: Camera, role: str) -> None:
-        plate = on_plate(camera, corners(camera))
+        plate = on_plate(camera, corners(camera), self._size)
         eye = camera.T_world_camera[:3, 3]
         edges = [(plate[i], plate[(i + 1) % 4]) for i in range(4)] + [(eye, corner) for corner in plate]
         scene = self._client.scene
@@ -175,11 +189,11 @@ class Fixtures:
         self._add_text(f"/stage/name_{name}", name, role, corner + 0.25 * (corner - eye))
 
     def _add_text(self, node: str, text: str, role: str, position: NDArray) -> None:
-        self._nodes.keep(add_text(self._client.scene, node, text, role, self._dark, position, LINE))
+        self._nodes.keep(add_text(self._client.scene, node, text, role, self._dark, position, LINE * self._size))
 
     def _add_picture(self, view: str, camera: Camera) -> None:
         """As large as the plate and just behind it, so that what is drawn on the plate stays in sight; hidden."""
-        T, scale = camera.T_world_camera, PLATE / np.array(camera.lens.focal)
+        T, scale = camera.T_world_camera, self._size * PLATE / np.array(camera.lens.focal)
         self._pictures[view] = self._client.scene.add_image(
             f"/stage/picture_{view}",
             np.zeros((1, 1, 3), np.uint8),
@@ -189,15 +203,15 @@ class Fixtures:
             cast_shadow=False,
             receive_shadow=False,
             wxyz=quaternion(T[:3, :3]),
-            position=on_plate(camera, corners(camera)).mean(0) + BEHIND * T[:3, 2],
+            position=on_plate(camera, corners(camera), self._size).mean(0) + self._size * BEHIND * T[:3, 2],
             visible=False,
         )
         self._nodes.keep(self._pictures[view])
 
 
-def on_plate(camera: Camera, image: NDArray) -> NDArray:
-    """image: (k, 2) px → (k, 3) m on the plate in front of the camera, where their rays meet it."""
-    return camera.T_world_camera[:3, 3] + PLATE * camera.ray(image)
+def on_plate(camera: Camera, image: NDArray, size: float = 1.0) -> NDArray:
+    """image: (k, 2) px → (k, 3) m on the plate in front of the camera, where their rays meet it. size: the scene's."""
+    return camera.T_world_camera[:3, 3] + size * PLATE * camera.ray(image)
 
 
 def corners(camera: Camera) -> NDArray:

@@ -22,7 +22,7 @@ class HandGizmo:
     shown where the hand could come to."""
 
     def __init__(self, client: ClientHandle, queue: CommandQueue):
-        self.drops = 0
+        self.drops, self._size = 0, 1.0
         self._client, self._dragging, self._let_go = client, False, False
         self._hand: tuple[World, NDArray, NDArray] | None = None  # where, in which posture, and so at which place
         self._name: ImageHandle | None = None  # before the first world
@@ -37,11 +37,13 @@ class HandGizmo:
             if not self._dragging:
                 self.drops, self._let_go = self.drops + 1, True
 
-    def furnish(self, nodes: Nodes, dark: bool) -> None:
-        """Give it its name, in the colours of a scheme."""
-        nothing = np.zeros(3)
+    def furnish(self, nodes: Nodes, dark: bool, size: float) -> None:
+        """Give it its name, in the colours of a scheme, in a scene of that size."""
+        nothing, self._size = np.zeros(3), size
+        if self._gizmo.scale != SIZE * size:
+            self._gizmo.scale = SIZE * size
         self._name = nodes.keep(
-            add_text(self._client.scene, f"{NODE}_name", "hand", "demonstrator", dark, nothing, LINE)
+            add_text(self._client.scene, f"{NODE}_name", "hand", "demonstrator", dark, nothing, LINE * size)
         )
         self._hand = None
 
@@ -51,6 +53,6 @@ class HandGizmo:
         self._gizmo.visible = self._name.visible = visible
         if self._hand is None or self._hand[0] is not world or not np.array_equal(self._hand[1], theta_demo):
             self._hand, self._let_go = (world, theta_demo, hand_position(world, theta_demo, world.T_world_demo)), True
-            self._name.position = self._hand[2] + ABOVE
+            self._name.position = self._hand[2] + self._size * ABOVE
         if self._let_go and not self._dragging:
             self._gizmo.position, self._let_go = self._hand[2], False

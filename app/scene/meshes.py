@@ -47,16 +47,6 @@ def stand(height: float) -> tuple[NDArray, NDArray]:
     return turned([(0, -height), (0.16, -height), (0.16, 0.02 - height), (0.022, 0.02 - height), (0.022, 0), (0, 0)])
 
 
-def bone(end: NDArray, radius: float = 0.03, sides: int = 12) -> tuple[NDArray, NDArray]:
-    """A rod from the origin to `end` (3,) m, tapering: what stands for a link that has no mesh."""
-    length = max(float(np.linalg.norm(end)), 1e-6)
-    vertices, faces = turned([(0, 0), (radius, 0.1 * length), (0.5 * radius, length), (0, length)], sides)
-    forward = np.asarray(end) / length
-    aside = np.cross(forward, [1, 0, 0] if abs(forward[0]) < 0.9 else [0, 1, 0])
-    aside /= np.linalg.norm(aside)
-    return vertices @ np.stack([aside, np.cross(forward, aside), forward]).astype(np.float32), faces
-
-
 def sheet(corners: NDArray) -> tuple[NDArray, NDArray]:
     """A quadrilateral, (4, 3) m, that is seen from both sides."""
     faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)

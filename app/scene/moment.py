@@ -25,6 +25,7 @@ class Moment:
 
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
         self._cameras = (*world.demo_cameras, *world.own_cameras)
+        self._size = size = world.scene.size
         self._shown: dict[str, bool] = {}
         count, scene, colour = len(world.body), client.scene, partial(rgb, dark=dark)
         nothing = np.zeros((4 * count, 2, 3), np.float32)
@@ -52,13 +53,13 @@ class Moment:
                 "/now/dots",
                 np.zeros((4 * count, 3)),
                 np.repeat([colour(role) for role in VIEW_ROLES], count, axis=0),
-                point_size=0.009,
+                point_size=0.009 * size,
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
             )
         )
-        vertices, faces = meshes.octahedron(0.02)
+        vertices, faces = meshes.octahedron(0.02 * size)
         self._recovered = nodes.keep(
             scene.add_batched_meshes_simple(
                 "/now/recovered",
@@ -74,7 +75,7 @@ class Moment:
         self._rings = [
             nodes.keep(
                 scene.add_icosphere(
-                    f"/now/chosen_{arm}", 0.017, color=colour("chosen"), visible=False, cast_shadow=False
+                    f"/now/chosen_{arm}", 0.017 * size, color=colour("chosen"), visible=False, cast_shadow=False
                 )
             )
             for arm in ("learner", "demonstrator")
@@ -90,7 +91,7 @@ class Moment:
     def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
         """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
         images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1).reshape(-1, 4, 2)
-        plates = [on_plate(camera, image) for camera, image in zip(self._cameras, images.swapaxes(0, 1))]
+        plates = [on_plate(camera, image, self._size) for camera, image in zip(self._cameras, images.swapaxes(0, 1))]
         return np.array(plates), snapshot.views.visible.T
 
     def _draw_rays(self, plates: NDArray, seen: NDArray, demo: NDArray, own: NDArray, view: View) -> None:

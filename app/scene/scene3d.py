@@ -67,12 +67,12 @@ class Scene3D:
 
     def _furnish(self) -> None:
         """All but the arms, in the colours of the scheme, in place of what there is."""
-        add_floor(self._client.scene, LOOKS[self._dark])
+        add_floor(self._client.scene, LOOKS[self._dark], self._world.scene.size)
         self._fixtures = Fixtures(self._client, self._nodes, self._world, self._dark)
         for name in self._bases:
             for i in range(len(self._world.body)):
                 self._add_point(name, i)
-        self._gizmo.furnish(self._nodes, self._dark)
+        self._gizmo.furnish(self._nodes, self._dark, self._world.scene.size)
         self._moment = Moment(self._client, self._nodes, self._world, self._dark)
 
     def depends_on(self, state: PageState) -> tuple:
@@ -137,17 +137,18 @@ class Scene3D:
         scene, colour, position = self._client.scene, rgb(arm, self._dark), body.local[i]
         add = self._nodes.keep
         if arm == "learner":
-            size = POINT_SIZE[arm] / 2
+            size = self._world.scene.size * POINT_SIZE[arm] / 2
             add(scene.add_icosphere(name, size, color=colour, subdivisions=2, position=position, cast_shadow=False))
         else:
-            shape = meshes.octahedron(POINT_SIZE[arm])
+            shape = meshes.octahedron(self._world.scene.size * POINT_SIZE[arm])
             add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
 
     def _choose_at(self, origin: NDArray, direction: NDArray) -> None:
         """The point at this ray, on whichever arm."""
         points = self._points
         if len(points):
-            radius = np.repeat([POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2], len(points) // 2)
+            sizes = [POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2]
+            radius = self._world.scene.size * np.repeat(sizes, len(points) // 2)
             i = picked(points, radius, origin, direction, self._client.camera.fov)
             if i is not None:
                 self._queue.put(ChoosePoint(i % (len(points) // 2)))

@@ -13,7 +13,6 @@ CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 0, 1], [0, 0, 1]], float)
 SHAPES = {
     "pedestal": meshes.pedestal(HEIGHT),
     "stand": meshes.stand(1.0),
-    "bone": meshes.bone(np.array([0.1, -0.2, 0.3])),
     "box": meshes.box((0.1, 0.2, 0.3)),
     "octahedron": meshes.octahedron(0.02),
 }

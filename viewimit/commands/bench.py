@@ -6,13 +6,14 @@ import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
+from pathlib import Path
 
 import msgspec
 from tqdm import tqdm
 
 from ..analysis.landscape import grid_axes
 from ..body_image import FEWEST
-from ..experiments.bench import claims, following, robustness, scenes, speed, success
+from ..experiments.bench import claims, following, robots, robustness, scenes, speed, success
 from ..geometry.affine import require_points
 from ..history import MAX_HISTORY
 from ..servo import SERVOS
@@ -41,9 +42,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default="all",
         help="success: of every transfer and servo; robustness: with noise, missing and wrong points, seven joints; "
         "following: a demonstrator that moves; scenes: drawn at random, also with any head; claims: how often they are "
-        "made, and true; pictures: rendered ones, and how well markers are detected in them; all: speed and success "
+        "made, and true; pictures: rendered ones, and how well markers are detected in them; robots: every URDF of "
+        "FOLDER, in the scene made for it, --runs each; all: speed and success "
         "(%(default)s)",
     )
+    parser.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", help="of URDF files, for robots")
     parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
     seed = between(int, 0, 2**32)
@@ -87,6 +90,12 @@ def run(args: argparse.Namespace) -> int:
         world = World(scene, args.points)
         require_points(len(world.body))
         grid_axes(world)
+    if (args.what == "robots") != (args.folder is not None):
+        raise BadInput(
+            "robots: needs the folder of URDF files: viewimit bench robots FOLDER"
+            if args.folder is None
+            else f"{args.folder}: only `viewimit bench robots` takes a folder"
+        )
     told: dict = {}
     try:
         for part in ("speed", "success") if args.what == "all" else (args.what,):
@@ -198,6 +207,25 @@ def _pictures(args: argparse.Namespace, scene: Scene) -> tuple[dict, str]:
     return told, f"{tables.detection_table(detected)}\n{heading}\n{tables.robustness_table(outcomes)}"
 
 
+def _robots(args: argparse.Namespace, _: Scene) -> tuple[dict, str]:
+    """A line each, as soon as it is known."""
+    with naming("FOLDER"):
+        paths = robots.urdfs(args.folder)
+    settings = msgspec.structs.replace(BEST, transfer=_best(args).transfer, servo=_best(args).servo)
+    found = []
+    for one in robots.run(settings, paths, args.runs, args.seed, args.max_motions):
+        found.append(one)
+        if not args.json:
+            print(tables.robot_line(one), flush=True)
+    usable = [one for one in found if one.refused is None]
+    arrived = sum(one.all_arrived for one in usable)
+    summary = (
+        f"{arrived} of {len(usable)} robots within {robots.ARRIVED_DEG:g}° in all of {args.runs} runs each, seed "
+        f"{args.seed}; {len(found) - len(usable)} refused"
+    )
+    return {"arrived": arrived, "usable": len(usable), "robots": [asdict(one) for one in found]}, summary
+
+
 def _best(args: argparse.Namespace) -> Settings:
     """A frame at each posture, as the cases of a table set their own."""
     return Settings(transfer=args.transfer or BEST.transfer, servo=args.servo or BEST.servo)
@@ -211,6 +239,7 @@ PARTS = {
     "scenes": _scenes,
     "claims": _claims,
     "pictures": _pictures,
+    "robots": _robots,
 }
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments.bench import claims, following, robustness, scenes, speed, success
+from ..experiments.bench import claims, following, robots, robustness, scenes, speed, success
 
 
 def speed_table(found: speed.Benchmark) -> str:
@@ -191,4 +191,16 @@ def detection_table(found) -> str:
             f"  false identities             {found.false} of {found.detections}",
             f"  in all four pictures         median {typical:.0f}, fewest {fewest}",
         ]
+    )
+
+
+def robot_line(found: robots.Found) -> str:
+    """One URDF: its chain, what moves, and how its runs ended."""
+    if found.refused is not None:
+        return f"refused  {found.file}: {found.refused}"
+    verdict = "arrived" if found.all_arrived else "MISSED"
+    return (
+        f"{verdict:<8} {found.file}: {found.chain[0]} to {found.chain[1]}, {', '.join(found.joints)} of {found.count}; "
+        f"{found.arrived} of {found.runs} within {robots.ARRIVED_DEG:g}°, {found.claimed} claimed, "
+        f"at most {found.error_deg:.3g}° off, median {found.motions:g} motions"
     )

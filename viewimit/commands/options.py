@@ -2,6 +2,8 @@
 
 import argparse
 import contextlib
+import dataclasses
+import sys
 from collections.abc import Callable, Iterable, Iterator
 
 import msgspec
@@ -11,7 +13,10 @@ from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..servo import SERVOS
 from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
-from ..simulation.scene import Scene, load_scene, robot_names, scene_names
+from ..simulation.scene import Scene, load_robot, load_scene, made_scene, robot_names, scene_names
+from ..simulation.urdf.descriptions import description_path, is_description
+from ..simulation.urdf.formats import require_urdf
+from ..simulation.urdf.reference import is_reference, parse_reference
 from ..transfer import TRANSFERS
 from . import BadInput
 
@@ -36,11 +41,21 @@ def add_scene_options(parser: argparse.ArgumentParser, defaults: Settings = PAPE
     parser.add_argument("--scene", help=f"{scenes}, or the path of a .toml file ({defaults.scene})")
     parser.add_argument(
         "--robot",
-        help=f"{', '.join(robot_names())}, or the path of a .urdf file (the scene's). "
-        "A .urdf takes the place of the scene's robot, with the same bases, limits and points in its links' frames",
+        help=f"{', '.join(robot_names())}, the path of a .urdf file, or a name of robot_descriptions (the scene's). "
+        "For a .urdf a scene is made, or, with --scene, it takes the place of that scene's robot, with the same bases, "
+        "limits and points in its links' frames",
     )
+    add_chain_options(parser)
     parser.add_argument("--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the scene's)")
     parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
+
+
+def add_chain_options(parser: argparse.ArgumentParser) -> None:
+    """Which part of a URDF is the arm."""
+    parser.add_argument("--base", metavar="LINK", help="of a .urdf: where the arm begins (its root)")
+    parser.add_argument(
+        "--tip", metavar="LINK", help="of a .urdf: where the arm ends (of the longest chain, without fingers)"
+    )
 
 
 def add_image_options(parser: argparse.ArgumentParser, spoilt_by: type[Disturbance], defaults: Settings) -> None:
@@ -129,8 +144,13 @@ def add_json_option(parser: argparse.ArgumentParser) -> None:
 
 def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:
     """Settings of the options given, the rest by default, each checked under its own name. Raises BadInput."""
-    if args.scene is None and args.robot in scene_names():
-        args.scene, args.robot = args.robot, None  # every shipped robot has a scene of its name
+    with naming("--robot"):
+        args.robot = robot_reference(args)
+    asked = "--scene"
+    if args.scene is None and (args.robot in scene_names() or is_reference(args.robot)):
+        args.scene, args.robot = args.robot, None  # every robot has a scene of its own
+        asked = "--robot"
+    del args.base, args.tip  # the robot's name says them now
     settings = defaults
     names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "undistort", "rectify", "camera")
     given = {name: vars(args).get(name) for name in names}
@@ -138,17 +158,19 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         if value is not None:
             with naming(option(name)):
                 settings = msgspec.structs.replace(settings, **{name: value})
-    with naming("--scene"):
+    with naming(asked):
         scene = load_scene(args.scene or settings.scene)
     with naming("--robot"):
         scene = load_scene(args.scene or settings.scene, args.robot)
-    freed = tuple(range(1, len(scene.posture_deg) + 1)) if args.joints == ALL else args.joints
+    freed = all_joints(scene.robot) if args.joints == ALL else args.joints
     with naming("--joints"):
         scene = load_scene(args.scene or settings.scene, args.robot, freed)
     with naming("--undistort"):
         scene = load_scene(args.scene or settings.scene, args.robot, freed, settings.undistort)
     with naming("--camera"):
         require_eyes(settings.camera, scene)
+    if is_reference(args.scene):
+        _tell_choices(args.scene, freed)
     points = layout(args, scene)
     postures = {name: vars(args).get(name) for name in ("demonstrator", "start")}
     for name, posture in postures.items():
@@ -164,6 +186,32 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         demonstrator_deg=postures["demonstrator"],
         start_deg=postures["start"],
     )
+
+
+def robot_reference(args: argparse.Namespace) -> str | None:
+    """--robot, a URDF of robot_descriptions by its path, and with --base and --tip in it. Raises ValueError."""
+    name = args.robot
+    if name is not None:
+        require_urdf(name)
+        name = str(description_path(name)) if is_description(name) else name
+    if args.base is None and args.tip is None:
+        return name
+    if not is_reference(name):
+        raise ValueError("--base and --tip are of a .urdf file: give its path")
+    found = parse_reference(name)
+    return str(dataclasses.replace(found, base=args.base or found.base, tip=args.tip or found.tip))
+
+
+def all_joints(robot: str) -> tuple[int, ...]:
+    """Numbers of those that move by themselves."""
+    return load_robot(robot).free
+
+
+def _tell_choices(name: str, joints: tuple[int, ...] | None) -> None:
+    """What was chosen for a URDF, and what of it is not drawn."""
+    chosen = made_scene(name, joints)
+    for line in (*chosen.said, *chosen.faults):
+        print(line, file=sys.stderr)
 
 
 def layout(args: argparse.Namespace, scene: Scene) -> int:

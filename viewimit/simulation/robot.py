@@ -1,6 +1,5 @@
 """A serial arm read from a URDF: joint limits, batched forward kinematics, points on its body."""
 
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -9,21 +8,34 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
+from ..geometry.rigid import rigid_transform, rotation_about_axis
+from .urdf.chain import arm_of, turning_of
+from .urdf.tree import MARGIN, Tree, read_tree
 
 IDENTITY = np.eye(4)
 Angles = Sequence[ArrayLike] | NDArray  # one array a joint, rad, broadcast against each other
 
 
 @dataclass(frozen=True)
+class Leader:
+    """The joint, an index from 0, whose angle times `multiplier`, plus `offset` rad, is that of one that mimics it."""
+
+    joint: int
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
 class Joint:
-    """A revolute joint. T_parent_joint: (4, 4) at angle 0; axis: (3,) in the joint's frame; limits in rad."""
+    """A revolute joint. T_parent_joint: (4, 4) at angle 0; axis: (3,) in the joint's frame; limits in rad; leader: of a
+    joint that does not move by itself."""
 
     name: str
     T_parent_joint: NDArray
     axis: NDArray
     lower: float
     upper: float
+    leader: Leader | None = None
 
 
 @dataclass(frozen=True)
@@ -54,6 +66,33 @@ class Robot:
         """(n,) rad"""
         return np.array([joint.upper for joint in self.joints])
 
+    @property
+    def free(self) -> tuple[int, ...]:
+        """Numbers, from 1, of the joints that move by themselves, and at all."""
+        return tuple(k for k, joint in enumerate(self.joints, 1) if joint.leader is None and joint.lower < joint.upper)
+
+    @cached_property
+    def mimics(self) -> bool:
+        """Whether some joint follows another one."""
+        return any(joint.leader is not None for joint in self.joints)
+
+    def coupled(self, angles: Angles) -> Angles:
+        """angles: one a joint, rad → the same, with those of joints that follow others in place of what is there."""
+        if not self.mimics:
+            return angles
+        found = list(angles)
+        for k, joint in enumerate(self.joints):
+            if joint.leader is not None:
+                found[k] = joint.leader.multiplier * np.asarray(angles[joint.leader.joint]) + joint.leader.offset
+        return found
+
+    def spread(self, angles: Angles) -> Angles:
+        """angles: one for each joint that follows no other, rad → one a joint."""
+        if not self.mimics:
+            return angles
+        given = iter(angles)
+        return self.coupled([next(given) if joint.leader is None else 0.0 for joint in self.joints])
+
     def link_frames(self, angles: ArrayLike, T_world_base: NDArray = IDENTITY) -> NDArray:
         """T_world_link of every link for one posture. angles: (n,) rad → (n + 1, 4, 4)."""
         angle = np.array(angles, float).reshape(-1, 1, 1)
@@ -81,10 +120,12 @@ class Robot:
         joints: list[Joint] = []
         T_kept_link = np.eye(4)  # of the link at hand, in the frame of the last link that still moves
         owner, offset = [0], [T_kept_link]
-        for i, (joint, angle) in enumerate(zip(self.joints, angles, strict=True)):
+        kept = [i for i, joint in enumerate(self.joints) if (joint.leader.joint if joint.leader else i) in moving]
+        for i, (joint, angle) in enumerate(zip(self.joints, self.coupled(angles), strict=True)):
             T_kept_joint = T_kept_link @ joint.T_parent_joint
-            if i in moving:
-                joints.append(replace(joint, T_parent_joint=T_kept_joint))
+            if i in kept:
+                leader = joint.leader and replace(joint.leader, joint=kept.index(joint.leader.joint))
+                joints.append(replace(joint, T_parent_joint=T_kept_joint, leader=leader))
                 T_kept_link = np.eye(4)
             else:
                 T_kept_link = T_kept_joint @ rigid_transform(rotation_about_axis(joint.axis, angle))
@@ -121,40 +162,32 @@ class Robot:
         return list(groups.values())
 
     @classmethod
-    def from_urdf(cls, path: str | Path, tip: str | None = None) -> "Robot":
-        """Read the revolute chain from the root link to `tip` (default: the longest chain).
+    def from_urdf(cls, path: str | Path, tip: str | None = None, base: str | None = None) -> "Robot":
+        """Read the chain of joints that turn from the link `base` (default: the root) to `tip` (default: of the longest
+        chain, without fingers).
 
-        Fixed joints are merged; raises ValueError that names the file for XML that does not
-        parse, a missing tip, a loop, or a chain without revolute joints.
+        Fixed joints are merged, and prismatic ones, at rest; raises ValueError that names the file for XML that does
+        not parse, a missing link, a loop, or a chain without revolute joints.
         """
-        path = Path(path)
-        try:
-            return cls._parsed(path, path.read_bytes(), tip)
-        except OSError as error:
-            raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
+        return _chained(read_tree(Path(path)), tip, base)
 
-    @classmethod
-    @lru_cache(8)  # every run of a study begins with it
-    def _parsed(cls, path: Path, content: bytes, tip: str | None) -> "Robot":
-        joints = _joints(path, content)
-        by_child = {joint["child"]: joint for joint in joints}
-        parents = {joint["parent"] for joint in joints}
-        if tip is not None and tip not in by_child:
-            raise ValueError(f"{path}: no link {tip!r}; its links are {', '.join(sorted(by_child))}")
-        tips = [tip] if tip else [link for link in by_child if link not in parents]
-        chain = max((_chain_to(path, by_child, end) for end in tips), key=_revolute_count, default=[])
-        if _revolute_count(chain) == 0:
-            raise ValueError(f"{path}: no revolute joint between the root link and {tip or 'any tip'}")
-        merged, T = [], np.eye(4)
-        for joint in chain:
-            T = T @ joint["origin"]
-            if joint["kind"] == "fixed":
-                continue
-            if joint["kind"] not in ("revolute", "continuous"):
-                break
-            merged.append(Joint(joint["name"], T, joint["axis"], joint["lower"], joint["upper"]))
-            T = np.eye(4)
-        return cls(path.stem, tuple(merged))
+
+@lru_cache(8)  # every run of a study begins with it
+def _chained(tree: Tree, tip: str | None, base: str | None) -> Robot:
+    chain = arm_of(tree, base, tip)
+    turning = turning_of(chain)
+    number = {joint.name: k for k, joint in enumerate(turning)}
+    merged, T = [], np.eye(4)
+    for joint in chain.joints:
+        if joint.name not in number:
+            T = T @ joint.at(tree.rest(joint, MARGIN))
+            continue
+        leader = None
+        if joint.mimic is not None:
+            leader = Leader(number[joint.mimic.of], joint.mimic.multiplier, joint.mimic.offset)
+        merged.append(Joint(joint.name, T @ joint.T_parent_joint, joint.axis, joint.lower, joint.upper, leader))
+        T = np.eye(4)
+    return Robot(tree.path.stem, tuple(merged))
 
 
 def _carried(rotation: NDArray, offset: NDArray, xyz: NDArray) -> NDArray:
@@ -176,69 +209,3 @@ def _gather(groups: dict, index: NDArray, xyz: NDArray) -> None:
         index = np.concatenate([groups[shape][0], index])
         xyz = np.concatenate([groups[shape][1], xyz], axis=1)
     groups[shape] = index, xyz
-
-
-def _joints(path: Path, content: bytes) -> list[dict]:
-    """Every joint of the file as a dict with arrays; errors name the file and the joint."""
-    try:
-        root = ElementTree.fromstring(content)
-    except (ElementTree.ParseError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
-        raise ValueError(f"{path}: not a URDF that parses: {error}") from None
-    if root.tag != "robot":
-        raise ValueError(f"{path}: not a URDF: its root element is <{root.tag}>, not <robot>")
-    return [_read_joint(path, element) for element in root.findall("joint")]
-
-
-def _read_joint(path: Path, element: ElementTree.Element) -> dict:
-    name = element.get("name", "?")
-
-    def numbers(tag: str, attribute: str, default: str) -> NDArray:
-        child = element.find(tag)
-        text = default if child is None else child.get(attribute, default)
-        try:
-            values = np.array([float(word) for word in text.split()]).reshape(len(default.split()))
-        except ValueError:
-            values = np.array([np.nan])
-        if not np.isfinite(values).all():
-            raise ValueError(f"{path}: joint {name!r}: <{tag} {attribute}={text!r}> is not numbers")
-        return values
-
-    def link(tag: str) -> str:
-        child = element.find(tag)
-        named = None if child is None else child.get("link")
-        if not named:
-            raise ValueError(f"{path}: joint {name!r} has no <{tag} link=…>")
-        return named
-
-    kind = element.get("type", "")
-    endless = kind == "continuous"
-    axis = numbers("axis", "xyz", "1 0 0")
-    if kind in ("revolute", "continuous") and not np.any(axis):
-        raise ValueError(f"{path}: joint {name!r}: its axis is zero")
-    return {
-        "name": name,
-        "kind": kind,
-        "parent": link("parent"),
-        "child": link("child"),
-        "origin": rigid_transform(
-            rotation_from_rpy(numbers("origin", "rpy", "0 0 0")), numbers("origin", "xyz", "0 0 0")
-        ),
-        "axis": axis,
-        "lower": -np.pi if endless else numbers("limit", "lower", "0")[0],
-        "upper": np.pi if endless else numbers("limit", "upper", "0")[0],
-    }
-
-
-def _chain_to(path: Path, by_child: dict[str, dict], link: str) -> list[dict]:
-    """Joints from the root to `link`."""
-    chain: list[dict] = []
-    while link in by_child:
-        chain.append(by_child[link])
-        link = chain[-1]["parent"]
-        if len(chain) > len(by_child):
-            raise ValueError(f"{path}: its links form a loop at {link!r}")
-    return chain[::-1]
-
-
-def _revolute_count(chain: list[dict]) -> int:
-    return sum(joint["kind"] in ("revolute", "continuous") for joint in chain)

@@ -2,6 +2,7 @@
 
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -12,10 +13,16 @@ from ..geometry.distortion import Radial
 from .camera import StereoHead
 from .lens import Lens
 from .robot import BodyPoints, Robot
+from .urdf.formats import require_urdf
+from .urdf.reference import is_reference, parse_reference
+
+if TYPE_CHECKING:
+    from .derived.scene import Derived
 
 Vector = tuple[float, float, float]
 ROUNDING_DEG = 0.01  # URDFs round π
 MOST_TOE_IN_DEG = 45.0
+SCENE_JOINTS = 2  # for as many, a scene is made about those that move
 
 
 class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -62,10 +69,12 @@ class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A scene file. Joints are numbered from 1, angles are in degrees, lengths in metres.
 
-    robot: a robot of assets/robots or the path of a URDF, from the scene file; moving_joints: those that imitate;
+    robot: a robot of assets/robots or the path of a URDF, from the scene file, after which #base=LINK&tip=LINK may
+    say where the arm begins and ends; moving_joints: those that imitate;
     range_deg: their limits here; posture_deg: all joints at rest, the moving ones as the
     demonstrator starts; start_deg: the learner's moving joints at the start;
-    points: layouts by their number of points, each [link, x, y, z] on the body.
+    points: layouts by their number of points, each [link, x, y, z] on the body;
+    size: how large the page draws what stands around the arms, in a scene of a robot of a metre 1.
     """
 
     title: str
@@ -78,6 +87,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     demonstrator: Base
     learner: Base
     points: dict[str, tuple[tuple[int, float, float, float], ...]]
+    size: float = 1.0
 
     @property
     def moving(self) -> NDArray:
@@ -143,21 +153,27 @@ def load_scene(
     undistort: tuple[float, float] | None = None,
 ) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
-    scene of that name beside the file, or else from the shipped one.
+    scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
     robot's limits and start at rest. undistort: (k1, k2) in place of the head's.
     Raises ValueError that names the file and the field.
     """
+    require_urdf(name)
     path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
-    if not path.is_file():
-        raise ValueError(f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml file")
+    if is_reference(name):
+        path, fields = parse_reference(name).path, made_scene(name, joints).fields
+    elif not path.is_file():
+        raise ValueError(
+            f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"
+        )
     if robot is not None:
         load_robot(robot)  # its own faults are not the scene's
     try:
-        scene = msgspec.convert(_read(path), Scene)
-        robot = str(robot) if robot is not None else _beside(path, scene.robot)
+        fields = fields if is_reference(name) else _read(path)
+        scene = msgspec.convert(fields, Scene)
+        robot = str(robot) if robot is not None else scene.robot if is_reference(name) else _beside(path, scene.robot)
         scene = msgspec.structs.replace(scene, robot=robot)
         if undistort is not None:
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
@@ -186,14 +202,26 @@ def _check_head(head: Head) -> None:
 
 def load_robot(name: str | Path) -> Robot:
     """A shipped robot by name, or any URDF by path. Raises ValueError with what there is."""
-    path = Path(name)
-    if path.suffix.lower() != ".urdf":
-        path = ROOT / "robots" / str(name) / f"{name}.urdf"
-        if not path.is_file():
-            raise ValueError(
-                f"no robot {str(name)!r}; there are {', '.join(robot_names())}, or the path of a .urdf file"
-            )
+    require_urdf(name)
+    if is_reference(name):
+        found = parse_reference(name)
+        return Robot.from_urdf(found.path, found.tip, found.base)
+    path = ROOT / "robots" / str(name) / f"{name}.urdf"
+    if not path.is_file():
+        raise ValueError(f"no robot {str(name)!r}; there are {', '.join(robot_names())}, or the path of a .urdf file")
     return Robot.from_urdf(path)
+
+
+def made_scene(name: str | Path, joints: tuple[int, ...] | None = None) -> "Derived":
+    """What is chosen for the URDF of a reference. joints: that move, if they are few enough to choose all else by them.
+
+    Raises ValueError as `load_scene`.
+    """
+    from .derived.scene import derive  # loads trimesh
+
+    if joints is not None:
+        _require_joints(load_robot(name), joints)
+    return derive(parse_reference(name), joints if joints and len(joints) <= SCENE_JOINTS else None)
 
 
 def _read(path: Path) -> dict:
@@ -216,7 +244,7 @@ def _decoded(content: bytes) -> dict:
 
 def _beside(path: Path, robot: str) -> str:
     """A URDF is named relative to the scene file."""
-    return str(path.parent / robot) if robot.lower().endswith(".urdf") else robot
+    return str(path.parent / robot) if is_reference(robot) else robot
 
 
 def _require_finite(value, name: str = "") -> None:
@@ -231,8 +259,7 @@ def _require_finite(value, name: str = "") -> None:
 def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
     """The scene with other joints moving."""
     robot = load_robot(scene.robot)
-    if not joints or list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
-        raise ValueError(f"joints {', '.join(map(str, joints))} must ascend, within 1 … {len(robot.joints)}")
+    _require_joints(robot, joints)
     known = dict(zip(scene.moving_joints, zip(scene.range_deg, scene.start_deg)))
     rest = {}
     for joint, posture in zip(joints, np.array(scene.posture_deg)[np.array(joints) - 1].tolist()):
@@ -240,6 +267,24 @@ def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
         rest[joint] = (tuple(limits.round(6).tolist()), posture)
     ranges, starts = zip(*(known.get(joint, rest[joint]) for joint in joints))
     return msgspec.structs.replace(scene, moving_joints=tuple(joints), range_deg=ranges, start_deg=starts)
+
+
+def _require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
+    """In order, of the robot's, and each moves by itself."""
+    if not joints or list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
+        raise ValueError(f"joints {', '.join(map(str, joints))} must ascend, within 1 … {len(robot.joints)}")
+    for joint in joints:
+        one = robot.joints[joint - 1]
+        if one.leader is not None:
+            leader = one.leader.joint
+            raise ValueError(
+                f"joint {joint}, {one.name}, follows joint {leader + 1}, {robot.joints[leader].name}: move that one"
+            )
+        if joint not in robot.free:
+            raise ValueError(
+                f"joint {joint}, {one.name}, is held by its limits at {np.degrees(one.lower):.4g}°: give it a "
+                '<limit lower=… upper=…> in the URDF, or type="continuous", or move another'
+            )
 
 
 def _merge(below: dict, above: dict) -> dict:
@@ -272,6 +317,8 @@ def _check(scene: Scene) -> None:
                 f"{turns[0]:.4g} … {turns[1]:.4g}"
             )
     _check_head(scene.head)
+    if scene.size <= 0:
+        raise ValueError(f"size must be more than 0, got {scene.size:g}")
     for count, layout in scene.points.items():
         if count != str(len(layout)):
             raise ValueError(f"points.{count} has {len(layout)} points")

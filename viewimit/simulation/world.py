@@ -41,7 +41,7 @@ class World:
         angles = list(self._rest)
         for joint, angle in zip(self.scene.moving, theta, strict=True):
             angles[joint] = angle
-        return angles
+        return list(self.robot.coupled(angles))
 
     def demo_images(self, theta) -> tuple[NDArray, NDArray]:
         """The demonstrator in [l], [r] → points (..., N, 4) px, visible (..., N, 2)."""
@@ -59,11 +59,11 @@ class World:
 
     def link_frames(self, theta, T_world_base: NDArray) -> NDArray:
         """T_world_link of every link of an arm in one posture: (n + 1, 4, 4)."""
-        return self.robot.link_frames(self.joint_angles(theta), T_world_base)
+        return self.robot.link_frames(np.array(self.joint_angles(theta), float), T_world_base)
 
     def points_world(self, theta, T_world_base: NDArray) -> NDArray:
         """Body points of an arm in one posture: (N, 3) m."""
-        frames = self._chain.link_frames(theta, T_world_base)
+        frames = self._chain.link_frames(np.array(self._chain.spread(theta), float), T_world_base)
         return (frames[self._chain_body.link] @ self._local)[:, :3, 0]
 
     def _images(self, theta, T_world_base: NDArray, pair: Cameras) -> tuple[NDArray, NDArray]:
@@ -73,7 +73,7 @@ class World:
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
         points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
         visible = np.empty((2, len(self.body)) + shape, bool)
-        for index, xyz in self._chain.place_points(theta, self._chain_body):
+        for index, xyz in self._chain.place_points(self._chain.spread(theta), self._chain_body):
             for side, camera in enumerate(pair.cameras):
                 image, seen = camera.project(xyz, T_world_base)
                 for row, point in enumerate(index):

@@ -1,0 +1,66 @@
+"""viewimit scene: what is chosen for a robot of which only the URDF is known, as a scene file to be edited."""
+
+import argparse
+import dataclasses
+import os
+import sys
+from pathlib import Path
+
+import msgspec
+
+from ..simulation.scene import SCENE_JOINTS, load_robot, load_scene, made_scene
+from ..simulation.urdf.reference import is_reference, parse_reference
+from . import BadInput
+from .json_output import print_json
+from .options import ALL, DONE, add_chain_options, add_json_option, all_joints, joints, naming, robot_reference
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("robot", metavar="URDF", help="the path of a .urdf file, or a name of robot_descriptions")
+    add_chain_options(parser)
+    parser.add_argument(
+        "--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the two that move the image most)"
+    )
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write it there, as .toml (to standard output)")
+    add_json_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    from ..simulation.derived.scene_file import scene_file
+
+    if args.out and args.out.suffix != ".toml":
+        raise BadInput(f"--out: {args.out} must end in .toml")
+    with naming("URDF"):
+        name = robot_reference(args) or ""
+        if not is_reference(name):
+            raise ValueError(
+                f"{name} is no .urdf file; the scenes of shipped robots are in the package's assets/scenes"
+            )
+        chosen = made_scene(name)
+    with naming("--joints"):
+        moving = all_joints(name) if args.joints == ALL else args.joints
+        chosen = made_scene(name, moving) if moving and len(moving) <= SCENE_JOINTS else chosen
+        scene = load_scene(name, joints=moving)
+    for line in (*chosen.said, *chosen.faults):
+        print(line, file=sys.stderr)
+    fields = msgspec.to_builtins(scene)
+    for eye in ("left", "right"):
+        del fields["head"][eye]
+    fields["robot"] = _from(args.out, name)
+    if args.json:
+        print_json(args, {"scene": fields})
+    text = scene_file(fields, load_robot(name), "Made from a URDF by `viewimit scene`: edit it, and use it by --scene")
+    if args.out:
+        with naming("--out"):
+            args.out.write_text(text, encoding="utf-8")
+        print(f"written to {args.out}", file=sys.stderr)
+    elif not args.json:
+        print(text, end="")
+    return DONE
+
+
+def _from(out: Path | None, name: str) -> str:
+    """The robot as the scene file says it: from that file's folder, or else from here."""
+    found = parse_reference(name)
+    path = found.path if out is None else Path(os.path.relpath(found.path, out.parent))
+    return str(dataclasses.replace(found, path=path))

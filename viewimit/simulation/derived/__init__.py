@@ -1,0 +1,1 @@
+"""A scene for a robot of which only the URDF is known: what moves and how far, what is seen of it, and from where."""

@@ -1,0 +1,87 @@
+"""Where two arms and a head stand so that all of both that matters is in all four images.
+
+The head, its gazes and the bases are placed as in the shipped Panda's scene, in a size that fits the arm.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.rigid import rigid_transform, rotation_about_axis
+from ..camera import Camera, StereoHead
+from ..lens import Lens
+
+IMAGE, FOCAL, CENTRE = (640, 240), 256.0, (320.0, 120.0)  # px
+AHEAD, ASIDE, ABOVE, BASELINE = 1.0, 0.69, 0.685, 0.6  # of the size: gazes from the head, the head over them, its eyes
+GAZE_HEIGHT = 0.8  # of the size, at least: what an arm is watched at, over the floor
+BORDER_PX = 8.0
+GROWTH, MOST_STEPS = 1.04, 120
+
+
+@dataclass(frozen=True)
+class Placing:
+    """size: m, what all distances are in; centre: (3,) m in the base frame, what the head looks at; lowest: m in the
+    base frame, of all that is drawn; yaw: rad, of both bases."""
+
+    size: float
+    centre: NDArray
+    lowest: float
+    yaw: float
+
+    @property
+    def floor(self) -> float:
+        """The height of both bases over it, m."""
+        return max(-self.lowest, GAZE_HEIGHT * self.size - float(self.centre[2]), 0.0)
+
+    def gaze(self, side: int) -> NDArray:
+        """(3,) m. side: 1 of the demonstrator, -1 of the learner."""
+        height = self.floor + float(self.centre[2])
+        return np.array([AHEAD * self.size, side * ASIDE * self.size, height])
+
+    def base(self, side: int) -> NDArray:
+        """T_world_base (4, 4)."""
+        turn = rotation_about_axis([0, 0, 1], self.yaw)
+        return rigid_transform(turn, self.gaze(side) - turn @ self.centre)
+
+    @property
+    def head(self) -> NDArray:
+        """(3,) m"""
+        return np.array([0.0, 0.0, self.gaze(1)[2] + ABOVE * self.size])
+
+    @property
+    def baseline(self) -> float:
+        return BASELINE * self.size
+
+    def cameras(self, side: int) -> tuple[Camera, Camera]:
+        lens = Lens((FOCAL, FOCAL), CENTRE)
+        position = float(self.head[0]), float(self.head[1]), float(self.head[2])
+        return StereoHead(position, self.baseline, *IMAGE, lens, lens).gaze(self.gaze(side))
+
+    def sees(self, places: NDArray) -> bool:
+        """Whether all (..., 3) m in the base frame are in all four images, away from their borders."""
+        for side in (1, -1):
+            T = self.base(side)
+            for camera in self.cameras(side):
+                image, inside = camera.project(places.reshape(-1, 3).T, T)
+                room = np.minimum(image, np.array([[IMAGE[0]], [IMAGE[1]]]) - image).min()
+                if not inside.all() or room < BORDER_PX:
+                    return False
+        return True
+
+
+def placed(places: NDArray, lowest: float, yaw: float) -> Placing:
+    """The nearest at which all places are seen. places: (..., 3) m in the base frame, wherever they come."""
+    flat = places.reshape(-1, 3)
+    centre = (flat.min(0) + flat.max(0)) / 2
+    radius = max(float(np.linalg.norm(flat - centre, axis=1).max()), 1e-4)
+    for size in _sizes(radius):
+        found = Placing(size, centre, lowest, yaw)
+        if found.sees(flat):
+            break
+    return found
+
+
+def _sizes(radius: float) -> Iterator[float]:
+    return (radius * GROWTH**k for k in range(MOST_STEPS))

@@ -1,0 +1,79 @@
+"""A scene as a file that a person edits: what each line means stands above it."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..robot import Robot
+
+BEFORE = {
+    "robot": "The URDF, from this file. After # may stand base=LINK&tip=LINK: where the arm begins and ends",
+    "moving_joints": "Those that imitate, by number",
+    "range_deg": "How far they turn here, degrees",
+    "posture_deg": "All joints at rest, degrees; the moving ones as the demonstrator stands",
+    "start_deg": "Where the learner starts, the moving joints, degrees",
+    "size": "How large the page draws what stands around the arms",
+    "head": "The stereo head, m and px. It turns from one gaze to the other; all points must be in all four images",
+    "demonstrator": "Where the arms stand, m, and how they are turned about the vertical",
+    "points": "Layouts of body points by their number: [link, x, y, z] in the frame of the link that joint i moves "
+    "(0 = base), m, on what is seen of it",
+}
+USUAL = {"verged": False, "toe_in_deg": 0.0, "undistort": [0.0, 0.0]}  # of a head, which need not be said
+
+
+def scene_file(fields: dict, robot: Robot, heading: str) -> str:
+    """TOML. fields: of a scene; heading: the first line."""
+    return "\n".join([f"# {heading}", *_lines(fields, robot)]) + "\n"
+
+
+def _lines(fields: dict, robot: Robot) -> Iterator[str]:
+    tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
+    for name, value in fields.items():
+        if name in tables:
+            continue
+        if name == "moving_joints":
+            yield from _joints(robot)
+        yield from _comment(name)
+        yield f"{name} = {_toml(value)}"
+    for name, table in tables.items():
+        yield ""
+        yield from _comment(name)
+        yield f"[{name}]"
+        for key, value in table.items():
+            if name == "points":
+                yield f"{key} = ["
+                yield from (f"  {_toml(point)},  # {_link(robot, point[0])}" for point in value)
+                yield "]"
+            elif not isinstance(value, dict) and USUAL.get(key) != (list(value) if isinstance(value, tuple) else value):
+                yield f"{key} = {_toml(value)}"
+
+
+def _comment(name: str) -> list[str]:
+    return [f"# {BEFORE[name]}"] if name in BEFORE else []
+
+
+def _joints(robot: Robot) -> Iterator[str]:
+    yield "# Joints, base to tip:"
+    for number, joint in enumerate(robot.joints, 1):
+        if joint.leader is not None:
+            what = f"follows {joint.leader.joint + 1}"
+        else:
+            what = "{:.5g}° … {:.5g}°".format(*np.degrees((joint.lower, joint.upper)))
+        yield f"#   {number} {joint.name}: {what}"
+
+
+def _link(robot: Robot, number: int) -> str:
+    return f"moved by {robot.joints[number - 1].name}" if number else "base"
+
+
+def _toml(value: Any) -> str:
+    """Text, numbers, truth values, and lists of them."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_toml, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.0f}" if value == int(value) else repr(value)

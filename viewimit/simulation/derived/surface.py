@@ -1,0 +1,63 @@
+"""Places on the surface of an arm's links, from which its body points are chosen."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..robot import Robot
+from ..urdf.shapes import Shapes
+
+A_LINK, OF_THE_BASE = 80, 400  # places on each
+NEAR_THE_ARM = 0.6  # of the arm's reach: farther off, a base is no part of it
+FEWEST = 24  # places on the base, the nearest if so few are near
+
+
+@dataclass(frozen=True)
+class Surface:
+    """K places. link: (K,) as in `BodyPoints`; local, normal: (K, 3), m and unit vectors in that link's frame."""
+
+    link: NDArray
+    local: NDArray
+    normal: NDArray
+
+    def __len__(self) -> int:
+        return len(self.link)
+
+    def only(self, chosen: NDArray) -> "Surface":
+        return Surface(self.link[chosen], self.local[chosen], self.normal[chosen])
+
+    def at(self, T_base_links: NDArray) -> tuple[NDArray, NDArray]:
+        """Places and normals in the base frame, (K, 3) each. T_base_links: (n + 1, 4, 4)."""
+        T = T_base_links[self.link]
+        turned = np.einsum("kij,kj->ki", T[:, :3, :3], self.local)
+        return turned + T[:, :3, 3], np.einsum("kij,kj->ki", T[:, :3, :3], self.normal)
+
+
+def sample(shapes: Shapes, robot: Robot, rest: NDArray, first: int) -> Surface:
+    """Even over each link. rest: (n,) rad; first: the number of the joint at which the arm begins to move."""
+    rng = np.random.default_rng(0)
+    link, local, normal = [], [], []
+    for number, mesh in shapes.meshes.items():
+        areas = mesh.area_faces
+        if not areas.sum() > 0:
+            continue
+        count = A_LINK if number else OF_THE_BASE
+        faces = rng.choice(len(areas), count, p=areas / areas.sum())
+        weights = rng.dirichlet(np.ones(3), count)
+        link.append(np.full(count, number))
+        local.append(np.einsum("kc,kcx->kx", weights, mesh.triangles[faces]))
+        normal.append(mesh.face_normals[faces])
+    whole = Surface(np.concatenate(link), np.concatenate(local), np.concatenate(normal))
+    return whole.only(_near(whole, robot.link_frames(rest), first))
+
+
+def _near(surface: Surface, T_base_links: NDArray, first: int) -> NDArray:
+    """(K,) bool: of what does not move, only what is near the arm."""
+    places, _ = surface.at(T_base_links)
+    away = np.linalg.norm(places - T_base_links[first][:3, 3], axis=1)
+    moves = surface.link >= first
+    reach = away[moves].max() if moves.any() else away.max()
+    still = np.sort(away[~moves])
+    limit = max(NEAR_THE_ARM * reach, still[min(FEWEST, len(still)) - 1] if len(still) else 0.0)
+    return moves | (away <= limit)

@@ -1,0 +1,38 @@
+"""Descriptions of robots that are no URDF: what converts them."""
+
+import re
+from pathlib import Path
+
+MOST_LOOKED_AT = 4000  # bytes, of a file whose name does not say what it is
+COMMANDS = {
+    "xacro": "pip install xacrodoc && xacrodoc {file} -o {out}",
+    "MJCF": "pip install mjcf-urdf-simple-converter && "
+    "python -c \"from mjcf_urdf_simple_converter import convert; convert('{file}', '{out}')\"",
+    "SDF": 'python -c "import pybullet as p; from pybullet_utils.urdfEditor import UrdfEditor as E; '
+    "p.connect(p.DIRECT); e = E(); e.initializeFromBulletBody(p.loadSDF('{file}')[0], 0); e.saveUrdf('{out}')\"",
+}
+SUFFIXES = {".xacro": "xacro", ".mjcf": "MJCF", ".sdf": "SDF"}
+ROOTS = {b"mujoco": "MJCF", b"sdf": "SDF", b"robot": "URDF"}  # elements of .xml files
+
+
+def require_urdf(name: str | Path) -> None:
+    """Raises ValueError, with the command that converts it, for the path of another description of a robot."""
+    path = Path(name)
+    kind = SUFFIXES.get(path.suffix.lower()) or (_kind_of_xml(path) if path.suffix.lower() == ".xml" else None)
+    if kind is None:
+        return
+    if kind == "URDF":
+        raise ValueError(f"{path} is a URDF by another name: cp {path} {path.with_suffix('.urdf')}")
+    out = path.with_name(re.sub(r"(\.urdf)?\.\w+$", "", path.name) + ".urdf")
+    raise ValueError(f"{path} is {kind}, not URDF; convert it: {COMMANDS[kind].format(file=path, out=out)}")
+
+
+def _kind_of_xml(path: Path) -> str:
+    """MJCF, which has that name, unless its root element says otherwise."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(MOST_LOOKED_AT)
+    except OSError:
+        return "MJCF"
+    root = re.search(rb"<([a-zA-Z]+)[\s>]", re.sub(rb"<!--.*?-->", b"", start, flags=re.DOTALL))
+    return ROOTS.get(root[1], "MJCF") if root else "MJCF"

@@ -11,9 +11,8 @@ WORDS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight",
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
     """What `Settings.joints` may become, by name; the present ones too, whatever they are."""
     scene = load_scene(settings.scene, settings.robot)
-    count = len(load_robot(scene.robot).joints)
-    every = tuple(range(1, count + 1))
-    choices = {_name(scene.moving_joints): None, f"all {_number(count)}": every}
+    every = load_robot(scene.robot).free
+    choices = {_name(scene.moving_joints): None, f"all {_number(len(every))}": every}
     if settings.joints is not None and settings.joints not in (every, scene.moving_joints):
         choices[_name(settings.joints)] = settings.joints
     return choices

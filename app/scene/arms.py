@@ -17,6 +17,7 @@ from viser import ClientHandle, ViserServer
 from viewimit.drawing.theme import half_white, rgb
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.scene import Scene
+from viewimit.simulation.urdf.reference import is_reference
 from viewimit.simulation.world import World
 
 from ..viser_private import push_orientation
@@ -57,6 +58,7 @@ def share_meshes(server: ViserServer, robot: str, arm: str) -> None:
             mesh.faces,
             color=rgb(arm) if opacity else half_white(arm),
             opacity=opacity,
+            side="double" if is_reference(robot) else "front",  # whoever drew it may have left it open, or inside out
             cast_shadow=opacity is None,
             receive_shadow=opacity is None,
         )

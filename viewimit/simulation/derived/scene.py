@@ -27,7 +27,6 @@ YAWS_DEG = range(0, 360, 45)
 STEPS = 5  # postures a moving joint, over its range
 LOOKS = 3
 START = 0.2, 0.8, 0.35  # of the moving joints' ranges, where the learner starts, in turn
-WEAK_PX = 5.0  # rms of what the weaker of two joints moves in the images: less is too little to be seen
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ BEFORE = {
     "size": "How large the page draws what stands around the arms",
     "head": "The stereo head, m and px. It turns from one gaze to the other; all points must be in all four images",
     "demonstrator": "Where the arms stand, m, and how they are turned about the vertical",
-    "points": "Layouts of body points by their number: [link, x, y, z] in the frame of the link that joint i moves "
-    "(0 = base), m, on what is seen of it",
+    "points": "Layouts of body points, on what is seen of the arm, by their number: [link, x, y, z], m, in the frame\n"
+    "# of the link that joint i moves (0 = base)",
 }
 USUAL = {"verged": False, "toe_in_deg": 0.0, "undistort": [0.0, 0.0]}  # of a head, which need not be said
 
@@ -51,7 +51,7 @@ def _lines(fields: dict, robot: Robot) -> Iterator[str]:
 
 
 def _comment(name: str) -> list[str]:
-    return [f"# {BEFORE[name]}"] if name in BEFORE else []
+    return f"# {BEFORE[name]}".split("\n") if name in BEFORE else []
 
 
 def _joints(robot: Robot) -> Iterator[str]:

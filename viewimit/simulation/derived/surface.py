@@ -21,9 +21,6 @@ class Surface:
     local: NDArray
     normal: NDArray
 
-    def __len__(self) -> int:
-        return len(self.link)
-
     def only(self, chosen: NDArray) -> "Surface":
         return Surface(self.link[chosen], self.local[chosen], self.normal[chosen])
 

@@ -82,7 +82,15 @@ def _without_fingers(tree: Tree, arm: tuple[TreeJoint, ...]) -> tuple[TreeJoint,
     end = len(arm)
     while end and (not _itself(arm[end - 1]) or _is_finger(arm[end - 1])):
         end -= 1
-    return arm[:end] if _count(arm[:end]) >= FEWEST else arm
+    if _count(arm[:end]) < FEWEST:
+        return arm
+    leaders = {joint.name for joint in arm[:end]}
+    for k in range(end, len(arm)):  # what moves with the arm is of it
+        if arm[k].turns and arm[k].mimic is None:
+            break
+        if arm[k].mimic is not None and arm[k].mimic.of in leaders:
+            end = k + 1
+    return arm[:end]
 
 
 def _is_finger(joint: TreeJoint) -> bool:

@@ -21,8 +21,10 @@ def load_mesh(path: Path) -> trimesh.Trimesh:
     if path.stat().st_size > MOST_BYTES:
         raise NotFound(f"{path.name} has more than {MOST_BYTES // 1_000_000} MB: simplify it")
     content = path.read_bytes()
-    if kind == "dae" and (b"<!DOCTYPE" in content or b"<!ENTITY" in content or content.startswith(b"PK")):
-        raise NotFound(f"{path.name} defines entities, or is an archive, and is not read")
+    if kind == "dae" and (b"<!DOCTYPE" in content or b"<!ENTITY" in content):
+        raise NotFound(f"{path.name} defines entities, and is not read: take them out")
+    if kind == "dae" and content.startswith(b"PK"):
+        raise NotFound(f"{path.name} is an archive, and is not read: unpack it")
     try:
         loaded = trimesh.load(io.BytesIO(content), file_type=kind, process=False, skip_materials=True)
         mesh = loaded.to_mesh() if isinstance(loaded, trimesh.Scene) else loaded

@@ -14,7 +14,7 @@ from .chain import Chain, arm_of
 from .mesh_files import load_mesh
 from .packages import NotFound, mesh_path
 from .reference import Reference
-from .simplify import MOST_FACES, creased, simplified
+from .simplify import MOST_CARRIED, creased, simplified
 from .tree import Shape, Tree, read_tree
 
 SIDES = 24  # of a cylinder
@@ -60,7 +60,7 @@ def _shapes(tree: Tree, base: str, reference: Reference) -> Shapes:
     for number, mesh in _stand_ins(arm, frames):
         if number not in parts and (number in bare or number == 0 or undrawn):
             parts[number] = [mesh]
-    meshes = {number: creased(simplified(_joined(each))) for number, each in sorted(parts.items())}
+    meshes = {number: creased(simplified(_joined(each), MOST_CARRIED)) for number, each in sorted(parts.items())}
     return Shapes(meshes, _said(tree, missing))
 
 
@@ -68,7 +68,7 @@ def _mesh(tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh]) -> trimes
     """In the shape's frame; None if it has no extent. files: those that were read before, small."""
     if shape.kind == "mesh":
         if shape.file not in files:
-            files[shape.file] = simplified(load_mesh(mesh_path(tree.path, shape.file)), MOST_FACES)
+            files[shape.file] = simplified(load_mesh(mesh_path(tree.path, shape.file)))
         mesh = files[shape.file].copy()
         mesh.apply_scale(shape.size)
         return mesh

@@ -4,7 +4,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-MOST_FACES = 2000  # of what one joint carries
+MOST_FACES, MOST_CARRIED = 1500, 6000  # of a file, of all that one joint carries
 FINEST, COARSEST = 128, 4  # cells along the longest side
 CREASE = np.cos(np.radians(38.0))  # edges sharper than that are shaded as edges
 

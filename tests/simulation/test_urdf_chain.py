@@ -1,0 +1,207 @@
+"""Which joints of a URDF are the arm, and that they carry what PyBullet says they carry."""
+
+import re
+
+import numpy as np
+import pytest
+from urdfs import arm, gripper, joint, link, write
+
+from viewimit.simulation.robot import BodyPoints, Robot
+from viewimit.simulation.urdf.carried import carried_frames
+from viewimit.simulation.urdf.chain import arm_of
+from viewimit.simulation.urdf.reference import is_reference, parse_reference
+from viewimit.simulation.urdf.tree import read_tree
+
+NO_LIMIT, STIFF = "", '<limit lower="0.3" upper="0.3"/>'
+
+
+def names(path, tip=None, base=None):
+    return [joint.name for joint in Robot.from_urdf(path, tip, base).joints]
+
+
+def leg(side, xyz):
+    return (
+        joint(f"{side}_hip", "pelvis", f"{side}_thigh", xyz=xyz),
+        joint(f"{side}_knee", f"{side}_thigh", f"{side}_shin", xyz="0 0 -0.4"),
+    )
+
+
+def torso_arm(side, xyz):
+    return (
+        joint(f"{side}_shoulder", "chest", f"{side}_upper", xyz=xyz),
+        joint(f"{side}_elbow", f"{side}_upper", f"{side}_lower", xyz="0 0 -0.3"),
+        joint(f"{side}_wrist", f"{side}_lower", f"{side}_hand", xyz="0 0 -0.3"),
+    )
+
+
+@pytest.mark.parametrize(
+    "fingers",
+    [
+        gripper("lower"),
+        (joint("jaw", "lower", "beak", xyz="0 0 0.3"),),
+        (joint("hand_slide", "lower", "plate", "prismatic", xyz="0 0 0.3"),),
+        (joint("grip_close", "lower", "pad", xyz="0 0 0.3"),),
+    ],
+)
+def test_fingers_are_not_joints_of_the_arm(tmp_path, fingers):
+    assert names(write(tmp_path, *arm(*fingers))) == ["yaw", "lift", "elbow"]
+
+
+def test_a_link_called_gripper_may_be_turned_by_a_wrist(tmp_path):
+    path = write(tmp_path, *arm(joint("wrist_roll", "lower", "gripper", xyz="0 0 0.3")))
+    assert names(path) == ["yaw", "lift", "elbow", "wrist_roll"]
+
+
+def test_of_a_hand_alone_a_finger_is_the_arm(tmp_path):
+    fingers = [
+        part
+        for k in range(3)
+        for part in (
+            joint(f"f{k}a", "palm", f"f{k}_1", xyz=f"0 {0.03 * k} 0"),
+            joint(f"f{k}b", f"f{k}_1", f"f{k}_2", xyz=f"0 0 {0.04 + 0.1 * (k == 1)}"),
+        )
+    ]
+    assert names(write(tmp_path, *fingers)) == ["f1a", "f1b"]  # the longest of those with as many joints
+
+
+def test_of_a_humanoid_the_chain_with_most_joints_is_taken_or_the_one_that_is_asked_for(tmp_path):
+    path = write(
+        tmp_path,
+        *leg("left", "0 0.1 0"), *leg("right", "0 -0.1 0"),
+        joint("waist", "pelvis", "chest", xyz="0 0 0.3"),
+        *torso_arm("left", "0 0.2 0"), *torso_arm("right", "0 -0.2 0"),
+    )  # fmt: skip
+    assert names(path) == ["waist", "left_shoulder", "left_elbow", "left_wrist"]
+    assert names(path, tip="right_hand") == ["waist", "right_shoulder", "right_elbow", "right_wrist"]
+    assert names(path, tip="right_shin") == ["right_hip", "right_knee"]
+    assert names(path, base="chest") == ["left_shoulder", "left_elbow", "left_wrist"]
+    assert names(path, tip="right_lower", base="chest") == ["right_shoulder", "right_elbow"]
+    with pytest.raises(ValueError, match="link 'left_shin' does not hang on link 'chest'"):
+        names(path, tip="left_shin", base="chest")
+    with pytest.raises(ValueError, match="no link 'tail'; its links are chest, left_hand"):
+        names(path, base="tail")
+
+
+def test_a_tip_beyond_the_fingers_takes_them_in(tmp_path):
+    assert names(write(tmp_path, *arm(*gripper("lower"))), tip="one") == ["yaw", "lift", "elbow", "left"]
+
+
+def test_a_prismatic_joint_is_held_within_its_limits(tmp_path):
+    """A torso that slides from 0.1 to 0.6 m along its axis, whatever its length: a fifth from its lower end."""
+    lift = joint(
+        "torso", "rail", "base", "prismatic", axis="0 0 2", xyz="0 0 1", more='<limit lower="0.1" upper="0.6"/>'
+    )
+    robot = Robot.from_urdf(write(tmp_path, lift, *arm()))
+    assert [one.name for one in robot.joints] == ["yaw", "lift", "elbow"]
+    np.testing.assert_allclose(robot.joints[0].T_parent_joint[:3, 3], [0, 0, 1 + 0.2 + 0.1])
+
+
+def test_a_joint_without_limits_or_range_does_not_move_by_itself(tmp_path):
+    path = write(
+        tmp_path,
+        joint("a", "base", "one"),
+        joint("free", "one", "two", "continuous", more=""),
+        joint("none", "two", "three", more=NO_LIMIT),
+        joint("stiff", "three", "four", more=STIFF),
+    )
+    assert Robot.from_urdf(path, tip="four").free == (1, 2)
+
+
+def test_a_mimic_joint_follows_its_leader_alone_and_in_the_chain(tmp_path):
+    path = write(
+        tmp_path,
+        joint("a", "base", "one", axis="0 0 1", xyz="0 0 0.1"),
+        joint(
+            "b",
+            "one",
+            "two",
+            xyz="0.2 0 0",
+            more='<limit lower="-3" upper="3"/><mimic joint="a" multiplier="-2" offset="0.3"/>',
+        ),
+        joint("c", "two", "three", axis="1 0 0", xyz="0.2 0 0"),
+    )
+    robot = Robot.from_urdf(path, tip="three")
+    assert robot.mimics and robot.free == (1, 3)
+    told = np.array([0.4, 99.0, -0.2])  # what is said of the follower is not heeded
+    np.testing.assert_array_equal(robot.link_frames(robot.coupled(told))[2], robot.link_frames([0.4, -0.5, -0.2])[2])
+    body = BodyPoints(np.array([0, 1, 2, 3]), np.full((4, 3), 0.1))
+    for moving in ([0, 2], [0], [2]):
+        chain, points = robot.held(np.array([0.4, 99.0, -0.2]), moving, body)
+        theta = [told[k] + 0.3 for k in moving]
+        whole = told.copy()
+        whole[moving] = theta
+        for index, xyz in chain.place_points(chain.spread(theta), points):
+            T = robot.link_frames(robot.coupled(whole))[body.link[index]]
+            np.testing.assert_allclose(xyz.T, T[:, :3, 3] + 0.1 * T[:, :3, :3].sum(2), atol=1e-14)
+
+
+def test_all_links_are_carried_where_pybullet_has_them(tmp_path):
+    """Every link of a tree with a slide, fingers and a second arm, at rest and with the arm turned."""
+    p = pytest.importorskip("pybullet")
+    lift = joint("torso", "rail", "base", "prismatic", axis="0 0 1", more='<limit lower="-0.2" upper="0.6"/>')
+    other = joint("head", "base", "face", axis="0 0 1", xyz="0.1 0 0.5", more='<limit lower="0.4" upper="1"/>')
+    path = write(tmp_path, link("rail"), lift, *arm(*gripper("lower"), other, link("face", "0.1 0.1 0.1")))
+    tree = read_tree(path)
+    chain = arm_of(tree)
+    robot, frames = Robot.from_urdf(path), carried_frames(tree, chain)
+    assert set(frames) == set(tree.links)
+    client = p.connect(p.DIRECT)
+    try:
+        body = p.loadURDF(str(path), useFixedBase=True, physicsClientId=client)
+        infos = [p.getJointInfo(body, k, physicsClientId=client) for k in range(p.getNumJoints(body, client))]
+        at_rest = {one.name: tree.rest(one, 0.2 if one in chain.joints else 0.0) for one in tree.joints}
+        for angles in ([0.0, 0.0, 0.0], [0.3, -0.7, 1.1]):
+            turned = dict(zip(["yaw", "lift", "elbow"], angles))
+            for info in infos:
+                name = info[1].decode()
+                p.resetJointState(body, info[0], (at_rest | turned)[name], physicsClientId=client)
+            T_base_links = robot.link_frames(angles)
+            for info in infos:
+                number, T_carrier_link = frames[info[12].decode()]
+                state = p.getLinkState(body, info[0], computeForwardKinematics=True, physicsClientId=client)
+                T = T_base_links[number] @ T_carrier_link
+                np.testing.assert_allclose(T[:3, 3], state[4], atol=1e-6)
+                np.testing.assert_allclose(
+                    T[:3, :3], np.reshape(p.getMatrixFromQuaternion(state[5]), (3, 3)), atol=1e-6
+                )
+    finally:
+        p.disconnect(client)
+
+
+@pytest.mark.parametrize(
+    "parts, message",
+    [
+        (
+            (joint("a", "base", "one", more='<limit lower="1" upper="-1"/>'),),
+            "joint 'a': its limits lower=1 upper=-1 .*swap",
+        ),
+        ((joint("a", "base", "one"), joint("b", "two", "one")), "link 'one' hangs on two joints, 'a' and 'b'"),
+        ((joint("a", "base", "one", xyz="$(arg x) 0 0"),), "joint 'a': .* is xacro: run it through xacro"),
+        ((joint("a", "base", "one", "prismatic"),), "no revolute joint between the root link and any tip"),
+        (tuple(joint(f"j{k}", f"l{k}", f"l{k + 1}") for k in range(600)), "600 joints, more than 500"),
+    ],
+)
+def test_errors_name_file_joint_and_limit(tmp_path, parts, message):
+    with pytest.raises(ValueError, match=rf"small\.urdf: .*{message}"):
+        Robot.from_urdf(write(tmp_path, *parts))
+
+
+def test_an_entity_bomb_is_refused(tmp_path):
+    bomb = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
+    path = tmp_path / "bomb.urdf"
+    path.write_text(f'<!DOCTYPE robot [<!ENTITY a0 "lol">{bomb}]><robot name="&a11;"/>')
+    with pytest.raises(ValueError, match=r"bomb\.urdf: not a URDF that parses"):
+        Robot.from_urdf(path)
+
+
+@pytest.mark.parametrize("name", ["arm.urdf", "a/b.URDF#tip=hand", "b.urdf#base=torso&tip=left_hand"])
+def test_a_reference_says_what_it_was_read_from(name):
+    assert is_reference(name) and str(parse_reference(name)) == name
+    assert parse_reference(name).tip == (re.search("tip=(.*)", name) or [None, None])[1]
+
+
+@pytest.mark.parametrize("name", ["arm.urdf#hand", "arm.urdf#tip=", "arm.urdf#foot=one"])
+def test_what_is_no_base_and_no_tip_is_refused(name):
+    with pytest.raises(ValueError, match=r"arm\.urdf: #\w+ is not read: say arm\.urdf#base=LINK&tip=LINK"):
+        parse_reference(name)
+    assert not is_reference("panda") and not is_reference("a.urdf.xacro")

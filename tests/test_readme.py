@@ -25,9 +25,9 @@ def blocks(language):
     return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
 
 
-def examples():
-    """(words, output shown) of each `$ viewimit …` line."""
-    (console,) = blocks("console")
+def examples(of=0):
+    """(words, output shown) of each `$ viewimit …` line of a block."""
+    console = blocks("console")[of]
     for example in console.split("$ viewimit ")[1:]:
         words, _, output = example.partition("\n")
         yield shlex.split(words), output
@@ -37,6 +37,16 @@ def examples():
 def test_commands_print_what_readme_shows(words, shown, capsys):
     assert main(words) == (1 if ", rests" in shown else 0)  # as what is printed says
     assert capsys.readouterr().out == shown
+
+
+def test_your_own_robot_does_what_readme_shows(capsys, tmp_path, monkeypatch):
+    assert len(blocks("console")) == 2
+    (source,) = re.findall(r"Here `arm.urdf` is a copy of `([^`]+)`", README)
+    (tmp_path / "arm.urdf").write_bytes((ROOT / source).read_bytes())
+    monkeypatch.chdir(tmp_path)
+    for words, shown in examples(1):
+        assert main(words) == 0
+        assert capsys.readouterr().out == shown
 
 
 SHORT = {  # what makes a program brief that measures; of the others --help is asked

@@ -85,11 +85,11 @@ def _without_fingers(tree: Tree, arm: tuple[TreeJoint, ...]) -> tuple[TreeJoint,
     if _count(arm[:end]) < FEWEST:
         return arm
     leaders = {joint.name for joint in arm[:end]}
-    for k in range(end, len(arm)):  # what moves with the arm is of it
-        if arm[k].turns and arm[k].mimic is None:
+    for k, joint in enumerate(arm[end:], end + 1):  # what moves with the arm is of it
+        if joint.turns and joint.mimic is None:
             break
-        if arm[k].mimic is not None and arm[k].mimic.of in leaders:
-            end = k + 1
+        if joint.mimic is not None and joint.mimic.of in leaders:
+            end = k
     return arm[:end]
 
 

@@ -245,6 +245,18 @@ def test_a_place_behind_another_or_turned_away_is_not_seen():
     np.testing.assert_array_equal(seen, [1, 0, 0])
 
 
+def test_of_a_large_base_only_what_is_near_the_arm_has_points(tmp_path):
+    """A rail of ten metres does not move the head away."""
+    small, rail = (
+        load_scene(write(tmp_path, *arm())),
+        arm(joint("bolt", "base", "rail", "fixed"), link("rail", "10 0.1 0.1")),
+    )
+    scene = load_scene(write(tmp_path, *rail, name="rail.urdf"))
+    body = scene.body_points(20)
+    assert np.abs(body.local[body.link == 0]).max() < 0.7
+    assert scene.size < 1.5 * small.size
+
+
 def test_given_joints_move_and_all_else_is_chosen_for_them(tmp_path):
     path = write(tmp_path, *arm())
     scene, chosen = load_scene(path, joints=(1, 3)), load_scene(path)

@@ -199,3 +199,13 @@ def test_an_obj_reads_no_other_file(tmp_path, monkeypatch):
     shapes = shapes_of(Reference(urdf))
     assert shapes.faults == () and str(tmp_path / "ball.obj") in opened
     assert not [path for path in opened if "hostname" in path or path.endswith(".mtl")]
+
+
+def test_what_is_above_the_base_is_drawn_behind_it(tmp_path):
+    """A chain that begins at the shoulder: base and cart are where the root's frame has them."""
+    parts = arm(joint("bolt", "cart", "base", "fixed", xyz="0.5 0 0.2"), link("cart", "0.2 0.2 0.2"))
+    meshes = shapes_of(Reference(write(tmp_path, *parts), base="shoulder")).meshes
+    np.testing.assert_allclose(
+        meshes[0].bounds[0], [-0.6, -0.1, -0.4], atol=1e-9
+    )  # the cart's corner from the shoulder
+    np.testing.assert_allclose(meshes[0].bounds[1], [0.1, 0.1, 0.05], atol=1e-9)

@@ -28,7 +28,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
     it. The learner is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
-    robot: a name or the path of a URDF, in place of the scene's; joints: which move, in place of the scene's.
+    scene: a name, or the path of a scene file, or of a URDF, for which a scene is made; robot: a name or the path of a
+    URDF, in place of the scene's; joints: which move, in place of the scene's.
     undistort: (k1, k2) of the radial distortion that images are rid of, in place of the scene's.
     rectify: of RECTIFY; auto rectifies the images by what all matches of both pairs of views tell of their cameras, if
     that is needed.

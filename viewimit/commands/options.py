@@ -38,7 +38,7 @@ def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PA
 def add_scene_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
     """Which body is seen, and where."""
     scenes = ", ".join(scene_names())
-    parser.add_argument("--scene", help=f"{scenes}, or the path of a .toml file ({defaults.scene})")
+    parser.add_argument("--scene", help=f"{scenes}, or the path of a .toml or .urdf file ({defaults.scene})")
     parser.add_argument(
         "--robot",
         help=f"{', '.join(robot_names())}, the path of a .urdf file, or a name of robot_descriptions (the scene's). "

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .body_image import FEWEST, BodyImage
 from .contradictions import believed
-from .embodiment import Embodiment, InScene, Looks, Opener, SceneOpener
+from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
 from .embodiment.in_scene import OpenEyes, degrees
 from .history import MAX_HISTORY, History
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
@@ -24,7 +24,7 @@ from .rectifying import POOLED, rectification_for
 from .servo import SERVOS, Observation
 from .servo.observation import Conflict
 from .servo.visit import Visit
-from .settings import Settings
+from .settings import BEST, Settings
 from .simulation.eyes import SimulatedEyes, open_eyes
 from .simulation.scene import Scene
 from .simulation.world import World
@@ -53,6 +53,20 @@ class Session:
     def __init__(self, settings: Settings | None = None, open_eyes: OpenEyes = open_eyes, dense: int | None = None):
         self._set_up(SceneOpener(open_eyes), settings or Settings(), dense)
 
+    @classmethod
+    def of(
+        cls, arm: Arm, eyes: Eyes, settings: Settings = BEST, name: str = "own", dense: int | None = None
+    ) -> "Session":
+        """With an arm and eyes of one's own: no scene, no world, no truth. The arm goes to its start at once.
+
+        settings: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the arm's
+        start) and seed; name: of the arm, by which a rehearsal knows its own. Raises ValueError for settings that only
+        a scene has, and for limits, postures and looks that are none.
+        """
+        session = cls.__new__(cls)
+        session._set_up(OwnOpener(arm, eyes, name), settings, dense)
+        return session
+
     def _set_up(self, opener: Opener, settings: Settings, dense: int | None) -> None:
         self._open, self._dense = opener, dense
         self.begin(settings)
@@ -73,8 +87,9 @@ class Session:
 
     @property
     def eyes(self) -> SimulatedEyes:
-        """Of a learner in a scene."""
-        assert isinstance(self.embodiment, InScene)
+        """Of a learner in a scene. Raises ValueError for an arm and eyes of one's own."""
+        if not isinstance(self.embodiment, InScene):
+            raise ValueError("an arm and eyes of your own have no scene, no world and no truth")
         return self.embodiment.eyes
 
     @property
@@ -144,6 +159,15 @@ class Session:
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status="stopped")
         return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E
+
+    def look(self) -> bool:
+        """Look again where the arm stands → whether the demonstrator is seen elsewhere, for which a servo at rest wakes
+        up. A demonstrator of one's own may have moved; in a scene `pose` moves it."""
+        now = self.snapshot
+        after = self._followed(now, self.observe(now.theta, now, look=now.look + 1))
+        moved = not _same_demonstrator(now, after)
+        self.history.replace(after.with_fields(status=_awake(after)) if moved else after)
+        return moved
 
     def observation(self, now: Snapshot) -> Observation:
         """What a servo is told of a moment of the history."""
@@ -259,7 +283,8 @@ class Session:
         """The present; looked at again, with the arm held still, if too few points were seen."""
         now = self.snapshot
         if now.transfer is None:
-            now = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
+            again = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
+            now = self._followed(now, again)
             self.history.replace(now)
         return now
 
@@ -273,10 +298,18 @@ class Session:
         """The moment after a motion, (m,) rad, that changes these fields as well."""
         commanded, theta = self._drive(now, displacement)  # → next posture
         waited, lag = self.observer.wait(now, theta)
-        return self.observe(  # → four views → transfer → recovered points → e → E
+        after = self.observe(  # → four views → transfer → recovered points → e → E
             theta, now, motion=now.motion + 1, look=now.look + 1 + waited, lag=lag, commanded=commanded,
             moved=theta - now.theta, **changes,
         )  # fmt: skip
+        return self._followed(now, after)
+
+    def _followed(self, now: Snapshot, after: Snapshot) -> Snapshot:
+        """The later moment, its servo told if the demonstrator has moved by itself."""
+        if after.servo_state is None or after.transfer is None or _same_demonstrator(now, after):
+            return after
+        state = SERVOS[after.settings.servo].retarget(after.servo_state, self.observation(after))
+        return after.with_fields(servo_state=state)
 
     def _rehearse(self, now: Snapshot) -> None:
         """On to the next posture to watch itself in, and keep what is seen there."""
@@ -294,7 +327,8 @@ class Session:
 
     def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot) -> None:
         """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad."""
-        settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
+        if np.isfinite(theta_demo).all():
+            settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
         theta_demo = self.embodiment.pose(theta_demo)
         now = self.observe(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))
         if now.servo_state is not None:
@@ -308,6 +342,10 @@ def _resting(now: Snapshot, state: Any) -> Snapshot:
     status = "stalled" if state.status == "moving" else state.status
     frozen = now.transfer if status in THERE else now.frozen
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
+
+
+def _same_demonstrator(now: Snapshot, after: Snapshot) -> bool:
+    return np.array_equal(now.views.demo, after.views.demo, equal_nan=True)
 
 
 def _awake(now: Snapshot) -> str:

@@ -228,6 +228,8 @@ def test_the_page_is_imported_by_serve_alone_and_only_when_called():
         ("pybullet", {"simulation"}),
         ("pybullet_utils", {"simulation"}),
         ("cv2", {"perception", "experiments"}),
+        ("h5py", {"perception"}),
+        ("pandas", set()),
         ("resvg_py", {"drawing"}),
         ("matplotlib", set()),
         ("pybullet_data", set()),

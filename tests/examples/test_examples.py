@@ -11,7 +11,7 @@ import pytest
 from viewimit import Session
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
-RUN_HERE = {"fake_robot", "recorded_run", "webcams"}
+RUN_HERE = {"fake_robot", "recorded_run", "video_demonstrator", "webcams"}
 
 
 @pytest.fixture(autouse=True)
@@ -103,3 +103,20 @@ def test_webcams_and_printed_markers_imitate(monkeypatch, capsys):
     last = session.snapshot
     assert error_deg(last, (25, -40, 70)) < 1.5 and len(asked) == last.motion + 1
     assert f"after {last.motion} motions" in capsys.readouterr().out
+
+
+def test_a_video_is_followed(tmp_path):
+    fake, module = import_module("fake_robot"), import_module("video_demonstrator")
+    t = np.linspace(0, 1, 60)[:, None]
+    postures = np.radians(np.concatenate([-20 + 40 * t, -45 + 20 * np.sin(3 * t), 80 - 30 * t], 1))
+    seen = np.array([fake.picture_points(theta, (0.3, 3.0, -0.2), 2.8) for theta in postures])
+    for k, side in enumerate(("left", "right")):
+        visible = np.ones((len(t), 20), bool)
+        visible[:, 7] = k == 0  # one is lost in the right picture
+        np.savez(tmp_path / f"{side}.npz", pred_tracks=seen[:, k], pred_visibility=visible)
+    robot = fake.FakeRobot((0, 0, 0))
+    followed = module.main(robot, robot, tmp_path / "left.npz", tmp_path / "right.npz")
+    away = np.degrees(np.abs(followed - postures)).max(1)
+    assert len(followed) == len(t) and away[0] < 0.1
+    assert away.max() < 1.5  # a frame is up to a degree on from the one before, and it looks ahead by one
+    assert np.degrees(np.abs(followed[3:-1] - postures[4:])).max() < 0.2

@@ -1,22 +1,28 @@
 """Files as other packages write them: DeepLabCut's tables by pandas, SLEAP's by its layouts, arrays by numpy."""
 
-import json
 import pickle
+import re
+import shlex
 import struct
+from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
+from trackers import Seen, analysis, frame_of_pandas, sleap_csv, slp
 
 from viewimit.perception.tracks import read_files, read_tidy, read_view
 from viewimit.views import VIEWS
 
+ROOT = Path(__file__).parent.parent.parent
 PARTS, FRAMES = ("tip", "elbow", "base"), np.array([0, 1, 4])
 RNG = np.random.default_rng(0)
 IMAGE = RNG.uniform(0, 600, (2, 3, 3, 2)).round(3)  # individuals, frames, parts, px
 SURE = RNG.uniform(0.5, 1, (2, 3, 3)).round(3)
 IMAGE[:, 1, 2] = np.nan  # the base is not seen in the second frame
 WHO = ("m1", "m2")
+SEEN_BY = Seen(IMAGE, SURE, FRAMES, PARTS, WHO)
 
 
 def same(track, who=0, likelihood=True, parts=PARTS, frames=FRAMES):
@@ -29,35 +35,17 @@ def same(track, who=0, likelihood=True, parts=PARTS, frames=FRAMES):
     np.testing.assert_allclose(sure, SURE[who][seen] if likelihood else 1.0, atol=1e-6)
 
 
-# DeepLabCut: as deeplabcut/pose_estimation_*/…, create_project and generate_training_dataset make their frames
+# DeepLabCut
 
 
 KINDS, INDICES = ("csv", "table", "fixed"), ("number", "path", "backslash", "levels")  # pandas writes no such table
-
-
-def frame_of_pandas(several, likelihood, index):
-    pandas = pytest.importorskip("pandas")
-    coords = ["x", "y", "likelihood"] if likelihood else ["x", "y"]
-    levels = [["net"], *([list(WHO)] if several else []), list(PARTS), coords]
-    names = ["scorer", *(["individuals"] if several else []), "bodyparts", "coords"]
-    values = np.concatenate([IMAGE, SURE[..., None]], -1)[..., : len(coords)]
-    values = (values if several else values[:1]).transpose(1, 0, 2, 3).reshape(3, -1)
-    columns = pandas.MultiIndex.from_product(levels, names=names)
-    paths = [("labeled-data", "reach2", f"img{k:04}.png") for k in FRAMES]
-    rows = {
-        "number": FRAMES,
-        "path": ["/".join(path) for path in paths],
-        "backslash": ["\\".join(path) for path in paths],
-        "levels": pandas.MultiIndex.from_tuples(paths),
-    }
-    return pandas.DataFrame(values, columns=columns, index=rows[index])
 
 
 @pytest.mark.parametrize("likelihood", [True, False], ids=["predicted", "CollectedData"])
 @pytest.mark.parametrize("several", [False, True], ids=["single", "multi-animal"])
 @pytest.mark.parametrize("kind, index", [pair for pair in product(KINDS, INDICES) if pair != ("table", "levels")])
 def test_deeplabcuts_tables_as_pandas_writes_them(tmp_path, kind, several, likelihood, index):
-    frame = frame_of_pandas(several, likelihood, index)
+    frame = frame_of_pandas(SEEN_BY, several, likelihood, index)
     path = tmp_path / f"tracks.{'csv' if kind == 'csv' else 'h5'}"
     if kind == "csv":
         frame.to_csv(path)
@@ -77,7 +65,7 @@ def test_deeplabcuts_tables_as_pandas_writes_them(tmp_path, kind, several, likel
 def test_headings_that_would_run_something_are_not_unpickled(tmp_path):
     h5py = pytest.importorskip("h5py")
     path, harm = tmp_path / "evil.h5", tmp_path / "harm"
-    frame_of_pandas(False, True, "number").to_hdf(path, key="df_with_missing", format="table", mode="w")
+    frame_of_pandas(SEEN_BY, False, True, "number").to_hdf(path, key="df_with_missing", format="table", mode="w")
 
     class Harm:
         def __reduce__(self):
@@ -102,7 +90,7 @@ def test_headings_that_would_run_something_are_not_unpickled(tmp_path):
 )
 def test_faults_of_deeplabcuts_tables_are_named(tmp_path, change, says):
     path = tmp_path / "tracks.csv"
-    frame_of_pandas(False, True, "number").to_csv(path)
+    frame_of_pandas(SEEN_BY, False, True, "number").to_csv(path)
     path.write_text(path.read_text().replace(*change))
     if says is None:
         says = "body part 'top' needs columns x and y"
@@ -111,123 +99,45 @@ def test_faults_of_deeplabcuts_tables_are_named(tmp_path, change, says):
     assert str(path) in str(found.value)
 
 
-# SLEAP: as sleap/info/write_tracking_h5.py, sleap/io/format/hdf5.py and sleap-io's csv.py write theirs
-
-
-def analysis(path, dims=None, names=WHO):
-    h5py = pytest.importorskip("h5py")
-    tracks = np.full((2, 5, 3, 2), np.nan)
-    scores = np.full((2, 5, 3), np.nan)
-    tracks[:, FRAMES], scores[:, FRAMES] = IMAGE, SURE
-    tracks, scores = tracks[: len(names) or 1], scores[: len(names) or 1]
-    stored = dims or ("track", "xy", "node", "frame")
-    order = [("track", "frame", "node", "xy").index(name) for name in stored]
-    with h5py.File(path, "w") as file:
-        file.create_dataset("track_names", data=[np.bytes_(name) for name in names])
-        file.create_dataset("node_names", data=[np.bytes_(name) for name in PARTS])
-        file.create_dataset("tracks", data=tracks.transpose(order), compression="gzip")
-        flat = [("track", "frame", "node").index(name) for name in stored if name != "xy"]
-        file.create_dataset("point_scores", data=scores.transpose(flat), compression="gzip")
-        file.create_dataset("track_occupancy", data=np.isfinite(tracks).any((2, 3)).T.astype(np.uint8))
-        if dims:
-            file["tracks"].attrs["dims"] = json.dumps(dims)
+# SLEAP
 
 
 @pytest.mark.parametrize("dims", [None, ("frame", "track", "node", "xy"), ("frame", "node", "xy", "track")])
 def test_sleaps_analysis_files(tmp_path, dims):
-    analysis(tmp_path / "a.h5", dims)
+    analysis(tmp_path / "a.h5", SEEN_BY, dims)
     for who, name in enumerate(WHO):
         same(read_view(tmp_path / "a.h5", name), who)
     with pytest.raises(ValueError, match="it has m1, m2"):
         read_view(tmp_path / "a.h5")
-    analysis(tmp_path / "one.h5", dims, names=())
+    analysis(tmp_path / "one.h5", SEEN_BY, dims, names=())
     same(read_view(tmp_path / "one.h5"))
 
 
-def slp(path, tracked=True, labelled=()):
-    """labelled: positions of frames that have an instance by hand too, 5 px beside the predicted one."""
-    h5py = pytest.importorskip("h5py")
-    point = [("x", "f8"), ("y", "f8"), ("visible", "?"), ("complete", "?")]
-    instance = [
-        ("instance_id", "i8"), ("instance_type", "u1"), ("frame_id", "u8"), ("skeleton", "u4"), ("track", "i4"),
-        ("from_predicted", "i8"), ("score", "f4"), ("point_id_start", "u8"), ("point_id_end", "u8"),
-        ("tracking_score", "f4"),
-    ]  # fmt: skip
-    frames, instances, points, predicted = [], [], [], []
-    for t, number in enumerate(FRAMES):
-        first = len(instances)
-        for who in range(2 if tracked else 1):
-            track = who if tracked else -1
-            start = len(predicted)
-            predicted += [(x, y, np.isfinite(x), False, s) for (x, y), s in zip(IMAGE[who, t], SURE[who, t])]
-            instances.append((len(instances), 1, t, 0, track, -1, 0.5, start, len(predicted), np.nan))
-            if t in labelled:
-                start = len(points)
-                points += [(x + 5, y + 5, np.isfinite(x), True) for x, y in IMAGE[who, t]]
-                instances.append((len(instances), 0, t, 0, track, -1, np.nan, start, len(points), np.nan))
-        frames.append((t, 0, number, first, len(instances)))
-    # the skeleton has an order of its own
-    nodes = [{"name": name, "weight": 1.0} for name in reversed(PARTS)]
-    skeleton = {"directed": True, "graph": {"name": "arm"}, "links": [], "nodes": [{"id": k} for k in (2, 1, 0)]}
-    with h5py.File(path, "w") as file:
-        file.create_group("metadata").attrs["format_id"] = 1.2
-        told = {"version": "2.0.0", "skeletons": [skeleton], "nodes": nodes, "videos": [], "tracks": []}
-        file["metadata"].attrs["json"] = np.bytes_(json.dumps(told))
-        file["tracks_json"] = [np.bytes_(json.dumps([0, name])) for name in (WHO if tracked else ())]
-        if not tracked:
-            del file["tracks_json"]
-            file.create_dataset("tracks_json", (0,), h5py.string_dtype())
-        file["videos_json"] = [np.bytes_(json.dumps({"backend": {"filename": "a.mp4"}}))]
-        heads = [("frame_id", "u8"), ("video", "u4"), ("frame_idx", "u8")]
-        heads += [("instance_id_start", "u8"), ("instance_id_end", "u8")]
-        for name, rows, kind in (
-            ("frames", frames, heads), ("instances", instances, instance), ("points", points, point),
-            ("pred_points", predicted, [*point, ("score", "f8")]),
-        ):  # fmt: skip
-            file.create_dataset(name, data=np.array(rows, kind))
-
-
 def test_sleaps_own_files(tmp_path):
-    slp(tmp_path / "two.slp")
+    slp(tmp_path / "two.slp", SEEN_BY)
     for who, name in enumerate(WHO):
         same(read_view(tmp_path / "two.slp", name), who)
     with pytest.raises(ValueError, match="it has m1, m2"):
         read_view(tmp_path / "two.slp")
-    slp(tmp_path / "one.slp", tracked=False)
+    slp(tmp_path / "one.slp", SEEN_BY, tracked=False)
     same(read_view(tmp_path / "one.slp"))
 
 
 def test_what_is_labelled_by_hand_goes_before_what_was_predicted(tmp_path):
-    slp(tmp_path / "both.slp", labelled=(1,))
+    slp(tmp_path / "both.slp", SEEN_BY, labelled=(1,))
     track = read_view(tmp_path / "both.slp", "m2")
     np.testing.assert_allclose(track.image[[0, 2]], IMAGE[1][[0, 2]])
     np.testing.assert_allclose(track.image[1], IMAGE[1, 1] + 5)
     assert (track.confidence[1, :2] == 1.0).all()
 
 
-def sleap_csv(path, tracks=WHO, empty=False):
-    heads = ["track", "frame_idx", "instance.score"]
-    heads += [f"{part}.{what}" for part in sorted(PARTS) for what in ("score", "x", "y")]
-    lines = [",".join(heads)]
-    for t, number in enumerate(FRAMES):
-        for who, name in enumerate(tracks):
-            cells = [name, str(number), "0.5"]
-            for k in np.argsort(PARTS):
-                x, y = IMAGE[who, t, k]
-                cells += [repr(float(SURE[who, t, k])), *("" if np.isnan(v) else repr(float(v)) for v in (x, y))]
-            lines.append(",".join(cells))
-        if empty and number == 1:
-            lines += [f",{k}," + "," * (len(heads) - 3) for k in (2, 3)]
-    path.write_text("\n".join(lines) + "\n")
-
-
 def test_sleaps_tables(tmp_path):
-    sleap_csv(tmp_path / "two.csv")
+    sleap_csv(tmp_path / "two.csv", SEEN_BY)
     for who, name in enumerate(WHO):
         same(read_view(tmp_path / "two.csv", name), who)
-    sleap_csv(tmp_path / "one.csv", tracks=("",), empty=True)
+    sleap_csv(tmp_path / "one.csv", SEEN_BY, tracks=("",), empty=True)
     same(read_view(tmp_path / "one.csv"))
-    sleap_csv(tmp_path / "untracked.csv", tracks=("", ""))
+    sleap_csv(tmp_path / "untracked.csv", SEEN_BY, tracks=("", ""))
     with pytest.raises(
         ValueError, match="line 3: point base of frame 0 stands in line 2 too: instances without a track"
     ):
@@ -386,10 +296,10 @@ def test_a_tidy_table_has_decimal_commas_too(tmp_path):
 
 def test_views_of_different_packages_go_together_by_name(tmp_path, ask, ask_json):
     """Of the demonstrator one frame, labelled by hand; of the learner three."""
-    frame_of_pandas(True, True, "number").iloc[:1].to_csv(tmp_path / "l.csv")
+    frame_of_pandas(SEEN_BY, True, True, "number").iloc[:1].to_csv(tmp_path / "l.csv")
     np.savez(tmp_path / "r.npz", pred_tracks=CO[:1], names=PARTS)
-    sleap_csv(tmp_path / "own.csv")
-    slp(tmp_path / "R.slp")
+    sleap_csv(tmp_path / "own.csv", SEEN_BY)
+    slp(tmp_path / "R.slp", SEEN_BY)
     paths = {"l": tmp_path / "l.csv", "r": tmp_path / "r.npz", "L": tmp_path / "own.csv", "R": tmp_path / "R.slp"}
     tracked = read_files(paths, {"l": "m1", "L": "m2", "R": "m2"})
     assert tracked.frames == (0, 1, 4) and tracked.points == PARTS
@@ -421,3 +331,76 @@ def test_what_is_not_read_says_how_to_convert_it(tmp_path, ask, name, says):
     words = [word for view in VIEWS for word in (f"--{view}", tmp_path / name)]
     status, out, err = ask("evaluate", *words)
     assert status == 2 and not out and err.count("\n") == 1 and name in err and says in err
+
+
+# What README says
+
+
+def named_files(words):
+    return [Path(word) for word in words if re.search(r"\.\w+$", word) and word != "tags.csv"]
+
+
+def write_as_named(path, images):
+    """A file of one view, at the end of its name, in the manner that its name tells of; two arms are in some."""
+    stem, view = path.name.split(".")[0].rsplit("_", 1)
+    image = np.stack([images[view], images[view] + 9])[:, None]
+    if view in "LR":
+        image = image[::-1]
+    who, several = ("left_arm", "right_arm"), stem == "both"
+    seen = Seen(image, np.full(image.shape[:3], 0.9), np.array([0]), tuple(f"p{k}" for k in range(12)), who)
+    if not several:
+        seen = replace(seen, image=images[view][None, None], sure=seen.sure[:1], who=("",))
+    if path.suffix == ".slp":
+        slp(path, seen)
+    elif path.name.endswith(".analysis.h5"):
+        analysis(path, seen)
+    elif several:
+        sleap_csv(path, seen)
+    elif path.suffix in (".npz", ".npy"):
+        named = {"pred_tracks": seen.image[0][None], "names": seen.parts}
+        np.savez(path, **named) if path.suffix == ".npz" else np.save(path, named["pred_tracks"])
+        path.with_suffix(".txt").write_text("\n".join(seen.parts))
+    elif path.suffix == ".png":
+        import cv2
+        from tags import picture_of
+
+        from viewimit.perception.fiducials import Fiducials
+
+        dictionary = Fiducials("APRILTAG_36h11").dictionary
+        cv2.imwrite(str(path), picture_of(dictionary, dict(enumerate(images[view])), shape=(1920, 2560)))
+    elif stem == "keypoints":
+        lines = [f"{name};{x:.3f};{y:.3f}".replace(".", ",") for name, (x, y) in zip(seen.parts, images[view])]
+        path.write_text("\n".join(["name;x;y", *lines]))
+    else:
+        collected = stem == "CollectedData"
+        frame = frame_of_pandas(seen, False, not collected, "path" if collected else "number")
+        if path.suffix == ".csv":
+            frame.to_csv(path)
+        else:
+            frame.to_hdf(path, key="df_with_missing", format="fixed" if collected else "table", mode="w")
+
+
+def test_the_lines_of_readme_about_own_tracks_run(tmp_path, monkeypatch, ask_json):
+    for package in ("h5py", "tables", "cv2"):
+        pytest.importorskip(package)
+    section = (ROOT / "README.md").read_text().partition("## Your own tracks")[2].partition("\n## ")[0]
+    (block,) = re.findall(r"^```text\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
+    lines = [shlex.split(line)[1:] for line in block.splitlines()]
+    points, images = np.random.default_rng(6).uniform((-0.4, -0.3, 2.0), (0.4, 0.3, 2.6), (12, 3)), {}
+    for view, (eye, turned) in zip(VIEWS, ((-0.05, 0.0), (0.05, 0.0), (-0.05, 0.2), (0.05, 0.2))):
+        x, y, z = points[:, 0] - eye + turned * points[:, 1], points[:, 1], points[:, 2]
+        images[view] = np.stack([1280 + 2400 * x / z, 960 + 2400 * y / z], -1)
+    monkeypatch.chdir(tmp_path)
+    written = [path for words in lines for path in named_files(words)]
+    assert len(lines) == 5 and len(written) == 16
+    for words in lines:
+        for path in named_files(words):
+            write_as_named(path, images)
+        status, told = ask_json(*words)
+        assert status == 0
+        if words[0] == "evaluate":
+            (frame,) = told["frames"]
+            names = [int(name.lstrip("p")) for name in frame["usable"]]
+            assert len(names) >= 9
+            for view in VIEWS:
+                np.testing.assert_allclose(frame["seen"][view], images[view][names], atol=0.4)

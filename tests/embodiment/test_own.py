@@ -99,6 +99,16 @@ def test_a_past_moment_is_gone_back_to_by_the_arm():
     np.testing.assert_allclose(robot.sent[-1], robot.start)
 
 
+def test_what_another_session_has_left_is_gone_on_with_where_the_arm_was():
+    one = session(Robot())
+    one.run(5)
+    robot = Robot()
+    other = session(robot)
+    other.resume(list(one.history), 3)
+    np.testing.assert_array_equal(robot.sent[-1], one.history[3].commanded)
+    assert other.run(60).status == "converged" and error_deg(other.snapshot) < 0.5
+
+
 def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
     robot = Robot()
     one = session(robot)

@@ -333,6 +333,37 @@ def test_what_is_not_read_says_how_to_convert_it(tmp_path, ask, name, says):
     assert status == 2 and not out and err.count("\n") == 1 and name in err and says in err
 
 
+# Damage
+
+
+@pytest.mark.parametrize("name", ["t.h5", "f.h5", "a.h5", "s.slp", "s.csv", "d.csv", "n.npz", "n.npy", "p.csv"])
+def test_a_damaged_file_is_read_or_named(tmp_path, name):
+    """Cut off anywhere, or with some bytes changed."""
+    pytest.importorskip("tables"), pytest.importorskip("h5py")
+    path, rng = tmp_path / name, np.random.default_rng(0)
+    {
+        "t.h5": lambda: frame_of_pandas(SEEN_BY, True, True, "number").to_hdf(path, key="k", format="table"),
+        "f.h5": lambda: frame_of_pandas(SEEN_BY, True, True, "levels").to_hdf(path, key="k", format="fixed"),
+        "a.h5": lambda: analysis(path, SEEN_BY),
+        "s.slp": lambda: slp(path, SEEN_BY),
+        "s.csv": lambda: sleap_csv(path, SEEN_BY),
+        "d.csv": lambda: frame_of_pandas(SEEN_BY, True, False, "levels").to_csv(path),
+        "n.npz": lambda: np.savez(path, pred_tracks=CO[None], pred_visibility=SEEN[None], names=PARTS),
+        "n.npy": lambda: np.save(path, CO[None]),
+        "p.csv": lambda: path.write_text("frame;point;x;y\n0;tip;1,5;2\n1;tip;1,25;2\n"),
+    }[name]()
+    whole = path.read_bytes()
+    for k in range(60):
+        damaged = bytearray(whole[: rng.integers(1, len(whole))] if k % 2 else whole)
+        for at in rng.integers(len(damaged), size=0 if k % 2 else 1 + k):
+            damaged[at] = rng.integers(256)
+        path.write_bytes(damaged)
+        try:
+            read_view(path, "m1")
+        except ValueError as error:
+            assert str(error).startswith(f"{path}: ") and "\n" not in str(error)
+
+
 # What README says
 
 

@@ -7,7 +7,10 @@ An .npz may have `names`, one a point; beside tracks.npy they stand in tracks.tx
 axis is of points, where that is not known otherwise.
 """
 
+import tokenize
 import zipfile
+import zlib
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +23,9 @@ NAMES = ("names", "point_names", "node_names")
 FRAMES_FIRST = ("pred_visibility", "visibility", "visibilities", "confidence")  # CoTracker's order
 POINTS_FIRST = ("visibles", "occluded", "occlusions")  # TAPIR's
 HIDDEN = ("occluded", "occlusions")
+DAMAGED = (
+    zipfile.BadZipFile, zlib.error, tokenize.TokenError, EOFError, NotImplementedError, OSError, ValueError, TypeError,
+)  # fmt: skip
 SAVE = "numpy.savez(file, pred_tracks=…, pred_visibility=…, names=[…])"
 
 
@@ -51,17 +57,22 @@ def read_arrays(path: Path) -> Track:
 
 
 def _loaded(path: Path) -> dict[str, NDArray]:
+    path.stat()  # raises OSError that names the file
     try:
-        if path.suffix.lower() == ".npz":
-            with np.load(path) as file:
-                return {name: file[name] for name in file.files}
-        found = {"tracks": np.load(path)}
-    except (zipfile.BadZipFile, EOFError, ValueError, TypeError):
+        found = _arrays(path)
+    except DAMAGED:
         raise ValueError(f"{path}: not an array of numbers that numpy has saved; save as {SAVE}") from None
     beside = path.with_suffix(".txt")
-    if beside.is_file():
-        found["names"] = np.array([name.strip() for name in beside.read_text("utf-8").splitlines() if name.strip()])
+    if path.suffix.lower() == ".npy" and beside.is_file():
+        names = [name.strip() for name in beside.read_text("utf-8", errors="replace").splitlines()]
+        found["names"] = np.array([name for name in names if name])
     return found
+
+
+def _arrays(path: Path) -> dict[str, NDArray]:
+    """Raises any of DAMAGED."""
+    with path.open("rb") as raw, np.load(raw) if path.suffix.lower() == ".npz" else nullcontext() as file:
+        return {"tracks": np.load(raw)} if file is None else {name: file[name] for name in file.files}
 
 
 def _unbatched(values: NDArray, dims: int) -> NDArray:

@@ -119,6 +119,19 @@ def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
     assert error_deg(one.run(120), robot.demo) < 0.5 and one.snapshot.status == "converged"
 
 
+@pytest.mark.parametrize("servo", ["trust-region", "broyden", "gradient-retuned"])
+def test_a_demonstrator_that_has_moved_is_told_to_the_servo_as_one_that_was_posed(servo):
+    settings, robot = msgspec.structs.replace(ONE, servo=servo, rectify="off"), Robot()
+    one = session(robot, settings)
+    other = Session(msgspec.structs.replace(settings, demonstrator_deg=(45, -90), start_deg=(25, -45)))
+    one.run(6), other.run(6)
+    robot.demo = np.radians((60.0, -60.0))
+    other.pose(robot.demo)
+    assert one.look() and one.run(10).motion == other.run(10).motion > 7
+    there, here = (np.array([moment.theta for moment in found.history]) for found in (other, one))
+    np.testing.assert_allclose(here, there, atol=1e-7)
+
+
 def test_a_demonstrator_that_keeps_moving_is_followed():
     robot = Robot()
     one = session(robot)

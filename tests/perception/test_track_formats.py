@@ -125,10 +125,11 @@ def test_sleaps_own_files(tmp_path):
 
 def test_what_is_labelled_by_hand_goes_before_what_was_predicted(tmp_path):
     slp(tmp_path / "both.slp", SEEN_BY, labelled=(1,))
-    track = read_view(tmp_path / "both.slp", "m2")
-    np.testing.assert_allclose(track.image[[0, 2]], IMAGE[1][[0, 2]])
-    np.testing.assert_allclose(track.image[1], IMAGE[1, 1] + 5)
-    assert (track.confidence[1, :2] == 1.0).all()
+    for who, name in enumerate(WHO):
+        track = read_view(tmp_path / "both.slp", name)
+        np.testing.assert_allclose(track.image[[0, 2]], IMAGE[who][[0, 2]])
+        np.testing.assert_allclose(track.image[1], IMAGE[who, 1] + 5)
+        assert (track.confidence[1, :2] == 1.0).all()
 
 
 def test_sleaps_tables(tmp_path):

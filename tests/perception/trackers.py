@@ -73,14 +73,15 @@ def slp(path, seen, tracked=True, labelled=()):
     for t, number in enumerate(seen.frames):
         first = len(instances)
         for who in range(2 if tracked else 1):
-            track = who if tracked else -1
-            start = len(predicted)
-            predicted += [(x, y, np.isfinite(x), False, s) for (x, y), s in zip(seen.image[who, t], seen.sure[who, t])]
-            instances.append((len(instances), 1, t, 0, track, -1, 0.5, start, len(predicted), np.nan))
-            if t in labelled:
-                start = len(points)
-                points += [(x + 5, y + 5, np.isfinite(x), True) for x, y in seen.image[who, t]]
-                instances.append((len(instances), 0, t, 0, track, -1, np.nan, start, len(points), np.nan))
+            kinds = (1,) if t not in labelled else (0, 1) if who == 0 else (1, 0)  # either may come first
+            for kind in kinds:
+                of = (points, predicted)[kind]
+                start = len(of)
+                for (x, y), score in zip(seen.image[who, t], seen.sure[who, t]):
+                    by_hand = (x + 5, y + 5, np.isfinite(x), True)
+                    of.append((x, y, np.isfinite(x), False, score) if kind else by_hand)
+                track = who if tracked else -1
+                instances.append((len(instances), kind, t, 0, track, -1, 0.5, start, len(of), np.nan))
         frames.append((t, 0, number, first, len(instances)))
     # the skeleton has an order of its own
     nodes = [{"name": name, "weight": 1.0} for name in reversed(seen.parts)]

@@ -29,6 +29,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "history",
     "simulation",
     "looking",
+    "embodiment",
     "rectifying",
     "contradictions",
     "prediction",
@@ -106,7 +107,7 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "body_image", "contradictions", "history", "looking", "prediction", "rectifying", "servo", "settings",
+        "body_image", "contradictions", "embodiment", "history", "prediction", "rectifying", "servo", "settings",
         "simulation", "snapshot", "views",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
@@ -227,6 +228,8 @@ def test_the_page_is_imported_by_serve_alone_and_only_when_called():
         ("pybullet", {"simulation"}),
         ("pybullet_utils", {"simulation"}),
         ("cv2", {"perception", "experiments"}),
+        ("h5py", {"perception"}),
+        ("pandas", set()),
         ("resvg_py", {"drawing"}),
         ("matplotlib", set()),
         ("pybullet_data", set()),

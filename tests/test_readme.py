@@ -71,8 +71,9 @@ def test_those_programs_are_found():
     assert set(SHORT) <= set(PROGRAMS) and any(program.startswith("tests/") for program in PROGRAMS)
 
 
-def test_the_library_example_runs_and_prints_its_comments(capsys):
-    (code,) = blocks("python")
+@pytest.mark.parametrize("code", blocks("python"), ids=["own cameras", "library"])
+def test_the_examples_of_the_library_run_and_print_their_comments(code, capsys, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "examples"))
     exec(compile(code, "README.md", "exec"), {})
     expected = re.findall(r"^print.*  # (.*)$", code, re.MULTILINE)
     assert len(expected) == 2

@@ -7,6 +7,7 @@ After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geomet
     TRANSFERS, SERVOS               estimators and servo laws by name
     residual, conflict              e and E, Eq. (6)
     fit_affine_fundamental          Eqs. (1)-(3)
+    Arm, Eyes                       what to write for a robot and cameras of your own; Session.of(arm, eyes)
     World, load_scene               the simulated world, from a scene file
     Landscape                       E over a grid of postures; made by viewimit.analysis.landscape.landscape
 
@@ -20,6 +21,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape
+    from .embodiment.interface import Arm, Eyes
     from .evaluation import conflict, residual
     from .geometry.affine import fit_affine_fundamental
     from .servo import SERVOS
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
     from .views import FourViews
 
 _MODULES = {
+    "Arm": ".embodiment.interface",
+    "Eyes": ".embodiment.interface",
     "FourViews": ".views",
     "Landscape": ".analysis.landscape",
     "SERVOS": ".servo",
@@ -49,6 +53,8 @@ _MODULES = {
 __all__ = [
     "SERVOS",
     "TRANSFERS",
+    "Arm",
+    "Eyes",
     "FourViews",
     "Landscape",
     "Session",

@@ -10,7 +10,7 @@ from .disturbances import ImageDisturbance, MatchDisturbance, SightDisturbance, 
 from .perception import frames
 from .perception.latency import MOST_LAG, lag_of
 from .settings import Settings
-from .simulation.eyes import Eyes
+from .simulation.eyes import SimulatedEyes
 from .snapshot import Snapshot
 from .views import FourViews
 
@@ -24,7 +24,7 @@ Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4
 class Observer:
     """Looks with `eyes`. theta_rest: (m,) rad, the learner's start, where it measures the noise of its images."""
 
-    def __init__(self, eyes: Eyes, theta_rest: NDArray):
+    def __init__(self, eyes: SimulatedEyes, theta_rest: NDArray):
         self._eyes, self._theta_rest = eyes, theta_rest
         self._demo: tuple[tuple, Images] | None = None  # what it depends on, what was seen
         self._noise: tuple[tuple, float] | None = None

@@ -9,7 +9,7 @@ from .session import Session
 def rehearse(session: Session, count: int, seed: int, within_deg: float | None = None) -> BodyImage:
     """Motions through `count` postures far from each other, within so many degrees of where a session stands, or over
     the whole range of its joints → what was seen. seed: of the postures. Raises ValueError for too few of them."""
-    low, high = session.scene.lower, session.scene.upper
+    low, high = session.embodiment.lower, session.embodiment.upper
     if within_deg is not None:
         here, reach = session.snapshot.commanded, np.radians(within_deg)
         low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)

@@ -14,18 +14,19 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .body_image import FEWEST, Body, BodyImage
+from .body_image import FEWEST, BodyImage
 from .contradictions import believed
+from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
+from .embodiment.in_scene import OpenEyes, degrees
 from .history import MAX_HISTORY, History
-from .looking import Observer
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .rectifying import POOLED, rectification_for
 from .servo import SERVOS, Observation
 from .servo.observation import Conflict
 from .servo.visit import Visit
-from .settings import USUAL_POINTS, Settings
-from .simulation.eyes import Eyes, open_eyes
-from .simulation.scene import Scene, load_scene
+from .settings import BEST, Settings
+from .simulation.eyes import SimulatedEyes, open_eyes
+from .simulation.scene import Scene
 from .simulation.world import World
 from .snapshot import AT_REST, Snapshot, exchanged
 from .views import FourViews
@@ -35,7 +36,6 @@ BEGIN_ANEW = (  # what changes body or camera
 )  # fmt: skip
 THERE = set(AT_REST) - {"stalled"}  # at rest where E is as small as the servo can make it
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
-OpenEyes = Callable[[str, Scene, int], Eyes]
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
@@ -46,14 +46,30 @@ class Session:
     keeps all of, None for all. Raises ValueError, with the session as it was, for settings that cannot be.
     """
 
-    eyes: Eyes
-    observer: Observer
+    embodiment: Embodiment
+    observer: Looks
     history: History
 
     def __init__(self, settings: Settings | None = None, open_eyes: OpenEyes = open_eyes, dense: int | None = None):
-        self._open_eyes, self._dense = open_eyes, dense
-        self._built: tuple[str, Scene, int] | None = None
-        self.begin(settings or Settings())
+        self._set_up(SceneOpener(open_eyes), settings or Settings(), dense)
+
+    @classmethod
+    def of(
+        cls, arm: Arm, eyes: Eyes, settings: Settings = BEST, name: str = "own", dense: int | None = None
+    ) -> "Session":
+        """With an arm and eyes of one's own: no scene, no world, no truth. The arm goes to its start at once.
+
+        settings: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the arm's
+        start) and seed; name: of the arm, by which a rehearsal knows its own. Raises ValueError for settings that only
+        a scene has, and for limits, postures and looks that are none.
+        """
+        session = cls.__new__(cls)
+        session._set_up(OwnOpener(arm, eyes, name), settings, dense)
+        return session
+
+    def _set_up(self, opener: Opener, settings: Settings, dense: int | None) -> None:
+        self._open, self._dense = opener, dense
+        self.begin(settings)
 
     @property
     def snapshot(self) -> Snapshot:
@@ -68,6 +84,13 @@ class Session:
     @property
     def settings(self) -> Settings:
         return self.snapshot.settings
+
+    @property
+    def eyes(self) -> SimulatedEyes:
+        """Of a learner in a scene. Raises ValueError for an arm and eyes of one's own."""
+        if not isinstance(self.embodiment, InScene):
+            raise ValueError("an arm and eyes of your own have no scene, no world and no truth")
+        return self.embodiment.eyes
 
     @property
     def world(self) -> World:
@@ -137,6 +160,15 @@ class Session:
             return seen.with_fields(E=np.nan, status="stopped")
         return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E
 
+    def look(self) -> bool:
+        """Look again where the arm stands → whether the demonstrator is seen elsewhere, for which a servo at rest wakes
+        up. A demonstrator of one's own may have moved; in a scene `pose` moves it."""
+        now = self.snapshot
+        after = self._followed(now, self.observe(now.theta, now, look=now.look + 1))
+        moved = not _same_demonstrator(now, after)
+        self.history.replace(after.with_fields(status=_awake(after)) if moved else after)
+        return moved
+
     def observation(self, now: Snapshot) -> Observation:
         """What a servo is told of a moment of the history."""
         start = now.settings.start_rad
@@ -147,11 +179,11 @@ class Session:
             seen=now.views.visible[:, 2:],
             E=now.E,
             displacement=now.commanded - start,
-            lower=self.scene.lower - start,
-            upper=self.scene.upper - start,
+            lower=self.embodiment.lower - start,
+            upper=self.embodiment.upper - start,
             motion=now.motion,
             noise_px=noise_px if known is None else max(noise_px, known.noise_px),
-            rehearsed=() if known is None else known.seen_from(self.scene.lower - start),
+            rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
         )
 
     def predicted_conflict(self, now: Snapshot) -> Conflict:
@@ -171,14 +203,14 @@ class Session:
         now = self.snapshot.with_fields(frozen=None)
         if settings.servo != now.settings.servo:
             now = now.with_fields(servo_state=None)
-        self._pose(_demonstrator(settings, self.scene), settings, now)
+        self._pose(self.embodiment.demonstrator(settings), settings, now)
 
     def pose(self, theta_demo: ArrayLike) -> None:
         """Move the demonstrator to theta_demo, (m,) rad, at any time; the learner looks again.
 
         Raises ValueError, with the session as it was, for a posture out of its limits.
         """
-        self._pose(self.scene.require_posture(theta_demo, "demonstrator's"), self.settings, self.snapshot)
+        self._pose(self.embodiment.require_posture(theta_demo, "demonstrator's"), self.settings, self.snapshot)
 
     def rehearse(self, postures: NDArray) -> None:
         """Go through these, (K, m) rad, in the next steps, with nobody to imitate, and keep what is seen of the own
@@ -188,9 +220,9 @@ class Session:
         """
         if len(postures) < FEWEST:
             raise ValueError(f"needs {FEWEST} postures or more, got {len(postures)}")
-        to_rehearse = np.array([self.scene.require_posture(theta, "the rehearsed") for theta in postures])
+        to_rehearse = np.array([self.embodiment.require_posture(theta, "the rehearsed") for theta in postures])
         settings = self.settings
-        body = BodyImage(body_of(settings, self.scene), settings.scene, self.observer.noise_at_rest(settings))
+        body = BodyImage(self.embodiment.body(settings), settings.scene, self.observer.noise_at_rest(settings))
         now = self.snapshot.with_fields(body=body, to_rehearse=to_rehearse, servo_state=None, status="rehearsing")
         self.history.replace(now)
 
@@ -200,17 +232,20 @@ class Session:
         Raises ValueError, with the session as it was, for a rehearsal of another body, with what differs.
         """
         if body is not None:
-            body_of(self.settings, self.scene).require(body.body)
+            self.embodiment.body(self.settings).require(body.body)
         now = self.snapshot
         self.history.replace(now.with_fields(body=body, to_rehearse=None, servo_state=None, status=_awake(now)))
 
     def undo(self) -> bool:
         """One motion back; the later ones stay until the next step. False at the start."""
-        return self.history.undo()
+        return self.scrub(self.cursor - 1)
 
     def scrub(self, motion: int) -> bool:
         """Show the moment after that many motions, or the one that stands in its place. False if there is none."""
-        return self.history.scrub(motion)
+        found = self.history.scrub(motion)
+        if found:
+            self.embodiment.revisit(self.snapshot.commanded)
+        return found
 
     def reset(self) -> None:
         """Back to the start, with the settings as they are now."""
@@ -222,37 +257,34 @@ class Session:
         Raises ValueError, with the session as it was, if its settings cannot be here.
         """
         self.begin(history[cursor].settings)
-        self.observer = Observer(self.eyes, history[0].theta)
+        self.observer = self.embodiment.looks(history[0].theta)
         self.history = History(history, cursor, self._dense)
+        self.embodiment.revisit(self.snapshot.commanded)
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0, with what was rehearsed if that was of the same body.
 
         Raises ValueError, with the session as it was, if the settings cannot be.
         """
-        scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort)
-        settings, demo, start = _complete(settings, scene)
-        body = None if self._built is None else self.snapshot.body
-        if body is not None and body.body != body_of(settings, scene):
-            body = None
-        build = settings.camera, scene, settings.points
-        if build != self._built:
-            self.eyes, self._built = self._open_eyes(*build), build
-        demo, standing = self.eyes.settle(demo), self.eyes.settle(start)
-        self.observer = Observer(self.eyes, standing)
+        kept = self.snapshot.body if hasattr(self, "history") else None
+        begun = self._open(settings)
+        settings, self.embodiment, theta = begun.settings, begun.embodiment, begun.theta
+        body = kept if kept is not None and kept.body == self.embodiment.body(settings) else None
+        self.observer = self.embodiment.looks(theta)
         blank = Snapshot(
-            settings=settings, motion=0, look=0, theta=standing, theta_demo=demo, views=NOTHING_SEEN,
-            rectification=None, E=np.nan, commanded=start, moved=np.zeros_like(start), probe=False, status="ready",
-            servo_state=None, lag=None, frozen=None, body=body,
+            settings=settings, motion=0, look=0, theta=theta, theta_demo=begun.theta_demo, views=NOTHING_SEEN,
+            rectification=None, E=np.nan, commanded=begun.start, moved=np.zeros_like(begun.start), probe=False,
+            status="ready", servo_state=None, lag=None, frozen=None, body=body,
         )  # fmt: skip
         self.history = History([blank], dense=self._dense)
-        self.history.replace(self.observe(standing, blank))
+        self.history.replace(self.observe(theta, blank))
 
     def _with_points(self) -> Snapshot:
         """The present; looked at again, with the arm held still, if too few points were seen."""
         now = self.snapshot
         if now.transfer is None:
-            now = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
+            again = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
+            now = self._followed(now, again)
             self.history.replace(now)
         return now
 
@@ -266,64 +298,43 @@ class Session:
         """The moment after a motion, (m,) rad, that changes these fields as well."""
         commanded, theta = self._drive(now, displacement)  # → next posture
         waited, lag = self.observer.wait(now, theta)
-        return self.observe(  # → four views → transfer → recovered points → e → E
+        after = self.observe(  # → four views → transfer → recovered points → e → E
             theta, now, motion=now.motion + 1, look=now.look + 1 + waited, lag=lag, commanded=commanded,
             moved=theta - now.theta, **changes,
         )  # fmt: skip
+        return self._followed(now, after)
+
+    def _followed(self, now: Snapshot, after: Snapshot) -> Snapshot:
+        """The later moment, its servo told if the demonstrator has moved by itself."""
+        if after.servo_state is None or after.transfer is None or _same_demonstrator(now, after):
+            return after
+        state = SERVOS[after.settings.servo].retarget(after.servo_state, self.observation(after))
+        return after.with_fields(servo_state=state)
 
     def _rehearse(self, now: Snapshot) -> None:
         """On to the next posture to watch itself in, and keep what is seen there."""
         assert now.to_rehearse is not None and now.body is not None
         target, left = now.to_rehearse[0], now.to_rehearse[1:]
         after = self._moved(now, target - now.commanded, probe=True, to_rehearse=left)
-        visit = Visit.of(after.commanded - self.scene.lower, after.views.own, after.views.visible[:, 2:])
+        visit = Visit.of(after.commanded - self.embodiment.lower, after.views.own, after.views.visible[:, 2:])
         status = "rehearsing" if len(left) else _awake(after)
         self.history.append(after.with_fields(body=now.body.with_visit(visit), status=status))
 
     def _drive(self, now: Snapshot, displacement: NDArray) -> tuple[NDArray, NDArray]:
         """Where the arm is sent within its limits, and where it then stands: (m,) rad each."""
-        commanded = np.clip(now.commanded + displacement, self.scene.lower, self.scene.upper)
-        return commanded, self.eyes.drive(now.settings, now.theta, now.commanded, commanded)
+        commanded = np.clip(now.commanded + displacement, self.embodiment.lower, self.embodiment.upper)
+        return commanded, self.embodiment.drive(now.settings, now.theta, now.commanded, commanded)
 
     def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot) -> None:
         """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad."""
-        settings = msgspec.structs.replace(settings, demonstrator_deg=_degrees(theta_demo))
-        theta_demo = self.eyes.settle(theta_demo)
+        if np.isfinite(theta_demo).all():
+            settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
+        theta_demo = self.embodiment.pose(theta_demo)
         now = self.observe(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))
         if now.servo_state is not None:
             state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)
         self.history.replace(now)
-
-
-def complete(settings: Settings) -> Settings:
-    """As a session has them that begins with these: with what the scene says where they leave it open.
-
-    Raises ValueError as `Session` does.
-    """
-    return _complete(settings, load_scene(settings.scene, settings.robot, settings.joints))[0]
-
-
-def body_of(settings: Settings, scene: Scene) -> Body:
-    """What a rehearsal with these is a rehearsal of."""
-    return Body(
-        robot=scene.robot,
-        joints=tuple(scene.moving_joints),
-        span_deg=tuple(round(high - low, 6) for low, high in scene.range_deg),
-        points=settings.points,
-        camera=settings.camera,
-        undistort=scene.head.undistort,
-    )
-
-
-def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDArray]:
-    """And the postures of the demonstrator and of the learner's start, (m,) rad."""
-    points = scene.layout_near(USUAL_POINTS) if settings.points == USUAL_POINTS else settings.points
-    start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
-    demo = _demonstrator(settings, scene)
-    start = scene.require_posture(np.radians(start_deg), "learner's start")
-    fields = {"points": points, "demonstrator_deg": _degrees(demo), "start_deg": _degrees(start)}
-    return msgspec.structs.replace(settings, **fields), demo, start
 
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:
@@ -333,20 +344,10 @@ def _resting(now: Snapshot, state: Any) -> Snapshot:
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
 
 
+def _same_demonstrator(now: Snapshot, after: Snapshot) -> bool:
+    return np.array_equal(now.views.demo, after.views.demo, equal_nan=True)
+
+
 def _awake(now: Snapshot) -> str:
     """The status of a moment at which the servo has to be asked again."""
     return "ready" if now.motion == 0 else "moving"
-
-
-def _demonstrator(settings: Settings, scene: Scene) -> NDArray:
-    """(m,) rad, of the settings or else the scene's own. Raises ValueError if it is out of limits."""
-    if settings.demonstrator_deg is None:
-        posture_deg = np.array(scene.posture_deg)[scene.moving]
-    else:
-        posture_deg = np.array(settings.demonstrator_deg, float)
-    return scene.require_posture(np.radians(posture_deg), "demonstrator's")
-
-
-def _degrees(theta: NDArray) -> tuple[float, ...]:
-    """rad → degrees, without what conversion adds."""
-    return tuple(float(angle) for angle in np.round(np.degrees(theta), 9))

@@ -23,7 +23,8 @@ AT_REST = ("converged", "rests", "untold", "stalled")  # statuses in which a ser
 class Snapshot:
     """One moment of a session: its fields are what is kept; all else follows from `views` and `settings`.
 
-    motion, look: how many were made until then; theta, theta_demo: (m,) rad, the truth, for viewers only;
+    motion, look: how many were made until then; theta, theta_demo: (m,) rad, the truth, for viewers only,
+    NaN where nobody knows it;
     views: what the learner saw, of all N points; rectification: by which images are rectified for the transfer, None if
     they are not; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;

@@ -16,7 +16,8 @@ from viewimit.analysis.motion import Motion
 from viewimit.analysis.motion import encode as encode_motion
 from viewimit.drawing.images.construction import last_stage
 from viewimit.drawing.images.planes import Windows
-from viewimit.session import Session, complete
+from viewimit.embodiment.in_scene import complete
+from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.snapshot import Snapshot

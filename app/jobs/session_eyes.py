@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.settings import Settings
-from viewimit.simulation.eyes import Eyes, open_eyes, require_eyes
+from viewimit.simulation.eyes import SimulatedEyes, open_eyes, require_eyes
 from viewimit.simulation.markers import load_markers
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
@@ -20,7 +20,8 @@ MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
 
 
 class RemoteEyes:
-    """As `viewimit.simulation.eyes.Eyes`; each look blocks until its pictures are there. They are kept for a while.
+    """As `viewimit.simulation.eyes.SimulatedEyes`; each look blocks until its pictures are there, which are kept for a
+    while.
 
     ask(what, *arguments) → value, pictures.
     """
@@ -73,7 +74,7 @@ class SessionEyes:
         self._process = process
         self._key: int | None = None
 
-    def __call__(self, camera: str, scene: Scene, points: int) -> Eyes:
+    def __call__(self, camera: str, scene: Scene, points: int) -> SimulatedEyes:
         """As `open_eyes`. Raises ValueError as `require_eyes` and `CameraProcess.open`, CameraLost."""
         if camera == "points":
             eyes = open_eyes(camera, scene, points)

@@ -9,7 +9,8 @@ from viewimit.app.control.moments.past import MOST
 from viewimit.app.control.names import modified
 from viewimit.app.control.presets import AS_STARTED, PRESETS
 
-from viewimit.session import Session, complete
+from viewimit.embodiment.in_scene import complete
+from viewimit.session import Session
 from viewimit.settings import Settings
 
 SETTINGS = Settings(start_deg=(25, -45), noise_px=0.3)

@@ -3,15 +3,21 @@
 import argparse
 import importlib.util
 import re
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from ..perception.tracked import Row, write_tidy
+from numpy.typing import NDArray
+
+from ..perception.tracks import Row, write_tidy
 from ..simulation.markers import load_markers, marker_names
 from ..views import VIEWS
 from . import BadInput
 from .json_output import print_json
 from .options import DONE, MISSED, add_json_option, between, naming
 
+Found = tuple[str, float, float, float]  # point, x, y px, confidence
+Detect = Callable[[NDArray], Iterator[Found]]  # in a picture
+CERTAIN = 1.0
 WHAT = {
     "l": "demonstrator, left",
     "r": "demonstrator, right",
@@ -41,6 +47,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"whose hues to look for: {', '.join(marker_names())}, or the path of a .toml file (%(default)s)",
     )
     parser.add_argument(
+        "--aruco",
+        metavar="DICT",
+        help="look for square markers instead, of this dictionary of OpenCV's: 4X4_50, APRILTAG_36H11, …; points are "
+        "named by their numbers",
+    )
+    parser.add_argument(
         "--middle",
         type=between(float, 0.05, 1.0),
         default=1.0,
@@ -54,9 +66,8 @@ def run(args: argparse.Namespace) -> int:
     if importlib.util.find_spec("cv2") is None:
         raise BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
     files = _by_view(args)
-    with naming("--markers"):
-        hue_deg = load_markers(args.markers).hue_deg
-    from ..perception.detection import detect, pictures  # loads OpenCV
+    names, detect = _square_markers(args) if args.aruco else _balls(args)
+    from ..perception.detection import pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
     told = {}
@@ -64,23 +75,49 @@ def run(args: argparse.Namespace) -> int:
         rows[view], count = [], 0
         with naming("--" + view):
             for picture in (picture for path in paths for picture in pictures(path)):
-                found = detect(picture, hue_deg, args.middle)
-                rows[view] += [
-                    (count, str(k), float(found.points[k, 0]), float(found.points[k, 1]), float(found.confidence[k]))
-                    for k in range(len(hue_deg))
-                    if found.found[k]
-                ]
+                rows[view] += [(count, *found) for found in detect(picture)]
                 count += 1
         told[view] = {"frames": count, "points_a_frame": len(rows[view]) / count}
+    markers = len(names) or len({point for each in rows.values() for _, point, *_ in each})
     with naming("--out"):
         write_tidy(args.out, rows)
     if args.json:
-        print_json(args, {"markers": len(hue_deg), "views": told, "file": str(args.out)})
+        print_json(args, {"markers": markers, "views": told, "file": str(args.out)})
     else:
         for view, each in told.items():
-            print(f"{view}  {each['frames']} frames, {each['points_a_frame']:.1f} of {len(hue_deg)} points in each")
+            print(f"{view}  {each['frames']} frames, {each['points_a_frame']:.1f} of {markers} points in each")
         print(f"written to {args.out}")
     return DONE if all(rows.values()) else MISSED
+
+
+def _balls(args: argparse.Namespace) -> tuple[list[str], Detect]:
+    """Names of the points that there can be, and how they are found. Raises BadInput."""
+    with naming("--markers"):
+        hue_deg = load_markers(args.markers).hue_deg
+    from ..perception.detection import detect  # loads OpenCV
+
+    def found(picture: NDArray) -> Iterator[Found]:
+        balls = detect(picture, hue_deg, args.middle)
+        for k in range(len(hue_deg)):
+            if balls.found[k]:
+                yield str(k), float(balls.points[k, 0]), float(balls.points[k, 1]), float(balls.confidence[k])
+
+    return [str(k) for k in range(len(hue_deg))], found
+
+
+def _square_markers(args: argparse.Namespace) -> tuple[list[str], Detect]:
+    """As `_balls`; which numbers there are, the pictures say. Raises BadInput."""
+    from ..perception.fiducials import Fiducials  # loads OpenCV
+
+    with naming("--aruco"):
+        fiducials = Fiducials(args.aruco)
+
+    def found(picture: NDArray) -> Iterator[Found]:
+        first = round((1 - args.middle) / 2 * picture.shape[1])
+        for number, (x, y) in sorted(fiducials.detect(picture[:, first : picture.shape[1] - first]).items()):
+            yield str(number), float(x) + first, float(y), CERTAIN
+
+    return [], found
 
 
 def _by_view(args: argparse.Namespace) -> dict[str, list[Path]]:

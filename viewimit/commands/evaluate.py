@@ -15,7 +15,7 @@ from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.distortion import Radial
 from ..geometry.rectification import Rectification, rectification_of
 from ..perception.degeneracy import extents, why_degenerate
-from ..perception.tracked import TrackedPoints, read_deeplabcut, read_tidy
+from ..perception.tracks import TrackedPoints, read_files, read_tidy
 from ..rectifying import pooled
 from ..settings import Settings
 from ..simulation.lens import undistorted
@@ -30,6 +30,7 @@ from .options import DONE, MISSED, add_json_option, add_rectify_option, add_undi
 PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
 
 
+BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
 COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
 FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak")
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
@@ -40,7 +41,11 @@ POOLED = 200  # frames whose matches tell of the cameras
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("points", nargs="?", type=Path, metavar="POINTS.csv", help="frame,view,point,x,y,confidence")
     for view in VIEWS:
-        parser.add_argument(f"--{view}", type=Path, metavar="FILE", help=f"instead: DeepLabCut's CSV of view {view}")
+        parser.add_argument(
+            f"--{view}", type=Path, metavar="FILE", help=f"instead: tracks of view {view}, by DeepLabCut, SLEAP, …"
+        )
+    for body in BODIES:
+        parser.add_argument(f"--{body}", metavar="NAME", help="whose points to take of files with several individuals")
     parser.add_argument(
         "--transfer", choices=TRANSFERS, default=Settings().transfer, help="(%(default)s)", metavar="NAME"
     )
@@ -187,13 +192,16 @@ def _frames(views: FourViews, which: NDArray | int) -> FourViews:
 
 def _read(args: argparse.Namespace) -> TrackedPoints:
     given = {view: vars(args)[view] for view in VIEWS if vars(args)[view]}
+    if args.points and not given and args.points.suffix.lower() not in (".csv", ".tsv", ".txt", ""):
+        raise BadInput(f"{args.points}: POINTS.csv is a table of all four views; give others by --l, --r, --L and --R")
     if args.points and not given:
         with naming("POINTS.csv"):
             return read_tidy(args.points)
     if args.points or len(given) < len(VIEWS):
-        raise BadInput("give either POINTS.csv, or DeepLabCut's files of all four views by --l, --r, --L and --R")
+        raise BadInput("give either POINTS.csv, or a file of each of the four views by --l, --r, --L and --R")
+    individuals = {view: vars(args)[body] for body, views in BODIES.items() for view in views if vars(args)[body]}
     with naming("--l, --r, --L, --R"):
-        return read_deeplabcut(given)
+        return read_files(given, individuals)
 
 
 def _report(result: dict) -> None:

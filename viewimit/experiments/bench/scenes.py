@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...session import Session
 from ...settings import Settings
-from ...simulation.eyes import Eyes, ProjectedEyes
+from ...simulation.eyes import ProjectedEyes, SimulatedEyes
 from ...simulation.scene import Scene
 from .. import processes
 from .bound import bound
@@ -100,7 +100,7 @@ class Run:
 
 
 def run_once(settings: Settings, size: float, max_motions: int) -> Run:
-    def open_eyes(camera: str, scene: Scene, points: int) -> Eyes:
+    def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
         eyes = ProjectedEyes(scene, points)
         resize(eyes.world, size)
         return eyes

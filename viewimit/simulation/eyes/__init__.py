@@ -1,4 +1,4 @@
-"""What a session looks with and moves arms by, `Eyes`: projected points, or pictures of arms that have weight."""
+"""What a session in a scene looks with and moves arms by: projected points, or pictures of arms that have weight."""
 
 import importlib.util
 import platform
@@ -7,15 +7,15 @@ import sys
 from ..markers import marker_names
 from ..scene import Scene
 from .projected import ProjectedEyes
-from .protocol import Eyes
+from .protocol import SimulatedEyes
 
-__all__ = ["Eyes", "ProjectedEyes", "open_eyes", "require_eyes"]
+__all__ = ["SimulatedEyes", "ProjectedEyes", "open_eyes", "require_eyes"]
 
 NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras that bring them
 WHEELS = "CPython 3.10 and 3.11 on Linux x86-64"  # of PyBullet; elsewhere pip would compile it, for minutes
 
 
-def open_eyes(camera: str, scene: Scene, points: int) -> Eyes:
+def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
     """camera: of `settings.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
 
     Raises ValueError as `require_eyes`.

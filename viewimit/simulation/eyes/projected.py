@@ -11,7 +11,7 @@ from ..world import World
 
 
 class ProjectedEyes:
-    """See `protocol.Eyes`."""
+    """See `protocol.SimulatedEyes`."""
 
     noise_px = 0.0
 

@@ -1,4 +1,4 @@
-"""What a session looks with and moves by, whatever is behind it."""
+"""What a session in a scene looks with and moves by, whatever is behind it."""
 
 from typing import Protocol
 
@@ -9,7 +9,7 @@ from ..robot import Angles
 from ..world import World
 
 
-class Eyes(Protocol):
+class SimulatedEyes(Protocol):
     """N body points, matched by index; arms of m moving joints."""
 
     @property

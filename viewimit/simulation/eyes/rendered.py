@@ -25,9 +25,9 @@ NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench pictur
 
 
 class RenderedEyes:
-    """See `protocol.Eyes`. pictures: (height, width, 3) uint8 of the views l, r, L, R, as last taken, and what was
-    detected in them, `detections`; theta: by pair of views, the posture (m,) rad in which its arm was last looked at,
-    all that one look leaves to the next, at first `rest`."""
+    """See `protocol.SimulatedEyes`. pictures: (height, width, 3) uint8 of the views l, r, L, R, as last taken, and
+    what was detected in them, `detections`; theta: by pair of views, the posture (m,) rad in which its arm was last
+    looked at, all that one look leaves to the next, at first `rest`."""
 
     noise_px = NOISE_PX
 

@@ -7,7 +7,7 @@ import pytest
 from drawn import RESIDUALS, written_path
 
 from viewimit import TRANSFERS
-from viewimit.perception.tracked import read_deeplabcut, read_tidy
+from viewimit.perception.tracks import read_files, read_tidy
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.views import VIEWS, FourViews
@@ -46,7 +46,7 @@ def deeplabcut(tmp_path, views):
 
 
 def test_both_kinds_of_file_hold_the_same(tidy, deeplabcut, views):
-    for tracked in (read_tidy(tidy), read_deeplabcut(deeplabcut)):
+    for tracked in (read_tidy(tidy), read_files(deeplabcut)):
         read = tracked.views(0.6)
         np.testing.assert_array_equal(read.demo[0], views.demo)
         np.testing.assert_array_equal(read.own[0], views.own)

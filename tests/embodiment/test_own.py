@@ -1,0 +1,250 @@
+"""A session with an arm and eyes of one's own: it needs postures and looks, and nothing else."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from viewimit import FourViews, Session
+from viewimit.analysis.self_assessment import assess
+from viewimit.body_image import BodyImage
+from viewimit.perception.latency import MOST_LAG
+from viewimit.rehearsal import rehearse
+from viewimit.settings import BEST, Settings
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
+
+ONE = msgspec.structs.replace(BEST, frames=1)
+DEMO = np.radians((45.0, -90.0))
+
+
+class Robot:
+    """Arm and eyes before the shipped scene, of which the session is not told. late: pictures a look lags behind."""
+
+    noise_px = 0.0
+
+    def __init__(self, demo=DEMO, noise_px=0.0, late=0, offset=0.0, points=10):
+        self.world, self.rng = World(load_scene("panda"), points), np.random.default_rng(0)
+        self.lower, self.upper = self.world.scene.lower, self.world.scene.upper
+        self.start, self.demo = np.radians((25.0, -45.0)), demo
+        self.sigma, self.late, self.offset = noise_px, late, offset
+        self.sent, self.pictures, self.looks = [], [], 0
+        self.hidden = ()
+
+    def move(self, theta):
+        self.sent.append(theta)
+        return theta + self.offset
+
+    def look(self):
+        self.looks += 1
+        stands = self.sent[-1] if self.sent else self.start
+        self.pictures.append(self.world.look(self.demo, stands))
+        seen = self.pictures[max(len(self.pictures) - 1 - self.late, 0)]
+        own, demo = (image + self.sigma * self.rng.standard_normal(image.shape) for image in (seen.own, seen.demo))
+        visible = seen.visible.copy()
+        visible[list(self.hidden)] = False
+        return FourViews(demo, own, visible)
+
+
+def session(robot, settings=ONE, **options):
+    return Session.of(robot, robot, settings, **options)
+
+
+def error_deg(last, demo=DEMO):
+    return np.degrees(np.abs(last.commanded - demo)).max()
+
+
+def test_it_makes_the_same_run_as_a_session_that_knows_the_scene():
+    one, other = (
+        session(Robot()),
+        Session(msgspec.structs.replace(ONE, demonstrator_deg=(45, -90), start_deg=(25, -45))),
+    )
+    last, known = one.run(60), other.run(60)
+    assert last.status == known.status == "converged" and last.motion == known.motion
+    np.testing.assert_allclose(last.theta, known.theta, atol=1e-9)
+    assert last.certificate.told.all() and assess(one).certificate is last.certificate
+    assert last.certificate.worst == pytest.approx(known.certificate.worst, rel=1e-3)
+
+
+def test_nobody_knows_where_the_demonstrator_is_and_there_is_no_scene():
+    one = session(Robot(), name="mine")
+    assert np.isnan(one.snapshot.theta_demo).all() and one.settings.demonstrator_deg is None
+    assert one.settings.scene == "mine" and one.settings.points == 10
+    for ask in (lambda: one.world, lambda: one.scene, lambda: one.eyes):
+        with pytest.raises(ValueError, match="no scene, no world and no truth"):
+            ask()
+    with pytest.raises(ValueError, match=r"session\.look\(\)"):
+        one.pose(DEMO)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.02])
+def test_the_arm_is_sent_where_the_learner_wants_and_stands_where_it_says(offset):
+    robot = Robot(offset=offset)
+    one = session(robot)
+    one.run(20)
+    np.testing.assert_array_equal(robot.sent, [moment.commanded for moment in one.history])
+    np.testing.assert_allclose([m.theta - m.commanded for m in one.history], offset, atol=1e-12)
+    assert all(((robot.lower <= theta) & (theta <= robot.upper)).all() for theta in robot.sent)
+
+
+def test_a_past_moment_is_gone_back_to_by_the_arm():
+    robot = Robot()
+    one = session(robot)
+    one.run(5)
+    there = one.history[2]
+    assert one.scrub(2) and one.undo()
+    np.testing.assert_array_equal(robot.sent[-2:], [there.commanded, one.history[1].commanded])
+    sent = len(robot.sent)
+    assert not one.scrub(99) and len(robot.sent) == sent
+    one.reset()
+    np.testing.assert_allclose(robot.sent[-1], robot.start)
+
+
+def test_what_another_session_has_left_is_gone_on_with_where_the_arm_was():
+    one = session(Robot())
+    one.run(5)
+    robot = Robot()
+    other = session(robot)
+    other.resume(list(one.history), 3)
+    np.testing.assert_array_equal(robot.sent[-1], one.history[3].commanded)
+    assert other.run(60).status == "converged" and error_deg(other.snapshot) < 0.5
+
+
+def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
+    robot = Robot()
+    one = session(robot)
+    assert one.run(60).status == "converged" and not one.look() and one.snapshot.status == "converged"
+    assert not one.step()
+    robot.demo = np.radians((60.0, -60.0))
+    assert one.look() and one.snapshot.status == "moving"
+    assert error_deg(one.run(120), robot.demo) < 0.5 and one.snapshot.status == "converged"
+
+
+@pytest.mark.parametrize("servo", ["trust-region", "broyden", "gradient-retuned"])
+def test_a_demonstrator_that_has_moved_is_told_to_the_servo_as_one_that_was_posed(servo):
+    settings, robot = msgspec.structs.replace(ONE, servo=servo, rectify="off"), Robot()
+    one = session(robot, settings)
+    other = Session(msgspec.structs.replace(settings, demonstrator_deg=(45, -90), start_deg=(25, -45)))
+    one.run(6), other.run(6)
+    robot.demo = np.radians((60.0, -60.0))
+    other.pose(robot.demo)
+    assert one.look() and one.run(10).motion == other.run(10).motion > 7
+    there, here = (np.array([moment.theta for moment in found.history]) for found in (other, one))
+    np.testing.assert_allclose(here, there, atol=1e-7)
+
+
+def test_a_demonstrator_that_keeps_moving_is_followed():
+    robot = Robot()
+    one = session(robot)
+    one.run(60)
+    away = []
+    for k in range(1, 31):
+        robot.demo = DEMO + np.radians((0.5, 1.0)) * k
+        one.look()
+        one.step()
+        away.append(error_deg(one.snapshot, robot.demo))
+    assert max(away[3:]) < 1.1  # a degree a motion: as far ahead as it looks
+
+
+def test_noise_keeps_the_demonstrators_images_and_is_measured_at_rest():
+    robot = Robot(noise_px=0.3, points=20)
+    one = session(robot, msgspec.structs.replace(BEST, frames=9))
+    assert one.observer.noise_at_rest(one.settings) == pytest.approx(0.3 / 3, rel=0.25)  # 560 degrees of freedom
+    one.run(60)
+    assert all(moment.views.demo is one.history[0].views.demo for moment in one.history)
+    assert not one.look() and error_deg(one.snapshot) < 1.0
+    assert one.observer.noise_at_rest(msgspec.structs.replace(BEST, frames=1)) == pytest.approx(0.3, rel=0.25)
+    robot.noise_px = 4.0  # as its maker states it
+    one.reset()
+    assert one.observer.noise_at_rest(one.settings) == pytest.approx(4 / 3, rel=0.05)
+
+
+@pytest.mark.parametrize("late", range(MOST_LAG + 1))
+def test_the_first_motion_tells_how_late_pictures_come_and_as_many_are_let_pass(late):
+    robot = Robot(late=late)
+    one = session(robot)
+    last = one.run(60)
+    assert last.lag == late and last.status == "converged" and error_deg(last) < 0.5
+    for moment in one.history:
+        np.testing.assert_array_equal(moment.views.own, robot.world.own_images(moment.commanded)[0])
+
+
+def test_points_that_are_not_seen_hold_the_arm_and_more_points_of_the_demonstrator_are_taken():
+    robot = Robot()
+    robot.hidden = range(6)
+    one = session(robot)
+    sent = len(robot.sent)
+    assert one.run(patience=3).status == "stopped" and len(robot.sent) == sent
+    robot.hidden = (0,)
+    assert one.step() and one.snapshot.usable.sum() == 9
+    robot.hidden = ()
+    assert one.step() and one.snapshot.usable.sum() == 10
+    assert one.run(60).status == "converged"
+
+
+def test_it_rehearses_without_a_demonstrator_and_begins_with_that(tmp_path):
+    robot = Robot(demo=DEMO)
+    one = session(robot, name="mine")
+    body = rehearse(one, 12, seed=0)
+    body.save(tmp_path / "body.npz")
+    other = session(Robot(), name="mine")
+    other.remember(BodyImage.load(tmp_path / "body.npz"))
+    last = other.run(60)
+    assert last.status == "converged" and last.rehearsal_holds and last.motion < session(Robot()).run(60).motion
+    with pytest.raises(ValueError, match="rehearsed with robot mine, here it is yours"):
+        session(Robot(), name="yours").remember(body)
+
+
+@pytest.mark.parametrize("servo", ["broyden", "gradient-retuned"])
+def test_other_laws_and_transfers_serve_as_well(servo):
+    one = session(Robot(), Settings(transfer="linear", servo=servo))
+    one.run(300)
+    assert error_deg(one.snapshot) < 3  # METHOD: an affine transfer's bias
+    one.change(transfer="projective", servo="trust-region")
+    assert error_deg(one.run(360)) < 0.5
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [{"noise_px": 0.1}, {"camera": "rendered"}, {"demonstrator_deg": (45, -90)}, {"joints": (1, 2)}, {"delay": 1}],
+    ids=str,
+)
+def test_what_only_a_scene_has_is_refused_and_all_stays(fields):
+    robot = Robot()
+    with pytest.raises(ValueError, match=f"{next(iter(fields))} is of a simulated scene"):
+        session(robot, msgspec.structs.replace(ONE, **fields))
+    assert not robot.sent
+    one = session(robot)
+    before, sent = one.snapshot, len(robot.sent)
+    with pytest.raises(ValueError, match="is of a simulated scene"):
+        one.change(**fields)
+    assert one.snapshot is before and len(robot.sent) == sent
+
+
+@pytest.mark.parametrize(
+    "field, value, says",
+    [
+        ("lower", np.zeros(3), "limits must be finite angles in rad, one a joint"),
+        ("lower", np.array([0.0, np.nan]), "limits must be finite"),
+        ("lower", np.radians((95.0, -180.0)), "joint 1: limits 95° … 90° are empty"),
+        ("start", np.radians((25.0, 10.0)), "the start joint 2 at 10° is outside its limits -180° … 0°"),
+        ("start", np.zeros(3), "the start posture needs 2 angles, got 3"),
+        ("move", lambda theta: None, r"move\(\) must return where the arm stands, 2 finite angles"),
+        ("look", lambda: None, r"look\(\) must return FourViews of N points"),
+    ],
+)
+def test_an_arm_or_eyes_that_cannot_be_are_told_so(field, value, says):
+    robot = Robot()
+    setattr(robot, field, value)
+    with pytest.raises(ValueError, match=says):
+        session(robot)
+
+
+def test_looks_that_do_not_match_the_first_are_told_so():
+    robot = Robot()
+    one, whole = session(robot), robot.look
+    robot.look = lambda: whole().select(np.arange(9))
+    with pytest.raises(ValueError, match="9 points, at first 10: they are matched by index"):
+        one.step()
+    robot.look = lambda: whole().with_own(np.full((10, 4), np.nan))
+    with pytest.raises(ValueError, match="visible whose coordinates are not finite"):
+        one.step()

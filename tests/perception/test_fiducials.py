@@ -1,0 +1,66 @@
+"""Square markers in pictures that OpenCV has drawn: found where they are, told apart, and left out where ambiguous."""
+
+import numpy as np
+import pytest
+
+cv2 = pytest.importorskip("cv2")
+
+from tags import picture_of  # noqa: E402
+
+from viewimit.perception.fiducials import Fiducials, dictionary_names  # noqa: E402
+from viewimit.views import VIEWS  # noqa: E402
+
+AT = {k: np.array([90.0 + 120 * (k % 8), 90 + 120 * (k // 8)]) + np.sin([k, 2 * k]) for k in range(40)}
+
+
+@pytest.mark.parametrize("name", ["4x4_50", "DICT_5X5_100", "apriltag_36h11", "ARUCO_ORIGINAL"])
+@pytest.mark.parametrize("turn, rms_px", [(0.0, 0.27), (0.05, 0.12), (0.4, 0.12), (2.0, 0.12)])
+def test_middles_are_found_to_a_fraction_of_a_pixel_without_bias(name, turn, rms_px):
+    """Worst where edges lie along the pixels' own."""
+    fiducials = Fiducials(name)
+    found = fiducials.detect(picture_of(fiducials.dictionary, AT, turn=turn))
+    assert len(found) >= 38
+    away = np.array([found[k] - AT[k] for k in found])
+    assert np.sqrt((away**2).mean()) < rms_px and np.abs(away.mean(0)).max() < 0.08
+
+
+def test_a_number_seen_twice_is_nobodys():
+    fiducials = Fiducials("4x4_50")
+    left = picture_of(fiducials.dictionary, {3: (200, 200), 4: (400, 200)}, shape=(400, 600))
+    right = picture_of(fiducials.dictionary, {3: (200, 200), 5: (400, 200)}, shape=(400, 600))
+    assert sorted(fiducials.detect(np.concatenate([left, right], 1))) == [4, 5]
+    assert fiducials.detect(np.full((100, 100, 3), 90, np.uint8)) == {}
+
+
+def test_a_dictionary_that_is_none_is_told_those_there_are():
+    assert {"4X4_50", "APRILTAG_36H11"} <= set(dictionary_names())
+    with pytest.raises(ValueError, match="no dictionary '4x4'; there are 4X4_100, .*4X4_50"):
+        Fiducials("4x4")
+
+
+def test_detect_finds_them_and_evaluate_takes_what_it_wrote(ask, ask_json, tmp_path):
+    points = np.random.default_rng(1).uniform((-0.4, -0.3, 2.0), (0.4, 0.3, 2.6), (16, 3))
+    dictionary, seen = Fiducials("APRILTAG_36h11").dictionary, {}
+    for view, (eye, by) in zip(VIEWS, ((-0.05, 0.0), (0.05, 0.0), (-0.05, 0.1), (0.05, 0.1))):
+        x, y, z = (points - (eye + by, by / 2, 0)).T
+        seen[view] = dict(enumerate(np.stack([1280 + 2400 * x / z, 960 + 2400 * y / z], -1)))
+        folder = tmp_path / ("demo" if view in "lr" else "own")  # some disks take l for L
+        folder.mkdir(exist_ok=True)
+        cv2.imwrite(str(folder / f"{view}.png"), picture_of(dictionary, seen[view], shape=(1920, 2560)))
+    files = [tmp_path / ("demo" if view in "lr" else "own") / f"{view}.png" for view in VIEWS]
+    out = tmp_path / "points.csv"
+    status, told = ask_json("detect", *files, "--aruco", "APRILTAG_36h11", "--out", out)
+    assert status == 0 and told["markers"] <= 16 and told["views"]["L"]["points_a_frame"] >= 10
+    status, told = ask_json("evaluate", out)
+    (frame,) = told["frames"]
+    assert status == 0 and len(frame["usable"]) >= 10
+    for view in VIEWS:
+        found = np.array(frame["seen"][view])
+        np.testing.assert_allclose(found, [seen[view][int(name)] for name in frame["usable"]], atol=0.3)
+    status, _, err = ask("detect", files[0], "--aruco", "9X9", "--out", out)
+    assert status == 2 and "--aruco: no dictionary '9X9'; there are" in err and err.count("\n") == 1
+    middle = ask_json("detect", *files, "--aruco", "APRILTAG_36h11", "--middle", 0.2, "--out", out)[1]
+    assert 0 < middle["views"]["l"]["points_a_frame"] < 16
+    rows = [line.split(",") for line in out.read_text().splitlines()[1:]]
+    for _, view, number, x, y, _ in rows:
+        np.testing.assert_allclose((float(x), float(y)), seen[view][int(number)], atol=0.3)

@@ -1,0 +1,45 @@
+"""What a person writes to put the loop on a robot and cameras of their own: an arm with four members, eyes with two."""
+
+from typing import Protocol
+
+from numpy.typing import NDArray
+
+from ..views import FourViews
+
+
+class Arm(Protocol):
+    """An arm of m joints. Postures are (m,) rad, their joints always in the same order; that is all that is known."""
+
+    @property
+    def lower(self) -> NDArray:
+        """(m,) rad: it is never sent below."""
+        ...
+
+    @property
+    def upper(self) -> NDArray:
+        """(m,) rad: it is never sent above."""
+        ...
+
+    @property
+    def start(self) -> NDArray:
+        """(m,) rad: where a session first sends it."""
+        ...
+
+    def move(self, theta: NDArray) -> NDArray:
+        """Go to theta, (m,) rad, and return when at rest: (m,) rad, where it stands by its encoders, or theta if it has
+        none. That is for viewers: the learner goes by where it sent the arm."""
+        ...
+
+
+class Eyes(Protocol):
+    """Two cameras, or one pair of pictures for each body, in which N points are found."""
+
+    @property
+    def noise_px(self) -> float:
+        """Standard deviation of a coordinate beyond what can be measured with an arm at rest, px; mostly 0."""
+        ...
+
+    def look(self) -> FourViews:
+        """One picture of each view, taken now: N points matched by index, always the same N, px.
+        `FourViews.from_images` makes it of four arrays (N, 2), NaN where a point is not seen."""
+        ...

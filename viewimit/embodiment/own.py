@@ -1,0 +1,111 @@
+"""A learner with an arm and eyes of one's own: no scene, no world, and nobody who knows where the demonstrator is."""
+
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..body_image import Body
+from ..settings import Settings
+from .in_scene import degrees
+from .interface import Arm, Eyes
+from .own_looks import OwnLooks, look_with
+from .protocol import Beginning
+
+HAVE = ("transfer", "servo", "frames", "rectify", "start_deg", "seed")  # of the settings; all else is of scenes
+FOUND = ("scene", "points")  # set by what there is
+ROUNDING_DEG = 1e-6
+
+
+@dataclass(frozen=True)
+class Own:
+    """See `protocol.Embodiment`. points: how many its eyes show."""
+
+    arm: Arm
+    eyes: Eyes
+    name: str
+    points: int
+    lower: NDArray
+    upper: NDArray
+
+    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
+        return _within(theta, self.lower, self.upper, whose)
+
+    def body(self, settings: Settings) -> Body:
+        joints = tuple(range(1, len(self.lower) + 1))
+        span_deg = tuple(round(float(span), 6) for span in np.degrees(self.upper - self.lower))
+        return Body(self.name, joints, span_deg, self.points, "own", (0.0, 0.0))
+
+    def demonstrator(self, settings: Settings) -> NDArray:
+        _require(settings)
+        return np.full_like(self.lower, np.nan)
+
+    def pose(self, theta_demo: NDArray) -> NDArray:
+        if np.isfinite(theta_demo).any():
+            raise ValueError("the demonstrator stands where your eyes see it: move it, and session.look()")
+        return theta_demo
+
+    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+        return self.move(commanded)
+
+    def revisit(self, commanded: NDArray) -> None:
+        self.move(commanded)
+
+    def looks(self, theta_rest: NDArray) -> OwnLooks:
+        return OwnLooks(self.eyes, self.points)
+
+    def move(self, theta: NDArray) -> NDArray:
+        """theta: (m,) rad → where it then stands. Raises ValueError if the arm says that of no posture."""
+        stands = np.array(self.arm.move(theta.copy()), float)
+        if stands.shape != theta.shape or not np.isfinite(stands).all():
+            raise ValueError(
+                f"move() must return where the arm stands, {len(theta)} finite angles in rad, got {stands}"
+            )
+        return stands
+
+
+class OwnOpener:
+    """See `protocol.Opener`. name: of the arm, by which a rehearsal knows its own."""
+
+    def __init__(self, arm: Arm, eyes: Eyes, name: str):
+        self._arm, self._eyes, self._name = arm, eyes, name
+        self._lower, self._upper = _limits(arm)
+        self._own: Own | None = None
+
+    def __call__(self, settings: Settings) -> Beginning:
+        _require(settings)
+        wanted = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
+        start = _within(wanted, self._lower, self._upper, "the start")
+        points = len(look_with(self._eyes).demo) if self._own is None else self._own.points
+        own = Own(self._arm, self._eyes, self._name, points, self._lower, self._upper)
+        standing, self._own = own.move(start), own
+        settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=degrees(start))
+        return Beginning(settings, own, start, standing, own.demonstrator(settings))
+
+
+def _limits(arm: Arm) -> tuple[NDArray, NDArray]:
+    lower, upper = np.array(arm.lower, float), np.array(arm.upper, float)
+    if lower.ndim != 1 or lower.shape != upper.shape or len(lower) == 0 or not np.isfinite([lower, upper]).all():
+        raise ValueError(f"the arm's limits must be finite angles in rad, one a joint, got {arm.lower} and {arm.upper}")
+    for k, (low, high) in enumerate(zip(np.degrees(lower), np.degrees(upper)), 1):
+        if not low < high:
+            raise ValueError(f"joint {k}: limits {low:g}° … {high:g}° are empty")
+    return lower, upper
+
+
+def _within(theta: ArrayLike, lower: NDArray, upper: NDArray, whose: str) -> NDArray:
+    theta = np.array(theta, float)
+    if theta.shape != lower.shape:
+        raise ValueError(f"{whose} posture needs {len(lower)} angles, got {theta.size}")
+    for k, (angle, low, high) in enumerate(zip(*map(np.degrees, (theta, lower, upper))), 1):
+        if not low - ROUNDING_DEG <= angle <= high + ROUNDING_DEG:  # NaN fails too
+            raise ValueError(f"{whose} joint {k} at {angle:g}° is outside its limits {low:g}° … {high:g}°")
+    return np.clip(theta, lower, upper)
+
+
+def _require(settings: Settings) -> None:
+    """Raises ValueError for what only a simulated scene has."""
+    for name in Settings.__struct_fields__:
+        if name not in (*HAVE, *FOUND) and getattr(settings, name) != getattr(Settings(), name):
+            raise ValueError(f"{name} is of a simulated scene; an arm and eyes of your own have {', '.join(HAVE)}")

@@ -1,0 +1,92 @@
+"""How eyes of one's own are used: so many pictures at each posture, and a demonstrator that may move by itself."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..perception import frames
+from ..perception.latency import MOST_LAG, lag_of
+from ..settings import Settings
+from ..snapshot import Snapshot
+from ..views import FourViews
+from .interface import Eyes
+
+REST_LOOKS = 8  # pictures of the own body at rest, from which the learner knows their noise
+LEAST_PX, SURELY = 0.01, 5.0  # a coordinate; standard deviations: what a demonstrator must have moved by
+WRONG = 0.1  # of the points: those that have moved the most may be found at wrong places
+
+Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4) px, visible (N, 2) bool
+
+
+class OwnLooks:
+    """See `protocol.Looks`. The demonstrator's images stay the same ones until it moves, or more of it is seen."""
+
+    def __init__(self, eyes: Eyes, points: int):
+        self._eyes, self._points = eyes, points
+        self._demo: Images | None = None
+        self._noise_px: float | None = None  # of a single picture
+
+    def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
+        """Whatever is to be seen now."""
+        seen = [look_with(self._eyes, self._points) for _ in range(settings.frames)]
+        points = np.array([np.concatenate([views.demo, views.own], -1) for views in seen])
+        merged, visible = frames.merge(points, np.array([views.visible for views in seen]))
+        demo, demo_visible = self._demonstrator((merged[:, :4], visible[:, :2]), self.noise_at_rest(settings))
+        return FourViews(demo, merged[:, 4:], np.concatenate([demo_visible, visible[:, 2:]], -1))
+
+    def noise_at_rest(self, settings: Settings) -> float:
+        return self._single_noise() / np.sqrt(settings.frames)
+
+    def wait(self, now: Snapshot, theta: NDArray) -> tuple[int, int | None]:
+        """Looks are pictures here."""
+        if now.lag is not None:
+            for _ in range(now.lag):
+                self._eyes.look()
+            return now.lag, now.lag
+        lag = lag_of((now.views.own, now.views.visible[:, 2:]), lambda k: self._own(), self._single_noise())
+        return MOST_LAG if lag is None else lag, lag
+
+    def _demonstrator(self, now: Images, noise_px: float) -> Images:
+        before = self._demo
+        if before is None or _seen(now) > _seen(before) or _elsewhere(before, now, noise_px):
+            self._demo = before = now
+        return before
+
+    def _own(self) -> Images:
+        views = look_with(self._eyes, self._points)
+        return views.own, views.visible[:, 2:]
+
+    def _single_noise(self) -> float:
+        if self._noise_px is None:
+            points, visible = zip(*(self._own() for _ in range(REST_LOOKS)))
+            measured = frames.noise(np.array(points), np.array(visible))
+            self._noise_px = float(np.hypot(measured, self._eyes.noise_px))
+        return self._noise_px
+
+
+def look_with(eyes: Eyes, points: int | None = None) -> FourViews:
+    """One look. Raises ValueError if it is no look, or not at so many points."""
+    views = eyes.look()
+    if not isinstance(views, FourViews) or views.demo.ndim != 2:
+        raise ValueError("look() must return FourViews of N points, such as FourViews.from_images makes of (N, 2) each")
+    if points is not None and len(views.demo) != points:
+        raise ValueError(
+            f"look() gave {len(views.demo)} points, at first {points}: they are matched by index, so give "
+            "all of them always, NaN where one is not seen"
+        )
+    shown = np.concatenate([views.demo, views.own], -1)[np.repeat(views.visible, 2, -1)]
+    if not np.isfinite(shown).all():
+        raise ValueError("look() gave a point as visible whose coordinates are not finite")
+    return views
+
+
+def _elsewhere(before: Images, after: Images, noise_px: float) -> bool:
+    """Whether the points seen in both have moved by more than noise moves them, as a whole (χ² test)."""
+    both = (before[1] & after[1]).all(-1)
+    square = np.sort(((after[0] - before[0])[both] ** 2).sum(-1))[: int((1 - WRONG) * both.sum())]
+    coordinates = 4 * len(square)
+    variance = max(LEAST_PX**2, 2 * noise_px**2)
+    return bool(square.sum() > variance * (coordinates + SURELY * np.sqrt(2 * coordinates)))
+
+
+def _seen(images: Images) -> int:
+    return int(images[1].all(-1).sum())

@@ -1,0 +1,92 @@
+"""Tables as text: cells separated by commas, semicolons or tabs, decimal commas where columns are separated otherwise.
+
+All faults are named by file, line and column.
+"""
+
+import csv
+import math
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+from .track import MOST_PX
+
+MOST_FRAME = 2**53
+SEPARATORS = ",;\t"
+
+
+class Table:
+    """path: of a text file. Raises OSError, and ValueError for what is no text in UTF-8 or no table."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        self._separator = self._sniffed()
+        self._decimal: str | None = None  # , or . as first met where both may be meant
+
+    def lines(self) -> Iterator[tuple[int, list[str]]]:
+        """Line numbers from 1 and cells, empty lines left out."""
+        try:
+            with self.path.open(newline="", encoding="utf-8-sig") as file:
+                reader = csv.reader(file, strict=True, delimiter=self._separator)
+                for cells in reader:
+                    if cells and (cells[0] or any(map(str.strip, cells))):
+                        yield reader.line_num, cells
+        except UnicodeDecodeError:
+            raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
+        except csv.Error as error:
+            raise ValueError(f"{self.path}: line {reader.line_num}: {error}") from None
+
+    def require_count(self, line: int, cells: list[str], columns: int) -> None:
+        if len(cells) != columns:
+            hint = "; with decimal commas separate columns by ;" if self._separator == "," else ""
+            raise ValueError(f"{self.path}: line {line}: {len(cells)} cells, but {columns} columns{hint}")
+
+    def number(self, line: int, column: str, text: str, empty: float) -> float:
+        """A pixel or a share; `empty` for an empty cell or NaN."""
+        try:
+            value = float(text)
+            if -MOST_PX <= value <= MOST_PX and (self._separator == "," or "." not in text):
+                return value
+        except ValueError:
+            value = math.inf
+        text = text.strip()
+        if not text or text.lower() == "nan":
+            return empty
+        if self._separator != "," and ("," in text or "." in text):
+            value = self._with_decimal(line, column, text)
+            if -MOST_PX <= value <= MOST_PX:
+                return value
+        what = f"is no pixel: beyond {MOST_PX:g}" if math.isfinite(value) else "is not a finite number"
+        raise ValueError(f"{self.path}: line {line}, column {column}: {text!r} {what}")
+
+    def whole(self, line: int, column: str, text: str) -> int:
+        if not (text.isdecimal() or text.strip().isdecimal()) or int(text) > MOST_FRAME:
+            said = f"{text.strip()!r} is not a whole number from 0"
+            raise ValueError(f"{self.path}: line {line}, column {column}: {said}")
+        return int(text)
+
+    def _with_decimal(self, line: int, column: str, text: str) -> float:
+        """Where columns are not separated by commas. Raises ValueError where , and . could each be the decimal."""
+        here = "," if "," in text else "."
+        if text.count(",") + text.count(".") > 1 or here != (self._decimal or here):
+            raise ValueError(
+                f"{self.path}: line {line}, column {column}: {text!r}: both , and . may be meant as the decimal point; "
+                "write all numbers with one of them, and none for thousands"
+            )
+        self._decimal = here
+        try:
+            return float(text.replace(",", "."))
+        except ValueError:
+            return math.inf
+
+    def _sniffed(self) -> str:
+        """The separator that the first line has most of."""
+        try:
+            with self.path.open(encoding="utf-8-sig") as file:
+                first = next((line for line in file if line.strip()), "")
+        except UnicodeDecodeError:
+            raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
+        if not first:
+            raise ValueError(f"{self.path}: the file is empty")
+        count = Counter(first)
+        return max(SEPARATORS, key=lambda separator: count[separator])

@@ -1,0 +1,128 @@
+"""What all readers make of their files: the track of one view, and those of all four together."""
+
+import math
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...views import VIEWS, FourViews
+
+MOST_PX = 1e6  # beyond which no picture goes
+CERTAIN = 1.0  # where no confidence is given
+Row = tuple[int, str, float, float, float]  # frame, point, x, y, confidence
+
+
+@dataclass(frozen=True)
+class Track:
+    """One view. frames: (T,) numbers, ascending; points: N names; image: (T, N, 2) px, NaN where not seen;
+    confidence: (T, N)."""
+
+    frames: NDArray
+    points: tuple[str, ...]
+    image: NDArray
+    confidence: NDArray
+
+    def require_pixels(self, where: str) -> "Track":
+        """Itself. Raises ValueError for no points at all, the same name twice, or numbers that are no pixels."""
+        twice = [name for name in self.points if self.points.count(name) > 1]
+        if twice:
+            raise ValueError(f"{where}: two points are named {twice[0]!r}: they are matched by name, so rename one")
+        if not np.isfinite(self.image).all(-1).any():
+            raise ValueError(f"{where}: no point in any frame")
+        wrong = np.isinf(self.image) | (np.abs(self.image) > MOST_PX)
+        if wrong.any():
+            t, n, axis = np.argwhere(wrong)[0]
+            value = self.image[t, n, axis]
+            what = f"is no pixel: beyond {MOST_PX:g}" if math.isfinite(value) else "is not a finite number"
+            raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}, {'xy'[axis]}: {value:g} {what}")
+        return self
+
+    def sure(self, least_confidence: float) -> NDArray:
+        """(T, N, 2) px: points of less confidence were not seen."""
+        return np.where((self.confidence >= least_confidence)[..., None], self.image, np.nan)
+
+    def seen(self) -> "Track":
+        """Of the frames that show a point only."""
+        shows = np.isfinite(self.image).all(-1).any(-1)
+        return Track(self.frames[shows], self.points, self.image[shows], self.confidence[shows])
+
+
+@dataclass(frozen=True)
+class TrackedPoints:
+    """T frames of N points. frames: (T,) numbers; points: N names; image: by view (T, N, 2) px, NaN where not seen;
+    confidence: by view (T, N)."""
+
+    frames: tuple[int, ...]
+    points: tuple[str, ...]
+    image: dict[str, NDArray]
+    confidence: dict[str, NDArray]
+
+    def views(self, least_confidence: float = 0.0) -> FourViews:
+        """All frames: (T, N, …). Points of less confidence were not seen."""
+        sure = {view: self.confidence[view] >= least_confidence for view in VIEWS}
+        return FourViews.from_images(*(np.where(sure[view][..., None], self.image[view], np.nan) for view in VIEWS))
+
+
+class Rows:
+    """The rows of one view as they are read, a few bytes each."""
+
+    def __init__(self, points: dict[str, int] | None = None):
+        self._points = {} if points is None else points  # of all views: names to columns
+        self.frame, self.point, self.line = array("q"), array("l"), array("l")
+        self.xy, self.sure = array("d"), array("d")
+
+    def add(self, line: int, frame: int, point: str, x: float, y: float, sure: float) -> None:
+        self.frame.append(frame)
+        self.point.append(self._points.setdefault(point, len(self._points)))
+        self.line.append(line)
+        self.xy.extend((x, y))
+        self.sure.append(sure)
+
+    def require_once(self, where: str, view: str = "") -> None:
+        """Raises ValueError for two rows of the same frame and point, of `view`, that names their lines."""
+        frame, point = np.array(self.frame), np.array(self.point)
+        order = np.lexsort((point, frame))  # stable: of equal ones the earlier line comes first
+        same = (np.diff(frame[order]) == 0) & (np.diff(point[order]) == 0)
+        if not same.any():
+            return
+        line = np.array(self.line)[order]
+        k = int(np.flatnonzero(same)[line[1:][same].argmin()])
+        at = self.line.index(int(line[k + 1]))
+        name = list(self._points)[self.point[at]]
+        of = f" in view {view}" if view else ""
+        raise ValueError(
+            f"{where}: line {line[k + 1]}: point {name} of frame {self.frame[at]}{of} stands in line {line[k]} too"
+        )
+
+    def track(self) -> Track:
+        frames, at = np.unique(np.array(self.frame), return_inverse=True)
+        image = np.full((len(frames), len(self._points), 2), np.nan)
+        confidence = np.zeros(image.shape[:2])
+        where = at, np.array(self.point)
+        image[where], confidence[where] = np.array(self.xy).reshape(-1, 2), np.array(self.sure)
+        return Track(frames, tuple(self._points), image, confidence)
+
+
+def together(tracks: Mapping[str, Track]) -> TrackedPoints:
+    """Of all views, points matched by name. A view of a single frame, such as of a demonstrator that stands still,
+    holds for all frames."""
+    several = [view for view in VIEWS if len(tracks[view].frames) > 1]
+    frames = np.unique(np.concatenate([tracks[view].frames for view in several or VIEWS[:1]]))
+    names = _ordered(list(dict.fromkeys(name for view in VIEWS for name in tracks[view].points)))
+    column = {name: k for k, name in enumerate(names)}
+    image = {view: np.full((len(frames), len(names), 2), np.nan) for view in VIEWS}
+    confidence = {view: np.zeros((len(frames), len(names))) for view in VIEWS}
+    for view in VIEWS:
+        track = tracks[view]
+        at = np.searchsorted(frames, track.frames)[:, None] if view in several else np.arange(len(frames))[:, None]
+        where = np.array([column[name] for name in track.points], int)
+        image[view][at, where], confidence[view][at, where] = track.image, track.confidence
+    return TrackedPoints(tuple(frames.tolist()), tuple(names), image, confidence)
+
+
+def _ordered(names: Sequence[str]) -> list[str]:
+    """Numbers by number, names as they come."""
+    return sorted(names, key=int) if all(name.isdecimal() for name in names) else list(names)

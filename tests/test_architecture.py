@@ -31,6 +31,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "looking",
     "rectifying",
     "contradictions",
+    "suspects",
     "prediction",
     "session",
     "rehearsal",

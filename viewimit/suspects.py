@@ -25,7 +25,7 @@ POOLED = 200  # frames, evenly spaced, that tell the geometry
 BODIES = ("l", "r"), ("L", "R")
 METHOD = TRANSFERS["projective"]  # which has no bias: of points that are right, in one posture, E is that of the noise
 ALWAYS = 0.5  # of what contradicts in a frame: what does as the rms of all frames, be they ever so many
-ENOUGH = 40  # matches, of which any geometry can be told from one that a few wrong ones spoil
+ENOUGH = 60  # matches, of which any geometry can be told from one that a few wrong ones spoil
 FRAMES = 20  # in which exchanges are tried
 FEWEST_POINTS = 8  # of fewer, many exchanges fit
 MOST_POINTS = 32  # those with the largest residuals, of more
@@ -71,7 +71,7 @@ def suspects(views: FourViews, seed: int = 0) -> Suspects:
         return Suspects((), (few, "swapped points: they need to know the noise, which the same matches tell"))
     misplaced, visible = [], views.visible.copy()
     for body, (images, seen) in enumerate(views.bodies):
-        found, wrong = _misplaced(images, seen.all(-1), geometry, BODIES[body])
+        found, wrong = _misplaced(images, np.asarray(seen.all(-1)), geometry, BODIES[body])
         misplaced += found
         visible[..., 2 * body : 2 * body + 2] &= ~wrong[..., None]
     swapped, why = _swapped(replace(views, visible=visible), geometry.deviation)

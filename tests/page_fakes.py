@@ -38,6 +38,7 @@ from viewimit.app.control.commands.session import (
     Reset,
     Scrub,
     Step,
+    ToggleRehearsal,
     Undo,
 )
 from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
@@ -95,6 +96,7 @@ BUTTONS = {
     "help": ToggleHelp(),
     "transfers": ToggleComparison(),
     "duel": ToggleDuel(),
+    "rehearse": ToggleRehearsal(),
     "run": RunOrCancel(),
     "download": Download(),
     "record": Record(),

@@ -32,6 +32,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "embodiment",
     "rectifying",
     "contradictions",
+    "suspects",
     "prediction",
     "session",
     "rehearsal",

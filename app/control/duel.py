@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.joint_errors import ErrorTrace
 from viewimit.drawing.duel import ARRIVED_DEG, Standing
+from viewimit.rehearsal import begin_rehearsal
+from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 
@@ -49,7 +51,19 @@ class Duel:
         """The visitor's session has begun anew: so does the opponent."""
         if self.opponent is not None:
             self.opponent.begin(self._settings)
+            self.remember_alike()
         self._player.settle()
+
+    def rehearse(self, count: int) -> None:
+        """The visitor's learner watches itself in so many postures: so does the opponent, if that is of use to it."""
+        if self.opponent is not None and SERVOS[self.servo].uses_rehearsal:
+            begin_rehearsal(self.opponent, count, self._session.settings.seed)
+
+    def remember_alike(self) -> None:
+        """The opponent has the visitor's body, and knows of it what the visitor's learner does."""
+        body = self._session.snapshot.body
+        if self.opponent is not None and self.opponent.snapshot.body is not body:
+            self.opponent.remember(body)
 
     def follow(self) -> None:
         """What has changed for the visitor's learner, the demonstrator's posture above all, changes for both."""

@@ -17,6 +17,7 @@ from viewimit.analysis.motion import encode as encode_motion
 from viewimit.drawing.images.construction import last_stage
 from viewimit.drawing.images.planes import Windows
 from viewimit.embodiment.in_scene import complete
+from viewimit.rehearsal import POSTURES, begin_rehearsal
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies
@@ -36,6 +37,7 @@ from .landscapes import Basins, DuelLandscapes, OwnLandscape
 from .moments.building import BuildingUp
 from .moments.imitated import Imitated
 from .moments.past import Left, Past
+from .moments.rehearsal import require_use
 from .moments.see_through import SeeThrough
 from .motions import Motions
 from .on_the_way import OnTheWay
@@ -114,6 +116,22 @@ class PageModel:
         self.player.pause()
         self.change(start_deg=angles_deg)
         self.player.settle()
+
+    def rehearse(self) -> None:
+        """The learner watches itself in its next motions, and then imitates. Raises ValueError, with all as it is,
+        where its servo would make no use of that."""
+        require_use(self.session.settings.servo)
+        with self._kept():
+            begin_rehearsal(self.session, POSTURES, self.session.settings.seed)
+            self.duel.rehearse(POSTURES)
+        self.player.play()
+
+    def forget(self) -> None:
+        """What the learner has seen of itself, or what is left to be watched."""
+        with self._kept():
+            self.session.remember(None)
+            self.duel.remember_alike()
+        self.player.wake()
 
     def begin_preset(self, preset: Preset) -> None:
         self.player.pause()

@@ -97,6 +97,12 @@ class Player:
         self.playing, self._next = not self.playing, 0.0
         self.wake()
 
+    def play(self) -> None:
+        """On from here; whoever rests is asked again."""
+        if not self.playing:
+            self.toggle()
+        self.wake()
+
     def pause(self) -> None:
         self.playing = False
         self.wake()

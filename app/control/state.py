@@ -21,6 +21,7 @@ from ..jobs.experiments import Run
 from ..jobs.landscapes import MadeLandscape
 from .duel import Duel
 from .experiments import Experiments
+from .moments.rehearsal import Rehearsal, rehearsal_of
 from .motions import Motions
 from .presets import Preset
 
@@ -131,6 +132,11 @@ class PageState:
         they have stalled rest when they are paused."""
         moves_on = self.playing and SERVOS[self.present.settings.servo].slow
         return assess(self.session) if self.present.status in AT_REST and not moves_on else None
+
+    @cached_property
+    def rehearsal(self) -> Rehearsal:
+        """What the learner has seen of itself before it imitates."""
+        return rehearsal_of(self.session)
 
     @cached_property
     def recovered_world(self) -> NDArray:

@@ -12,7 +12,8 @@ PARAGRAPHS = (
     ("A wrong posture makes a conflict.", "The lines were learned from two different postures, so recovered and own "
      "points disagree. The arrows are the residuals e; E is their mean square."),
     ("The conflict drives the arm.", "Play. The learner moves, learns what that changes in its images, and goes where "
-     "E is smaller. The landscape shows E for all postures; the learner knows only its own path."),
+     "E is smaller. The landscape shows E for all postures; the learner knows only its own path. Watch yourself first:"
+     " it goes through 12 postures with nobody to imitate, and needs no probes then."),
     ("Touch it.", "Click the landscape: the learner starts there; with Look only a see-through arm shows the posture,"
      " and nothing moves. From these starts sends twenty learners. Click a curve: back to that moment. Undo takes back"
      " resets and presets, too."),

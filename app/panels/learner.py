@@ -1,5 +1,5 @@
-"""The learner's joints beside the demonstrator's, as bars; and where it starts, folded: a slider a joint, which asks
-for the same as a click on the landscape."""
+"""The learner's joints beside the demonstrator's, as bars; what it has seen of itself before; and where it starts,
+folded: a slider a joint, which asks for the same as a click on the landscape."""
 
 from numpy.typing import NDArray
 
@@ -9,6 +9,7 @@ from viewimit.settings import given
 from ..control.commands.session import StartJoint
 from ..control.state import PageState
 from .panel import Layout, Panel
+from .rehearsal import RehearsalButton
 from .widgets import JointSliders, put_html
 
 
@@ -16,6 +17,7 @@ class LearnerPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         with layout.gui.add_folder("Learner"):
             self._bars = layout.gui.add_html("")
+            self._rehearsal = RehearsalButton(layout)
             inside = layout.gui.add_folder("Start", expand_by_default=False)
         hint = "degrees; the learner begins anew there"
         self._start = JointSliders(layout, inside, "Start {}", StartJoint.parse, hint)
@@ -23,11 +25,12 @@ class LearnerPanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         present, own = state.present, _stands(state).tobytes()
         shown = own, present.theta_demo.tobytes(), present.status
-        return state.generation, *shown, state.settings.start_deg, state.refusals
+        return state.generation, *shown, state.settings.start_deg, state.rehearsal, state.refusals
 
     def show(self, state: PageState) -> None:
         arms = _stands(state), state.present.theta_demo
         put_html(self._bars, draw_learner(state.session.scene, *arms, state.assessment))
+        self._rehearsal.show(state)
         self._start.show(state, given(state.settings.start_deg))
 
 

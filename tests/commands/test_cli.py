@@ -67,7 +67,7 @@ def test_joints_that_nothing_tells_are_named_and_nothing_is_claimed(ask_json, as
     "words",
     [
         "imitate --noise-px 0.5 --missing 0.05 --seed 3 --start 60.123456789012345,-130 --max-motions 6",
-        "imitate --joints 2,4,6 --points 16 --demonstrator 44.997659963130204,-90,10",
+        "imitate --joints 2,4,6 --points 16 --demonstrator 44.997659963130204,-90,10 --max-motions 10",
     ],
 )
 def test_a_run_can_be_repeated_from_its_object(ask_json, words):

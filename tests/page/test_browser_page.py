@@ -310,6 +310,25 @@ def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):
     wait(page, lambda: (width(IMAGE_L), width(LEVELS)) == usual)
 
 
+def test_a_learner_that_watches_itself_first_imitates_in_few_motions(session):
+    page = session
+    watch = page.get_by_role("button", name="Watch yourself first")
+    assert watch.is_disabled() and page.get_by_text("Only for Trust region on images.").is_visible()
+    choose(page, "Preset", PRESETS[1].name)
+    choose(page, "Speed", "10 a second")
+    watch.click()
+    wait_for_status(page, "watches itself, with nobody to imitate")
+    wait_for_status(page, "Arrived")
+    wait_for_text(page, "Remembers 12 postures, which hold. Imitated in ")
+    press(page, "r")
+    wait_for_status(page, "Ready")
+    press(page, "Space")
+    after = wait_for_status(page, r"Arrived .* after [1-5] motions")
+    wait_for_text(page, f"Imitated in {re.search(r'after (.*?);', after)[1]}.")
+    page.get_by_role("button", name="Forget").click()
+    watch.wait_for(timeout=PATIENCE_MS)
+
+
 def test_history_can_be_scrubbed(session):
     page = session
     press(page, "Space")

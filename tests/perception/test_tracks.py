@@ -68,6 +68,43 @@ def test_the_command_says_what_the_library_computes(ask_json, tidy, deeplabcut, 
             assert np.sqrt((away**2).mean()) < 1.5  # Eq. (1), to the affine camera's error
 
 
+@pytest.fixture
+def suspicious(tmp_path):
+    """Three frames of 16 points, the learner in the demonstrator's posture: p2 and p9 are swapped, p5 is misplaced."""
+    world, lines = World(load_scene("panda"), 16), ["frame,view,point,x,y,confidence"]
+    for frame, theta in enumerate(np.radians([(45, -90), (20, -40), (70, -140)])):
+        seen = world.look(theta, theta).with_exchanged(((2, 9),))
+        seen.own[5, 1] += 60 * (frame == 1)
+        for view, points in images(seen).items():
+            lines += [f"{10 + frame},{view},<p{k}>,{x!r},{y!r},0.9" for k, (x, y) in enumerate(points.tolist())]
+    path = tmp_path / "suspicious.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def test_points_that_are_likely_wrong_are_listed_with_their_score(ask, ask_json, suspicious, tmp_path):
+    _, told = ask_json("evaluate", suspicious, "--out", tmp_path / "report.html")
+    misplaced, swapped = told["suspects"]
+    assert {key: misplaced[key] for key in ("kind", "points", "views", "frames")} == {
+        "kind": "misplaced", "points": ["<p5>"], "views": ["L", "R"], "frames": [11],
+    }  # fmt: skip
+    assert misplaced["score"] > 100 and "E" not in misplaced
+    assert (swapped["kind"], swapped["points"], swapped["views"]) == ("swapped", ["<p2>", "<p9>"], ["l", "r"])
+    assert swapped["E"] > 10 * swapped["E_exchanged"] and told["undecided"] == []
+    _, out, _ = ask("evaluate", suspicious)
+    page = (tmp_path / "report.html").read_text()
+    assert "<p5>  misplaced in [L] or [R]: " in out and "off; frame 11" in out
+    assert "<p2> and <p9>  swapped in [l], [r]: E " in out
+    assert "&lt;p5&gt;" in page and "misplaced in [L] or [R]" in page and "<p5>" not in page
+
+
+def test_where_nothing_is_wrong_or_told_that_is_said(ask, ask_json, tidy, suspicious):
+    _, told = ask_json("evaluate", tidy)
+    assert told["suspects"] == [] and "arms in one posture would tell" in told["undecided"][0]
+    _, out, _ = ask("evaluate", tidy)
+    assert "suspects: none\n  undecided: swapped points: E is " in out
+
+
 def test_a_view_of_one_frame_holds_for_all(tmp_path, tidy):
     text = tidy.read_text()
     more = [line.replace("0,", "7,", 1) for line in text.splitlines() if line[:4] in ("0,L,", "0,R,")]

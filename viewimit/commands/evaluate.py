@@ -19,11 +19,12 @@ from ..perception.tracks import TrackedPoints, read_files, read_tidy
 from ..rectifying import pooled
 from ..settings import Settings
 from ..simulation.lens import undistorted
+from ..suspects import suspects
 from ..transfer import TRANSFERS, TransferMethod
 from ..transfer.rectified import fit
 from ..transfer.transfer import FLAT, FLATNESS
 from ..views import VIEWS, FourViews
-from . import BadInput, evaluate_report
+from . import BadInput, evaluate_report, evaluate_suspects
 from .json_output import print_json
 from .options import DONE, MISSED, add_json_option, add_rectify_option, add_undistort_option, between, lens, naming
 
@@ -74,7 +75,15 @@ def run(args: argparse.Namespace) -> int:
     rectification = None if args.rectify == "off" else _rectification(views)
     frames = evaluate_frames(tracked.frames, tracked.points, views, args.transfer, rectification)
     rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
-    result = {"transfer": args.transfer, "rectification": rectified, "points": tracked.points, "frames": frames}
+    found = suspects(views)
+    result = {
+        "transfer": args.transfer,
+        "rectification": rectified,
+        "points": tracked.points,
+        "suspects": evaluate_suspects.told(found, tracked.points, tracked.frames),
+        "undecided": found.undecided,
+        "frames": frames,
+    }
     evaluated = [frame for frame in frames if frame["E"] is not None]
     if args.out and evaluated:
         with naming("--out"):
@@ -216,9 +225,19 @@ def _report(result: dict) -> None:
         print(
             f"{frame['frame']:>7}{len(frame['usable']):>8}{numbers[0]:>12}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>10}"
         )
+    _report_suspects(result)
     first = next((frame for frame in result["frames"] if frame["E"] is not None), None)
     if first is None:
         return
     print(f"affine fundamental matrices of frame {first['frame']}: f13 x + f23 y + f31 x' + f32 y' + f33 = 0")
     for pair, f in _named(first)["fundamental"].items():
         print(f"  {pair}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip())
+
+
+def _report_suspects(result: dict) -> None:
+    found = [evaluate_suspects.in_words(suspect, len(result["frames"])) for suspect in result["suspects"]]
+    print("suspects" if found else "suspects: none")
+    for named, what, score in found:
+        print(f"  {named}  {what}: {score}")
+    for why in result["undecided"]:
+        print(f"  undecided: {why}")

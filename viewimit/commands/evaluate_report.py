@@ -8,6 +8,7 @@ import numpy as np
 from ..drawing import standalone
 from ..drawing.tracked import draw_view, draw_views
 from ..views import VIEWS
+from . import evaluate_suspects
 
 FORMATS = (".html", ".png")
 STYLE = """body { font: 15px system-ui, sans-serif; margin: 2em auto; max-width: 70em; color: var(--ink) }
@@ -54,12 +55,21 @@ def _page(result: dict, frame: dict) -> str:
 <h1>Tracked points, {result["transfer"]} transfer</h1>
 <p>Frame {frame["frame"]}: {standalone.resolved(LEGEND)}. Pixels; E = {frame["E"]:.4g} px².</p>
 {"".join(panels)}
+<h2>Suspects</h2>{_suspects(result)}
 <h2>Frames</h2>{_table(heads, rows)}
 <h2>Residuals of frame {frame["frame"]} (px)</h2>{_table(("point", "in [L]", "in [R]"), residuals)}
 <h2>Affine fundamental matrices of frame {frame["frame"]}</h2>
 {_table(("pair", "f13", "f23", "f31", "f32", "f33 (px)"), matrices)}
 </html>
 """
+
+
+def _suspects(result: dict) -> str:
+    """Points that are likely wrong, and of what nothing is told."""
+    found = [evaluate_suspects.in_words(suspect, len(result["frames"])) for suspect in result["suspects"]]
+    rows = [[html.escape(words) for words in each] for each in found]
+    undecided = "".join(f"<p>Undecided: {html.escape(why)}.</p>" for why in result["undecided"])
+    return (_table(("points", "likely", "score"), rows) if rows else "<p>None.</p>") + undecided
 
 
 def _numbers(frame: dict) -> list[str]:

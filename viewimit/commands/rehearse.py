@@ -9,7 +9,7 @@ import numpy as np
 
 from ..body_image import FEWEST
 from ..disturbances import ImageDisturbance
-from ..rehearsal import rehearse
+from ..rehearsal import POSTURES, rehearse
 from ..session import Session
 from ..settings import BEST
 from . import BadInput
@@ -27,7 +27,7 @@ from .options import (
     settings_from,
 )
 
-POSTURES, MOST_POSTURES = 12, 200
+MOST_POSTURES = 200
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

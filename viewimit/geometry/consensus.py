@@ -6,6 +6,7 @@ matrix, where that contradicts fewer. Where neither fits half of them as well as
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,20 @@ LEAST_OF_FEW_PX = 1.0  # with too few to see whether they want a fundamental mat
 FITS = 3.0  # times the noise, or the least that contradicts: what the deviation of half of the matches may be
 TO_NORMAL = 1.4826  # from the median of |x| to the standard deviation
 ROUNDS = 3  # in which the nearest half of the matches tells the geometry anew (Rousseeuw & Van Driessen 1999)
+SCARCE = 17.0  # matches, as few as which leave their deviation uncertain: twice as many of it contradict then
+MOST_OF_ROWS_PX = 1.5  # standard deviation of matches in equal rows
+APART = 2.0  # times the farthest of the others: cameras that are turned a little spread matches without a gap
+TELLING = 12.0  # F-ratio of what the three further parameters of a fundamental matrix explain to what they leave
+
+
+@dataclass(frozen=True)
+class Fit:
+    """distance(left, right): (M,) px of any matches from a geometry that others have; deviation: of those, px; gross:
+    how many deviations contradict it, more where few tell it."""
+
+    distance: Callable[[NDArray, NDArray], NDArray]
+    deviation: float
+    gross: float
 
 
 def agree(left: NDArray, right: NDArray, noise_px: float) -> bool:
@@ -47,9 +62,7 @@ def _wrong(
 ) -> list[NDArray]:
     """The (M,) bool that contradict one kind of geometry, or nothing if that does not fit. away: (M,) px from the best
     draw."""
-    for _ in range(ROUNDS):
-        half = away <= np.median(away)
-        away = np.abs(distance(left[half], right[half], left, right))
+    away = _concentrated(away, distance, left, right)
     for _ in range(ROUNDS):
         scale = max(noise_px, TO_NORMAL * (1 + 5 / len(away)) * float(np.median(away)))
         wrong = away > max(least, GROSS * scale)
@@ -57,6 +70,63 @@ def _wrong(
             return []
         away = np.abs(distance(left[~wrong], right[~wrong], left, right))
     return [wrong]
+
+
+def spread(left: NDArray, right: NDArray, rng: np.random.Generator) -> float:
+    """px, the standard deviation of the better half of the matches, (M, 2) px each, from the geometry that fits it
+    best: what their noise is if nobody says. Raises ValueError with fewer than FEWEST."""
+    count = len(left)
+    if count < FEWEST:
+        raise ValueError(f"needs {FEWEST} matches, got {count}")
+    away = [_concentrated(_affine_draws(left, right, rng), affine_distance, left, right)]
+    if count >= FEWEST_OF_F:
+        away.append(_concentrated(_fundamental_draws(left, right, rng), fundamental_distance, left, right))
+    return TO_NORMAL * (1 + 5 / count) * min(float(np.median(one)) for one in away)
+
+
+def geometry_of(left: NDArray, right: NDArray) -> Fit:
+    """Of matches that do not contradict each other, (M, 2) px each: affine, or a fundamental matrix's where that is
+    needed and they are enough to tell it."""
+    count = len(left)
+    least = LEAST_PX if count >= FEWEST_OF_F else LEAST_OF_FEW_PX
+    distance, free, off = affine_distance, 4, _squares(affine_distance(left, right))
+    if count >= FEWEST_OF_F:
+        left_over = _squares(fundamental_distance(left, right))
+        if (off - left_over) / 3 > TELLING * left_over / (count - 7):
+            distance, free, off = fundamental_distance, 7, left_over
+    deviation = max(float(np.sqrt(off / (count - free))), least / GROSS)
+    return Fit(lambda l, r: distance(left, right, l, r), deviation, _gross(count))
+
+
+def rows_of(left: NDArray, right: NDArray) -> Fit | None:
+    """Of matches, (M, 2) px each, most of which lie in equal rows but for one offset, as parallel cameras have them:
+    the one geometry that few matches tell from all others. None if they do not."""
+    below = right[:, 1] - left[:, 1]
+    offset = float(np.median(below))
+    away = np.abs(below - offset) / np.sqrt(2)
+    deviation = TO_NORMAL * (1 + 5 / len(away)) * float(np.median(away))
+    if deviation > MOST_OF_ROWS_PX:
+        return None
+    deviation = max(deviation, LEAST_PX / GROSS)
+    gross = _gross(len(away))
+    farthest = float(away[away <= gross * deviation].max()) / deviation
+    return Fit(lambda l, r: (r[:, 1] - l[:, 1] - offset) / np.sqrt(2), deviation, max(gross, APART * farthest))
+
+
+def _gross(count: int) -> float:
+    return GROSS * (1 + (SCARCE / count) ** 2)
+
+
+def _concentrated(away: NDArray, distance: Callable, left: NDArray, right: NDArray) -> NDArray:
+    """(M,) px from the geometry of the nearest half, found in a few rounds. away: (M,) px from the best draw."""
+    for _ in range(ROUNDS):
+        half = away <= np.median(away)
+        away = np.abs(distance(left[half], right[half], left, right))
+    return away
+
+
+def _squares(away: NDArray) -> float:
+    return float(away @ away)
 
 
 def affine_distance(left: NDArray, right: NDArray, *of: NDArray) -> NDArray:

@@ -14,6 +14,7 @@ from viewimit.simulation.kinematics import pose_for_hand
 
 from ...sessions.autosave import SavedSession
 from ..checks import choice, number, words
+from ..moments.rehearsal import rehearsal_of
 from ..names import SPEEDS, modified, motions
 from ..page_model import PageModel
 from .command import Command, Value
@@ -73,6 +74,18 @@ class Reset(Command):
     def apply(self, model: PageModel, now: float) -> None:
         model.reset()
         model.message = None
+
+
+class ToggleRehearsal(Command):
+    """The learner watches itself first; or it forgets what it has seen of itself."""
+
+    moves: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        if rehearsal_of(model.session).held:
+            model.forget()
+        else:
+            model.rehearse()
 
 
 @dataclass(frozen=True)

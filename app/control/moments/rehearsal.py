@@ -1,0 +1,71 @@
+"""What a learner has seen of itself before it imitates, and what is said of that."""
+
+from dataclasses import dataclass
+
+from viewimit.body_image import FEWEST
+from viewimit.rehearsal import motions_of_imitation
+from viewimit.servo import SERVOS
+from viewimit.session import Session
+from viewimit.snapshot import AT_REST
+
+from ..names import motions
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """seen: postures that are remembered; to_go: in which the learner is still to watch itself; servo: by its name;
+    holds: whether the servo goes by what was seen, None if it was not asked yet; motions: of the imitation; rests:
+    whether that has come to its end."""
+
+    seen: int
+    to_go: int
+    servo: str
+    holds: bool | None
+    motions: int
+    rests: bool
+
+    @property
+    def held(self) -> bool:
+        """Whether there is something to forget."""
+        return self.to_go > 0 or self.seen >= FEWEST
+
+    @property
+    def offered(self) -> bool:
+        """Whether a rehearsal can begin, or what is held can be forgotten."""
+        return self.held or SERVOS[self.servo].uses_rehearsal
+
+    @property
+    def words(self) -> str:
+        """What is remembered and whether it holds, or why a rehearsal is not offered; "" if there is nothing to say."""
+        if self.to_go:
+            return f"Watches itself: {self.seen} of {self.seen + self.to_go} postures."
+        remembers = f"Remembers {self.seen} postures" if self.held else ""
+        if not SERVOS[self.servo].uses_rehearsal:
+            return f"{remembers}; only for {_able()}." if self.held else f"Only for {_able()}."
+        if not self.held:
+            return ""
+        if self.holds is False:
+            return f"{remembers}, which do not hold here: it probes."
+        if self.holds is None:
+            return f"{remembers}; Play imitates with them."
+        return f"{remembers}, which hold. {'Imitated in' if self.rests else 'Imitates:'} {motions(self.motions)}."
+
+
+def rehearsal_of(session: Session) -> Rehearsal:
+    """At the moment that is shown."""
+    now = session.snapshot
+    seen = 0 if now.body is None else len(now.body)
+    to_go = 0 if now.to_rehearse is None else len(now.to_rehearse)
+    made, rests = motions_of_imitation(session), now.status in AT_REST
+    return Rehearsal(seen, to_go, now.settings.servo, now.rehearsal_holds, made, rests)
+
+
+def require_use(servo: str) -> None:
+    """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
+    if not SERVOS[servo].uses_rehearsal:
+        raise ValueError(f"{SERVOS[servo].title} makes no use of a rehearsal; choose {_able()}")
+
+
+def _able() -> str:
+    """The servos that make use of it, by their titles."""
+    return " or ".join(servo.title for servo in SERVOS.values() if servo.uses_rehearsal)

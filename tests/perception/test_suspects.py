@@ -1,0 +1,146 @@
+"""A point that is wrong, and two that are swapped, are named and nobody else; clean images raise no alarm, and where
+nothing can be told that is said."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from viewimit.experiments.bench.random_scenes import draw, resize
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
+from viewimit.suspects import FEWEST_POINTS, suspects
+from viewimit.views import FourViews
+
+FRAMES = 10
+
+
+def looks(world, rng, frames, noise_px=0.0, alike=True):
+    """Both arms in random postures, the same in each frame or not."""
+    low, high = world.scene.lower, world.scene.upper
+    seen = []
+    for theta in rng.uniform(low, high, (frames, len(low))):
+        seen.append(world.look(theta, theta if alike else rng.uniform(low, high)))
+    demo, own = (np.array([getattr(views, body) for views in seen]) for body in ("demo", "own"))
+    noise = noise_px * rng.standard_normal((2, *demo.shape))
+    return FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
+
+
+def panda(points):
+    return World(load_scene("panda"), points)
+
+
+def named(views):
+    return [(suspect.kind, suspect.points, suspect.views) for suspect in suspects(views).found]
+
+
+@pytest.mark.parametrize("scenes", [6, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("any_head", [False, True], ids=["parallel", "any head"])
+def test_clean_images_raise_no_alarm(any_head, scenes):
+    """Of random scenes, one frame or ten, with and without noise, in the same postures and in others."""
+    rng = np.random.default_rng(20)
+    for _ in range(scenes):
+        drawn = draw(rng, any_head)
+        world = World(drawn.scene, drawn.points)
+        resize(world, drawn.size)
+        for frames, noise_px, alike in product((1, FRAMES), (0.0, 0.5), (True, False)):
+            assert suspects(looks(world, rng, frames, noise_px, alike)).found == ()
+
+
+@pytest.mark.parametrize("count", [10, 16, 20])
+@pytest.mark.parametrize("frames", [1, FRAMES])
+@pytest.mark.parametrize("noise_px", [0.0, 0.5])
+def test_a_point_at_a_wrong_place_in_one_image_is_named_alone(count, frames, noise_px):
+    rng = np.random.default_rng(count)
+    for column, pair in ((1, ("l", "r")), (3, ("l", "r")), (1, ("L", "R")), (3, ("L", "R"))):
+        views, point = looks(panda(count), rng, frames, noise_px, alike=False), int(rng.integers(count))
+        (views.demo if pair == ("l", "r") else views.own)[:, point, column] += rng.choice((-60, 60))
+        (found,) = suspects(views).found
+        assert (found.kind, found.points, found.views) == ("misplaced", (point,), pair)
+        assert found.frames == tuple(range(frames)) and found.score > 20
+
+
+def test_its_score_is_its_distance_in_deviations_of_the_others():
+    """Parallel axes: rows are one, and the distance of a match from its row is Δy/√2."""
+    rng = np.random.default_rng(1)
+    views = looks(panda(20), rng, FRAMES, 0.5)
+    views.demo[3:5, 7, 1] += 40
+    (found,) = suspects(views).found
+    others = np.concatenate([views.demo, views.own], 1)
+    rows = np.delete(others[..., 1] - others[..., 3], 7, axis=1)
+    deviation = rows.std() / np.sqrt(2)
+    off = np.sqrt(np.mean((views.demo[3:5, 7, 1] - views.demo[3:5, 7, 3]) ** 2) / 2)
+    assert found.frames == (3, 4) and found.score == pytest.approx(off / deviation, rel=0.03)
+
+
+def test_what_is_little_in_each_frame_shows_in_many():
+    rng = np.random.default_rng(2)
+    views = looks(panda(16), rng, 40, 0.5)
+    views.demo[:, 4, 1] += 3.0  # 4 deviations
+    (found,) = suspects(views).found
+    assert found.points == (4,) and found.frames == tuple(range(40))
+    assert suspects(FourViews(views.demo[:1], views.own[:1], views.visible[:1])).found == ()
+
+
+@pytest.mark.parametrize("count", [10, 16, 20])
+@pytest.mark.parametrize("frames", [1, FRAMES])
+def test_a_swapped_pair_is_named_alone_and_so_is_how_far_E_falls(count, frames):
+    rng = np.random.default_rng(count)
+    for _ in range(4):
+        pair = tuple(sorted(rng.permutation(count)[:2].tolist()))
+        clean = looks(panda(count), rng, frames)
+        (found,) = suspects(clean.with_exchanged((pair,))).found
+        assert (found.kind, found.points, found.views) == ("swapped", pair, ("l", "r"))
+        assert found.E > 10 * found.E_exchanged and found.score >= 10
+
+
+def test_with_noise_a_swapped_pair_is_named_or_none_is():
+    rng, alone = np.random.default_rng(3), 0
+    for _ in range(20):
+        pair = tuple(sorted(rng.permutation(16)[:2].tolist()))
+        found = named(looks(panda(16), rng, FRAMES, 0.5).with_exchanged((pair,)))
+        assert found in ([], [("swapped", pair, ("l", "r"))])
+        alone += bool(found)
+    assert alone >= 15
+
+
+def test_in_other_postures_nobody_is_called_swapped_and_that_is_said():
+    rng = np.random.default_rng(4)
+    for pairs in ((), ((2, 5),)):
+        for _ in range(10):
+            views = looks(panda(10), rng, FRAMES, alike=False).with_exchanged(pairs)
+            told = suspects(views)
+            assert told.found == () and "arms in one posture would tell" in told.undecided[0]
+
+
+def test_a_wrong_point_and_a_swapped_pair_are_told_apart():
+    rng = np.random.default_rng(5)
+    views = looks(panda(16), rng, FRAMES).with_exchanged(((3, 8),))
+    views.own[:, 11, 1] += 60
+    assert named(views) == [("misplaced", (11,), ("L", "R")), ("swapped", (3, 8), ("l", "r"))]
+
+
+def test_points_that_are_not_seen_count_for_nothing():
+    rng = np.random.default_rng(6)
+    views = looks(panda(16), rng, FRAMES)
+    views.demo[2, 4] = np.nan
+    views.visible[2, 4] = False
+    views.own[5] = 1e6
+    views.visible[5] = False
+    assert suspects(views).found == () == suspects(views).undecided
+
+
+def test_too_few_points_leave_it_undecided():
+    rng = np.random.default_rng(7)
+    five = looks(panda(10), rng, 1).select(np.arange(5))
+    told = suspects(five)
+    assert told.found == () and [why.split(":")[0] for why in told.undecided] == ["misplaced points", "swapped points"]
+    seven = looks(panda(10), rng, FRAMES).select(np.arange(FEWEST_POINTS - 1)).with_exchanged(((1, 4),))
+    told = suspects(seven)
+    assert told.found == () and "no frame has 8 points" in told.undecided[0]
+
+
+def test_points_without_any_order_are_left_undecided():
+    rng = np.random.default_rng(8)
+    demo, own = rng.uniform(0, 300, (2, 4, 12, 4))
+    assert suspects(FourViews(demo, own, np.ones(demo.shape, bool))).found == ()

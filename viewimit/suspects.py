@@ -1,0 +1,174 @@
+"""Which points of tracked images are likely wrong: told by image points alone, without a body, a camera or a posture.
+
+A point is misplaced where the two cameras of the head contradict each other about it: all matches of both bodies and of
+all frames share one epipolar geometry, whatever the postures are. Two points are swapped where the demonstrator's
+images explain the learner's once both are exchanged, and do not before. That needs both arms in about one posture:
+elsewhere E is large whoever is exchanged, and nothing is told.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .geometry.affine import MIN_POINTS
+from .geometry.consensus import FEWEST, Fit, contradicting, geometry_of, rows_of, spread
+from .geometry.rectification import Rectification, rectification_of
+from .perception.degeneracy import why_degenerate
+from .rectifying import pooled
+from .transfer import TRANSFERS
+from .transfer.rectified import fit
+from .views import FourViews, Pairs
+
+POOLED = 200  # frames, evenly spaced, that tell the geometry
+BODIES = ("l", "r"), ("L", "R")
+METHOD = TRANSFERS["projective"]  # which has no bias: of points that are right, in one posture, E is that of the noise
+ALWAYS = 0.5  # of what contradicts in a frame: what does as the rms of all frames, be they ever so many
+ENOUGH = 60  # matches, of which any geometry can be told from one that a few wrong ones spoil
+FRAMES = 20  # in which exchanges are tried
+FEWEST_POINTS = 8  # of fewer, many exchanges fit
+MOST_POINTS = 32  # those with the largest residuals, of more
+DECISIVE = 10.0  # times that E falls at least
+EXPLAINED = 16.0  # times the square of the noise: E of points that are right; its median is 7, less than 20 in 95 %
+TELLING = 2e-3  # of the mean square of the centred own images: E that many exchanges leave in other postures
+AMBIGUOUS = 3.0  # times the least E, which other exchanges leave as well
+TOGETHER = 4000  # fits at a time, for memory's sake
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """kind: misplaced, or swapped with each other; points: one index, or two; views: one of these is wrong, or both;
+    frames: in which, by index.
+
+    score: of a misplaced point, its rms distance from the epipolar geometry of the others in these frames, in standard
+    deviations of theirs; of swapped points, by how many times the median E of the frames falls if they are exchanged.
+    E, E_exchanged: px², of the projective transfer, NaN of a misplaced point.
+    """
+
+    kind: str
+    points: tuple[int, ...]
+    views: tuple[str, ...]
+    frames: tuple[int, ...]
+    score: float
+    E: float = np.nan
+    E_exchanged: float = np.nan
+
+
+@dataclass(frozen=True)
+class Suspects:
+    """found: the likeliest of each kind first; undecided: why nothing is told of a kind, a sentence each."""
+
+    found: tuple[Suspect, ...]
+    undecided: tuple[str, ...]
+
+
+def suspects(views: FourViews, seed: int = 0) -> Suspects:
+    """views: of T frames, (T, N, …). seed: of the draws."""
+    geometry = _geometry(views, np.random.default_rng(seed))
+    if geometry is None:
+        few = f"misplaced points: they need {ENOUGH} matches of left and right, or {FEWEST} that lie in equal rows"
+        return Suspects((), (few, "swapped points: they need to know the noise, which the same matches tell"))
+    misplaced, visible = [], views.visible.copy()
+    for body, (images, seen) in enumerate(views.bodies):
+        found, wrong = _misplaced(images, np.asarray(seen.all(-1)), geometry, BODIES[body])
+        misplaced += found
+        visible[..., 2 * body : 2 * body + 2] &= ~wrong[..., None]
+    swapped, why = _swapped(replace(views, visible=visible), geometry.deviation)
+    by_score = sorted(misplaced, key=lambda one: -one.score)
+    return Suspects((*by_score, *swapped), (why,) if why else ())
+
+
+def _geometry(views: FourViews, rng: np.random.Generator) -> Fit | None:
+    """Of the matches that do not contradict each other; None with too few of them."""
+    matches = pooled(_frames(views, k) for k in _spaced(len(views.demo), POOLED))
+    left, right = matches[:, :2], matches[:, 2:]
+    if len(matches) < FEWEST:
+        return None
+    if len(matches) < ENOUGH:
+        return rows_of(left, right)
+    wrong = contradicting(left, right, spread(left, right, rng), rng)
+    return geometry_of(left[~wrong], right[~wrong]) if (~wrong).sum() >= FEWEST else None
+
+
+def _misplaced(images: NDArray, seen: NDArray, geometry: Fit, views: tuple[str, ...]) -> tuple[list[Suspect], NDArray]:
+    """Of one body: its suspects, and (T, N) bool, where. images: (T, N, 4) px; seen: (T, N) bool."""
+    away = np.zeros(seen.shape)
+    away[seen] = geometry.distance(images[seen][:, :2], images[seen][:, 2:]) / geometry.deviation
+    wrong = np.abs(away) > geometry.gross
+    rest = seen & ~wrong
+    looks = np.maximum(rest.sum(0), 1)
+    rms = np.sqrt(np.square(away).sum(0, where=rest) / looks)
+    wrong |= rest & (rms > geometry.gross * np.maximum(looks**-0.5, ALWAYS))
+    found = []
+    for point in np.flatnonzero(wrong.any(0)):
+        frames = np.flatnonzero(wrong[:, point])
+        score = float(np.sqrt(np.mean(away[frames, point] ** 2)))
+        found.append(Suspect("misplaced", (int(point),), views, tuple(frames.tolist()), score))
+    return found, wrong
+
+
+def _swapped(views: FourViews, noise_px: float) -> tuple[list[Suspect], str]:
+    """The exchanges that explain all, and why nothing is told, "" if it is."""
+    frames, points = _common(views)
+    count = int(points.sum())
+    if count < FEWEST_POINTS:
+        return [], f"swapped points: no frame has {FEWEST_POINTS} points or more that are right in all four views"
+    some = _frames(views, frames).select(points)
+    left, right = np.split(pooled(_frames(some, k) for k in range(len(frames))), 2, axis=1)
+    rectification = rectification_of(left, right)  # which no exchange changes
+    E = float(np.median(fit(METHOD, some, rectification).conflict(some)))
+    explained = EXPLAINED * noise_px**2
+    if E <= explained:
+        return [], ""  # as they are
+    if explained > TELLING * float(some.own.var(-2).sum(-1).mean()):
+        return [], f"swapped points: noise of {noise_px:.2g} px hides them"
+    pairs, left_E = _exchanges(some, rectification)
+    least = left_E.min()
+    if least > explained or E < DECISIVE * least:
+        whoever = f"E is {E:.3g} px², and {least:.3g} px² at least whoever is exchanged"
+        return [], f"swapped points: {whoever}; arms in one posture would tell"
+    names = np.flatnonzero(points)
+    found = []
+    for k in np.argsort(left_E):
+        if left_E[k] <= min(explained, AMBIGUOUS * max(least, noise_px**2), E / DECISIVE):
+            (i, j), score = pairs[k][0], float(E / max(left_E[k], noise_px**2))
+            exchange, which = (int(names[i]), int(names[j])), tuple(frames.tolist())
+            found.append(Suspect("swapped", exchange, BODIES[0], which, score, E, float(left_E[k])))
+    return found, ""
+
+
+def _common(views: FourViews) -> tuple[NDArray, NDArray]:
+    """Frames, by index, and (N,) bool, the points that are usable in all of these: those of most frames. Frames whose
+    points lie in a plane are left out."""
+    points = views.usable.mean(0) > 0.5
+    frames = np.flatnonzero(views.usable[:, points].all(-1))
+    if points.sum() < MIN_POINTS or not len(frames):
+        return frames, np.zeros_like(points)
+    frames = frames[_spaced(len(frames), FRAMES)]
+    good = [not why for why in why_degenerate(_frames(views, frames).select(points))]
+    return frames[good], points if any(good) else np.zeros_like(points)
+
+
+def _exchanges(views: FourViews, rectification: Rectification | None) -> tuple[list[Pairs], NDArray]:
+    """Pairs, and the median E of the frames, px², with each of them exchanged: (pairs,)"""
+    off = np.square(fit(METHOD, views, rectification).residual(views)).sum(-1).mean(0)
+    candidates = np.sort(np.argsort(-off)[:MOST_POINTS]).tolist()
+    pairs: list[Pairs] = [(pair,) for pair in combinations(candidates, 2)]
+    several = max(TOGETHER // len(views.demo), 1)
+    E: list[NDArray] = []
+    for first in range(0, len(pairs), several):
+        changed = [views.with_exchanged(pair) for pair in pairs[first : first + several]]
+        demo, own, visible = (np.stack([getattr(one, name) for one in changed]) for name in ("demo", "own", "visible"))
+        some = FourViews(demo, own, visible)
+        E.append(np.median(fit(METHOD, some, rectification).conflict(some), -1))
+    return pairs, np.concatenate(E)
+
+
+def _spaced(count: int, most: int) -> NDArray:
+    """At most so many indices below count, evenly spaced."""
+    return np.unique(np.linspace(0, count - 1, most).astype(int))
+
+
+def _frames(views: FourViews, which: NDArray | int) -> FourViews:
+    return FourViews(views.demo[which], views.own[which], views.visible[which])

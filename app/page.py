@@ -125,12 +125,13 @@ class Page:
             self.queue.put(LoadMotion.parse(memory.head.motion))
 
     def _show(self, now: float) -> None:
-        anew = self._redraw.changed("world", self.model.generation, docked := self._docking.over(now))
+        world, docked = self.model.shown_session.world, self._docking.over(now)
+        anew = self._redraw.changed("world", world, docked)
         if docked:
             poses = self.model.poses(now)
             if anew:  # widgets of the world before are gone at once: what is sent to them would be lost
-                self._scene.build(self.model.session.world)
-            if self._redraw.changed("poses", self.model.generation, *(pose.tobytes() for pose in poses)):
+                self._scene.build(world)
+            if self._redraw.changed("poses", world, *(pose.tobytes() for pose in poses)):
                 self._scene.arms.draw(*poses)
         every = PANELS_EVERY * self._shedding.panels
         if self._redraw.due("panels", now, every) or anew:
@@ -141,6 +142,8 @@ class Page:
         if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
             self._scene.show(state)
         for panel in self._panels:
+            if state.course is not None and not panel.in_lessons:
+                continue
             period = panel.period(state) * self._shedding.plots
             if period and not self._redraw.due(type(panel), now, period):
                 continue

@@ -47,6 +47,7 @@ ORDER = (  # each imports only what stands above it, or itself
 # rooms and modules of app/: each imports only what stands in a line above its own, or itself
 APP_ORDER = (
     {"viser_private", "quiet_client", "static"},
+    {"lessons"},
     {"jobs", "sessions"},
     {"control"},
     {"scene"},

@@ -68,6 +68,11 @@ class CommandLoop:
         """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes
         camera images, at once if not."""
         model, commands = self._model, self._queue.take()
+        if model.guided.course is not None:
+            for command in commands:
+                self._apply(command, now)
+            model.follow_lesson(now)
+            return
         opens = any(command.opens_pictures(model) for command in commands)
         if not opens and model.session.settings.camera == "points":
             self._carry_out(commands, now, self._shedding.step_budget)
@@ -111,6 +116,9 @@ class CommandLoop:
 
     def _apply(self, command: Command, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
+        if self._model.guided.course is not None and not command.in_lesson:
+            self._model.refusals += 1
+            return
         try:
             command.apply(self._model, now)
         except ValueError as refusal:

@@ -26,12 +26,14 @@ from viewimit.transfer import TRANSFERS
 
 from ..jobs.experiments import Run
 from ..jobs.session_eyes import RemoteEyes, SessionEyes
+from ..lessons.course import Course
 from ..sessions.autosave import SavedPage, SavedSession
 from .appearance import Appearance
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .duel import Duel
 from .experiments import Experiments
+from .guided import Guided
 from .joints import Freedom
 from .landscapes import Basins, DuelLandscapes, OwnLandscape
 from .moments.building import BuildingUp
@@ -85,6 +87,7 @@ class PageModel:
         self.duel_landscapes = DuelLandscapes(page_id, services.landscapes, queue)
         self.comparison = Comparison(page_id, services.landscapes, queue)
         self.basins = Basins(page_id, services.basins, queue)
+        self.guided = Guided(page_id, services.lessons, services.landscapes, queue)
         self._appearance: Appearance | None = None  # made when it is first shown
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
@@ -190,6 +193,17 @@ class PageModel:
         self.session.begin(on_points(self.session.settings))
         self.begin_anew()
 
+    @property
+    def shown_session(self) -> Session:
+        """The page's own, or a lesson's."""
+        course = self.guided.course
+        return self.session if course is None else course.session
+
+    def follow_lesson(self, now: float) -> None:
+        """Move on what moves by itself in it."""
+        if self.guided.course is not None:
+            self.guided.course.tick(now)
+
     def begin_anew(self) -> None:
         """The session has begun anew, in a world of its own."""
         self.duel.begin()
@@ -231,6 +245,9 @@ class PageModel:
             show={name: getattr(view, name) for name in SWITCHES},
             dark=view.dark,
             motion=self._recorded(),
+            lessons=self.guided.kept,
+            lesson=None if self.guided.course is None else self.guided.course.progress.lesson,
+            offered=self.guided.offered,
         )
         return SavedSession(head, tuple(session.history))
 
@@ -254,6 +271,8 @@ class PageModel:
     def poses(self, now: float) -> tuple[NDArray, ...]:
         """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
         is one."""
+        if (course := self.guided.course) is not None:
+            return course.moments[-1].theta, course.moments[-1].theta_demo
         if (seen := self.imitated.moment(now)) is not None:
             return seen.theta, seen.theta_demo
         learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
@@ -263,6 +282,10 @@ class PageModel:
 
     def state(self, now: float, shortest_motion: float = 0.0) -> PageState:
         """What the page shows. shortest_motion: s; an arm on a shorter way is shown where it arrives."""
+        state = self._state(now, shortest_motion)
+        return state if self.guided.course is None else in_lesson(state, self.guided.course)
+
+    def _state(self, now: float, shortest_motion: float) -> PageState:
         session, player, present = self.session, self.player, self.session.snapshot
         theta, moving = player.theta(now)
         if player.runners[0].duration < shortest_motion:
@@ -303,6 +326,9 @@ class PageModel:
             motions=self.motions,
             message=None if self.message is None else self.message.text,
             unsaved=self.unsaved,
+            lessons=self.guided.lessons,
+            course=self.guided.course,
+            offered=self.guided.offered,
         )
 
     def _look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
@@ -321,6 +347,7 @@ class PageModel:
         self.player.speed = head.speed
         shown: dict[str, Any] = {name: head.show[name] for name in SWITCHES if name in head.show}
         self.view = replace(self.view, dark=head.dark, **shown)
+        self.guided.resume(head.lessons, head.lesson, head.offered)
 
     def _make_motion(self, make: Callable[[], object]) -> None:
         self._services.landscapes.ask(self._page_id, make, self._take_motion_later, kind="motion")
@@ -345,6 +372,15 @@ def _farthest_off(moment: Snapshot) -> int | None:
     """The point with the largest residual, which shows best what a conflict is."""
     squares = np.nansum(moment.e**2, -1)
     return None if moment.transfer is None else int(np.argmax(squares))
+
+
+def in_lesson(state: PageState, course: Course) -> PageState:
+    """What a page shows in a lesson: that one's session."""
+    step, moment = course.step, course.moments[-1]
+    chosen = None if step is None else step.chosen
+    view = replace(state.view, chosen=chosen, rays=False, residuals=False, gizmo=False, help=False, large=None)
+    shown = {"session": course.session, "present": moment, "looked": moment, "shown": moment, "pictures": {}}
+    return replace(state, view=view, on_its_way=None, see_through=None, imitated=None, stage=None, **shown)
 
 
 def on_points(settings: Settings) -> Settings:

@@ -19,6 +19,8 @@ from viewimit.snapshot import AT_REST, Snapshot
 
 from ..jobs.experiments import Run
 from ..jobs.landscapes import MadeLandscape
+from ..lessons.course import Course
+from ..lessons.format import Lesson
 from .duel import Duel
 from .experiments import Experiments
 from .moments.rehearsal import Rehearsal, rehearsal_of
@@ -76,8 +78,9 @@ class PageState:
     shown, None for all of it. speed: motions a
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
-    message: for the visitor; unsaved: why the session is not kept, None as far as is known. Session, duel, experiments
-    and motions are those of the page: to be read only.
+    message: for the visitor; unsaved: why the session is not kept, None as far as is known. lessons: all there are, by
+    name; course: the one that goes on, whose session then is shown; offered: whether the first one is. Session, duel,
+    experiments and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -110,6 +113,9 @@ class PageState:
     motions: Motions
     message: str | None
     unsaved: str | None
+    lessons: Mapping[str, Lesson]
+    course: Course | None
+    offered: bool
 
     @cached_property
     def arms_in_images(self) -> tuple[Bodies, Windows]:

@@ -16,6 +16,7 @@ from .images import ImagesPanel
 from .keys import KeysPanel
 from .landscape import LandscapePanel
 from .learner import LearnerPanel
+from .lesson import LessonPanel
 from .method import MethodPanel
 from .motions import MotionsPanel
 from .panel import Panel
@@ -25,6 +26,7 @@ from .views import ViewsPanel
 
 PANELS: list[type[Panel]] = [
     PlaybackPanel,
+    LessonPanel,
     HistoryPanel,
     DemonstratorPanel,
     LearnerPanel,

@@ -40,6 +40,8 @@ KEYS = (
 
 
 class KeysPanel(Panel):
+    in_lessons = True
+
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, self._queue, self._address = layout.gui, layout.queue, layout.address
         self._help: Any = None  # the open modal, whose class viser does not name

@@ -57,8 +57,11 @@ class Layout:
 class Panel(Protocol):
     """A part of the page. What a person does with it becomes commands in the layout's queue; what it shows is state.
 
+    in_lessons: it is shown in a lesson, too, in which all others rest.
     `build` once, then `show` whenever `depends_on` differs from what was shown last.
     """
+
+    in_lessons: bool = False
 
     def build(self, layout: Layout, state: PageState) -> None:
         """Make the widgets. They need not show the state yet."""

@@ -18,6 +18,8 @@ WIDE = "(min-width:1600px) and (min-height:900px)"  # of the window, for which t
 
 
 class ViewsPanel(Panel):
+    in_lessons = True
+
     def build(self, layout: Layout, state: PageState) -> None:
         self._layout, self._wide = layout, False
         tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())

@@ -12,6 +12,7 @@ from viewimit import __version__
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 
+from ..lessons.progress import Progress
 from . import codec
 from .store import Store
 
@@ -22,7 +23,8 @@ log = logging.getLogger(__name__)
 
 
 class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it."""
+    """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it;
+    lessons: what was answered in them; lesson: the one that goes on; offered: whether the first one is."""
 
     version: str = __version__
     begun: Settings
@@ -34,6 +36,9 @@ class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     show: dict[str, bool]
     dark: bool | None
     motion: bytes | None
+    lessons: tuple[Progress, ...] = ()
+    lesson: str | None = None
+    offered: bool = False
 
 
 @dataclass(frozen=True, eq=False)

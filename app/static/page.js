@@ -87,3 +87,76 @@ document.addEventListener("focusout", event => {
   Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(box, value);
   box.dispatchEvent(new Event("input", {bubbles: true}));
 });
+
+// A lesson: marks, sliders and keys. Its buttons are links; what a link cannot tell is told here
+const guide = () => document.querySelector(".vi-guide");
+const tell = address => fetch(address, {credentials: "same-origin"});
+const sent = new Map();
+const tellSoon = (address, value, wait) => {
+  clearTimeout(sent.get(address));
+  sent.set(address, setTimeout(() => { sent.delete(address); tell(address + value); }, wait));
+};
+let mark = null, markOf = "", focused = "";
+const putMark = (place, [x, y], wait) => {
+  [mark, markOf] = [[x, y], place.dataset.place];
+  tellSoon(place.dataset.place, `${x.toFixed(1)},${y.toFixed(1)}`, wait);
+};
+document.addEventListener("click", event => {
+  const place = event.target.closest("[data-place]");
+  if (!place) return;
+  const svg = place.querySelector("svg");
+  const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+  const {width, height} = svg.viewBox.baseVal;
+  if (at.x < 0 || at.y < 0 || at.x > width || at.y > height) return;
+  putMark(place, [at.x, at.y], 0);
+});
+const moveMark = (place, event) => {
+  const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
+  if (!step) return false;
+  const {width, height} = place.querySelector("svg").viewBox.baseVal;
+  const [x, y] = markOf === place.dataset.place && mark ? mark : [width / 2, height / 2];
+  const by = Math.max(width, height) / (event.shiftKey ? 200 : 50);
+  const within = (value, most) => Math.min(Math.max(value, 0), most);
+  putMark(place, [within(x + by * step[0], width), within(y + by * step[1], height)], 120);
+  return true;
+};
+const valueOf = slider => slider.dataset.log === undefined ? Number(slider.value) : 10 ** Number(slider.value);
+const turned = (slider, wait) => tellSoon(slider.dataset.turn, String(Number(valueOf(slider).toPrecision(5))), wait);
+document.addEventListener("input", event => {
+  const slider = event.target;
+  if (!slider.matches("[data-turn]")) return;
+  const shown = slider.nextElementSibling;
+  if (shown) shown.textContent = shown.textContent.replace(/^[−\d.]+/,
+    String(Number(valueOf(slider).toPrecision(3))).replace("-", "−"));
+  if (slider.dataset.live !== undefined && !sent.has(slider.dataset.turn)) turned(slider, 220);
+});
+document.addEventListener("change", event => {
+  if (event.target.matches("[data-turn]")) turned(event.target, event.target.dataset.live === undefined ? 400 : 60);
+  if (event.target.matches("[data-go]") && event.target.checkValidity()) tell(event.target.dataset.go + event.target.value);
+});
+window.addEventListener("keydown", event => {
+  if (!guide() || event.ctrlKey || event.metaKey || event.altKey) return;
+  event.stopPropagation();  // the page's own keys are out of reach
+  const here = event.target, place = here.closest && here.closest("[data-place]");
+  const follow = selector => {
+    const found = document.querySelector(`.vi-guide ${selector}`);
+    const link = found && found.closest("a");
+    if (link) { event.preventDefault(); link.click(); }
+  };
+  if (place && moveMark(place, event)) return event.preventDefault();
+  if (event.key === "Escape") return follow(".vi-guide-leave a");
+  if (here.matches("input")) return;
+  if (/^[1-9]$/.test(event.key)) return follow(`.vi-options a:nth-child(${event.key})`);
+  if (event.key === "Enter" && !here.matches("a")) return follow(".vi-guide-main");
+}, true);
+
+// What is drawn anew keeps the focus: the same link, or the figure that is marked
+document.addEventListener("focusin", event => {
+  const here = event.target;
+  if (here.closest(".vi-guide")) focused = here.id ? `#${here.id}` : `a[href$="${(here.getAttribute("href") || "").slice(-24)}"]`;
+});
+new MutationObserver(() => {
+  if (!focused || document.activeElement !== document.body) return;
+  const again = guide() && document.querySelector(`.vi-guide ${focused}`);
+  if (again) again.focus({preventScroll: true});
+}).observe(document, {childList: true, subtree: true});

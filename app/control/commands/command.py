@@ -11,11 +11,13 @@ class Command:
     """An action, of which none is lost.
 
     moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
-    comes before or after any other, so that it need not wait.
+    comes before or after any other, so that it need not wait. in_lesson: it is carried out in a lesson too, in which
+    all other controls are out of reach.
     """
 
     moves: ClassVar[bool] = False
     commutes: ClassVar[bool] = False
+    in_lesson: ClassVar[bool] = False
 
     @property
     def control(self) -> Hashable | None:
@@ -61,6 +63,7 @@ class Arrival(Command):
     kind: Hashable
     take: Callable[[Any], None]
     made: Any
+    in_lesson: ClassVar[bool] = True
 
     @property
     def control(self) -> Hashable:

@@ -44,6 +44,7 @@ class Switch(Value):
 
     name: str
     on: bool
+    in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
 
     @classmethod
@@ -93,6 +94,7 @@ class PreferStill(Command):
     """Whether the browser asks for less motion: arms are then seen where they arrive, not on their way."""
 
     still: bool
+    in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
 
     @classmethod
@@ -114,13 +116,16 @@ class NextLarger(Command):
 
 
 class LetGo(Command):
-    """Of the help, or else of an imitation, the see-through arm and what is large."""
+    """Of the help, or else of a lesson or its offer, or else of an imitation, the see-through arm and what is large."""
 
+    in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help:
             model.view = replace(model.view, help=False)
+        elif model.guided.course is not None or model.guided.offered:
+            model.guided.leave()
         else:
             model.imitated.stop()
             model.see_through.let_go()
@@ -128,6 +133,7 @@ class LetGo(Command):
 
 
 class FitView(Command):
+    in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:

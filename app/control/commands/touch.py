@@ -16,6 +16,7 @@ from ..page_model import PageModel
 from ..presets import Preset
 from .command import Command
 from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
+from .lessons import touched
 from .session import Play, Scrub, StartAt
 
 
@@ -107,4 +108,5 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
     "show": ShowWord.parse,
+    "lesson": touched,
 }

@@ -1,0 +1,364 @@
+"""The walk through a lesson: one screen after the other, what is answered, and a session of its own, so that the page's
+is as it was when the lesson is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+from viewimit.session import Session
+from viewimit.settings import Settings
+from viewimit.simulation.appearance import Silhouettes
+from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.scene import Scene
+from viewimit.simulation.world import World
+from viewimit.snapshot import Snapshot
+
+from .figures import FIGURES
+from .format import Choice, Do, Lesson, Number, Place, Pose, Step
+from .measures import MEASURES
+from .progress import Given, Progress
+from .stage import Race, Stage
+
+MOST_MOTIONS = 400  # of a race
+MOST_PATH = 200  # motions by hand
+APART_DEG = 30.0  # of a start that is dealt from the demonstrator, its joint that is farthest
+LEAST_DELAY, PLAYED = 0.35, 24  # s of a motion that is played; so many motions are, then all
+Work = Callable[[str, Callable[[], object], Callable[[object], None]], None]
+replace = msgspec.structs.replace
+
+
+@dataclass(frozen=True)
+class Screen:
+    """What is shown at once: a step, a question before or after all, or the end. id: by which its answer is kept."""
+
+    kind: str
+    id: str
+    number: int
+
+
+class Course:
+    """work(kind, make, take): make() beside the page, then take(what came of it) in the page's own time. changes: how
+    often anything that is shown has changed."""
+
+    def __init__(self, lesson: Lesson, progress: Progress, work: Work):
+        self.lesson, self._work = lesson, work
+        self.screens = _screens(lesson)
+        self.progress = replace(progress, at=int(np.clip(progress.at, 0, len(self.screens) - 1)))
+        self.steps = {step.id: step for step in lesson.step}
+        self.changes, self.session = 0, Session()
+        self._silhouettes: tuple[World, Silhouettes] | None = None
+        self._next: float | None = None
+        self._enter()
+
+    @property
+    def screen(self) -> Screen:
+        return self.screens[self.progress.at]
+
+    @property
+    def step(self) -> Step | None:
+        """None at a question and at the end."""
+        return self.lesson.step[self.screen.number] if self.screen.kind == "step" else None
+
+    @property
+    def given(self) -> Given:
+        """To this screen."""
+        return self.progress.given.get(self.screen.id, Given())
+
+    @property
+    def stage(self) -> Stage | None:
+        step = self.step
+        if step is None:
+            return None
+        world, moment = self.session.world, self.moments[-1]
+        if self._silhouettes is None or self._silhouettes[0] is not world:
+            meshes = {link: mesh.vertices for link, mesh in link_meshes(world.scene.robot).items()}
+            self._silhouettes = world, Silhouettes(meshes, world)
+        bodies = self._silhouettes[1].bodies(moment)
+        return Stage(
+            step, self.session, self.moments, self.given, self.progress.given, self.steps, self.landscape,
+            self.races, self._played_so_far, bodies,
+        )  # fmt: skip
+
+    @property
+    def _played_so_far(self) -> int | None:
+        """Motions of the races that are shown; None for all."""
+        return None if self.step is None or self.step.play is None or self.played >= PLAYED else self.played
+
+    @property
+    def answered(self) -> bool:
+        """Whether it may be shown what is true."""
+        given, ask = self.given, self.step.ask if self.step else None
+        if isinstance(ask, Choice) or self.screen.kind in ("before", "after"):
+            return given.choice is not None
+        if isinstance(ask, Place | Pose):
+            return given.place is not None
+        if isinstance(ask, Number):
+            return given.number is not None
+        return given.done if isinstance(ask, Do) else True
+
+    def question(self) -> tuple[str, tuple[str, ...]]:
+        """Words and answers of a question before or after all, in the order in which they are shown."""
+        asked = self.lesson.question[self.screen.number]
+        before = self.screen.kind == "before"
+        answers = asked.answers if before else asked.answers_after
+        turned = _order(self.screen.number, len(answers), before)
+        return (asked.before if before else asked.after), tuple(answers[k] for k in turned)
+
+    def right_before_and_after(self) -> tuple[int, int]:
+        """How many of the lesson's questions were answered rightly."""
+        return self._right("before"), self._right("after")
+
+    # What a visitor does
+
+    def choose(self, k: int) -> None:
+        if self.screen.kind in ("before", "after"):
+            count = len(self.question()[1])
+        else:
+            ask = self.step.ask if self.step else None
+            count = len(ask.answers) if isinstance(ask, Choice) else 0
+        if not 0 <= k < count or self.given.revealed:
+            raise ValueError(f"no answer {k + 1} here")
+        self._give(choice=k)
+
+    def place(self, at: NDArray) -> None:
+        """at: (2,) units of the figure's drawing."""
+        stage, ask = self.stage, self.step.ask if self.step else None
+        if stage is None or not isinstance(ask, Place) or stage.revealed:
+            raise ValueError("nothing is to be marked here")
+        unplace = FIGURES[ask.figure].unplace
+        assert unplace is not None
+        x, y = unplace(stage, at).tolist()
+        self._give(place=(round(x, 3), round(y, 3)))
+
+    def guess(self, number: float) -> None:
+        ask = self.step.ask if self.step else None
+        if not isinstance(ask, Number) or self.given.revealed:
+            raise ValueError("no number is asked for here")
+        self._give(number=float(np.clip(number, ask.low, ask.high)))
+
+    def turn(self, k: int, value: float) -> None:
+        """One of the step's sliders; value: in its own unit."""
+        step = self.step
+        if step is None or not 0 <= k < len(step.sliders):
+            raise ValueError("there is no such slider here")
+        slider = step.sliders[k]
+        value = float(np.clip(value, slider.low, slider.high))
+        stands = [*(self.given.sliders or (other.start for other in step.sliders))]
+        if stands[k] == value:
+            return
+        stands[k] = value
+        self._give(sliders=tuple(stands))
+        self._turned(slider.name, value)
+        self._look_whether_done()
+
+    def show(self) -> None:
+        """What is true."""
+        if not self.answered:
+            raise ValueError("an answer comes first")
+        if not self.given.revealed:
+            self._give(revealed=True)
+            self._meet()
+            self._ask_for_what_it_takes()
+
+    def again(self, seed: int | None = None) -> None:
+        """From a new start, or that of a seed."""
+        step = self.step
+        if step is None or not step.deal:
+            raise ValueError("no start is dealt here")
+        fresh = Given(seed=self.given.seed + 1 if seed is None else seed)
+        self.progress = replace(self.progress, given={**self.progress.given, self.screen.id: fresh})
+        self._enter()
+
+    def go(self, by: int) -> bool:
+        """So many screens on or back. False past the end."""
+        at = self.progress.at + by
+        if at >= len(self.screens):
+            return False
+        self.progress = replace(self.progress, at=max(at, 0))
+        self._enter()
+        return True
+
+    def tick(self, now: float) -> None:
+        """Show one more motion of the races, where they are played."""
+        step = self.step
+        if step is None or step.play is None or self.played >= PLAYED or not self.races:
+            return
+        if self._next is None or now >= self._next:
+            self._next = now + max(1 / step.play, LEAST_DELAY)
+            self.played += 1
+            self.changes += 1
+
+    # What follows from it
+
+    def _give(self, **fields) -> None:
+        given = replace(self.given, **fields)
+        self.progress = replace(self.progress, given={**self.progress.given, self.screen.id: given})
+        self.changes += 1
+
+    def _enter(self) -> None:
+        """The screen is another: begin its session, and go again what was gone by hand."""
+        self.changes += 1
+        self.landscape: Landscape | None = None
+        self.races: tuple[Race, ...] = ()
+        self.played, self._next = 0, None
+        step = self.step
+        if step is None:
+            self.moments = [self.session.snapshot]
+            return
+        self.session.begin(self._settings(step))
+        self.moments = [self.session.snapshot]
+        given = self.given
+        if step.ask is None and not given.revealed:
+            self._give(revealed=True)
+        for posture in given.path[1:]:
+            self._look_at(np.radians(posture))
+        if given.revealed:
+            self._meet()
+        for slider, value in zip(step.sliders, given.sliders):
+            if not slider.name.startswith("own "):
+                self._turned(slider.name, value)
+        if any(slider.name.startswith("own ") for slider in step.sliders) and not given.sliders:
+            self._give(sliders=tuple(self._stands(slider.name, slider.start) for slider in step.sliders))
+        self._ask_for_what_it_takes()
+
+    def _settings(self, step: Step) -> Settings:
+        """Of a step; its start is dealt, or that of the step whose path goes on here."""
+        settings = msgspec.convert({**self.lesson.settings, **step.settings}, Settings)
+        dealt = step if step.deal else self.steps.get(step.carry or "")
+        if dealt is None or not dealt.deal:
+            return settings
+        self.session.begin(settings)
+        seed = self.progress.given.get(dealt.id, Given()).seed
+        return replace(settings, start_deg=deal_start(self.session.scene, self.session.snapshot.theta_demo, seed))
+
+    def _turned(self, name: str, value: float) -> None:
+        kind, _, number = name.partition(" ")
+        if kind == "own" and number.isdigit():
+            theta = self.moments[-1].theta.copy()
+            theta[int(number) - 1] = np.radians(value)
+            self._look_at(theta)
+            if len(self.given.path) <= MOST_PATH:
+                path = self.given.path or (_degrees(self.moments[0].theta),)
+                E = self.given.E or (round(self.moments[0].E, 6),)
+                self._give(path=(*path, _degrees(theta)), E=(*E, round(self.moments[-1].E, 6)))
+        elif kind == "demo" and number.isdigit():
+            theta = self.session.snapshot.theta_demo.copy()
+            theta[int(number) - 1] = np.radians(value)
+            self.session.pose(theta)
+            self.moments = [self.moments[0], self.session.snapshot]
+            self._ask_for_what_it_takes()
+        elif name in Settings.__struct_fields__:
+            self.session.change(**{name: value})
+            self.moments = [self.session.snapshot]
+            self._ask_for_what_it_takes()
+
+    def _meet(self) -> None:
+        """Where the step ends with both arms alike, they are."""
+        if self.step is not None and self.step.meets:
+            self._look_at(self.moments[-1].theta_demo)
+
+    def _look_at(self, theta: NDArray) -> None:
+        """The learner is moved there by hand."""
+        now = self.moments[-1]
+        where = {"motion": now.motion + 1, "commanded": theta, "look": now.look + 1}
+        self.moments.append(self.session.observe(theta, now, **where))
+
+    def _stands(self, name: str, start: float) -> float:
+        """Where a slider stands at first: a joint's where that joint is."""
+        kind, _, number = name.partition(" ")
+        moment = self.moments[-1]
+        theta = {"own": moment.theta, "demo": moment.theta_demo}.get(kind)
+        return start if theta is None else round(float(np.degrees(theta[int(number) - 1])), 3)
+
+    def _look_whether_done(self) -> None:
+        stage, ask = self.stage, self.step.ask if self.step else None
+        if stage is None or not isinstance(ask, Do) or self.given.done:
+            return
+        value = float(MEASURES[ask.measure].of(stage))
+        if (ask.below is not None and value < ask.below) or (ask.above is not None and value > ask.above):
+            self._give(done=True, revealed=True)
+            self._ask_for_what_it_takes()
+
+    def _ask_for_what_it_takes(self) -> None:
+        """Landscape and races, where the step has a use for them."""
+        step = self.step
+        if step is None:
+            return
+        figures = {figure.figure for figure in (*step.main, *step.side)}
+        if "landscape" in figures and len(self.session.scene.moving_joints) == 2:
+            seen = self.session.world, self.session.snapshot, self.changes
+            self._work("landscape", partial(_landscape, *seen[:2]), partial(self._take_landscape, self.screen.id))
+        if step.race and self.given.revealed and not self.races:
+            self._work(
+                "races", partial(_races, self.session.settings, step.race), partial(self._take_races, self.screen.id)
+            )
+
+    def _take_landscape(self, screen: str, made: object) -> None:
+        if screen == self.screen.id and isinstance(made, Landscape):
+            self.landscape = made
+            self.changes += 1
+
+    def _take_races(self, screen: str, made: object) -> None:
+        if screen == self.screen.id and isinstance(made, tuple):
+            self.races = made
+            self.changes += 1
+
+    def _right(self, kind: str) -> int:
+        count = 0
+        for k, asked in enumerate(self.lesson.question):
+            given = self.progress.given.get(f"{kind} {k}", Given())
+            order = _order(k, len(asked.answers), kind == "before")
+            count += given.choice is not None and order[given.choice] == 0
+        return count
+
+
+def deal_start(scene: Scene, theta_demo: NDArray, seed: int) -> tuple[float, ...]:
+    """Degrees: a learner's start at random, whole ones, a joint of which is far from the demonstrator's."""
+    rng, (low, high) = np.random.default_rng(seed), np.array(scene.range_deg, float).T
+    while True:
+        start = np.round(rng.uniform(low, high))
+        if np.abs(start - np.degrees(theta_demo)).max() > APART_DEG:
+            return tuple(start.tolist())
+
+
+def _screens(lesson: Lesson) -> tuple[Screen, ...]:
+    """Questions before, steps, questions after, and the end."""
+
+    def asked(kind: str) -> list[Screen]:
+        return [Screen(kind, f"{kind} {k}", k) for k in range(len(lesson.question))]
+
+    steps = [Screen("step", step.id, k) for k, step in enumerate(lesson.step)]
+    end = [Screen("end", "end", 0)] if lesson.question else []
+    return (*asked("before"), *steps, *asked("after"), *end)
+
+
+def _order(number: int, count: int, before: bool) -> list[int]:
+    """Of a question's answers, the first of which is right: turned by so many that it stands elsewhere each time."""
+    by = (number + (1 if before else 2)) % count
+    return [(k + by) % count for k in range(count)]
+
+
+def _degrees(theta: NDArray) -> tuple[float, ...]:
+    return tuple(np.round(np.degrees(theta), 3).tolist())
+
+
+def _landscape(world: World, snapshot: Snapshot) -> Landscape:
+    views = snapshot.views
+    return landscape(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world))
+
+
+def _races(settings: Settings, servos: tuple[str, ...]) -> tuple[Race, ...]:
+    """Each servo from the same start."""
+    races = []
+    for servo in servos:
+        session = Session(replace(settings, servo=servo))
+        session.run(MOST_MOTIONS)
+        races.append(Race(servo, tuple(session.history)))
+    return tuple(races)

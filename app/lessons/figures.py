@@ -1,0 +1,123 @@
+"""The figures that a step can show, by name: which layers each has, how it is drawn, and what a click in it means."""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.drawing.lessons import bowl, view
+from viewimit.drawing.lessons.bowl import Way, draw_bowl
+from viewimit.drawing.lessons.formula import draw_formula
+from viewimit.drawing.lessons.progress import draw_progress
+from viewimit.drawing.lessons.standings import Row, draw_standings
+from viewimit.drawing.lessons.view import draw_view
+from viewimit.servo import SERVOS
+
+from .format import Place
+from .measures import MEASURES, error_deg, reached
+from .stage import Race, Stage
+
+ROLES = {"trust-region": "learner", "broyden": "opponent"}  # of races; all others are slow
+ORDER = ("slow", "learner", "opponent")  # in which ways are drawn, so that where two coincide both are seen
+WHY = {
+    "converged": "says: arrived",
+    "rests": "rests where E is least",
+    "untold": "says: a joint is not told",
+    "stalled": "found nothing lower",
+    "stopped": "too few points are seen",
+}
+
+
+@dataclass(frozen=True)
+class FigureKind:
+    """draw(stage, layers, small): HTML, at the side or not; unplace(stage, at): (2,) units of the drawing → what is there, in the figure's unit,
+    None if it cannot be clicked."""
+
+    draw: Callable[[Stage, Collection[str], bool], str]
+    layers: tuple[str, ...] = ()
+    unplace: Callable[[Stage, NDArray], NDArray] | None = None
+
+
+def layers_of(stage: Stage, show: Collection[str], reveal: Collection[str], hide: Collection[str]) -> list[str]:
+    """Those of a figure that are shown at a moment."""
+    if not stage.revealed:
+        return list(show)
+    return [layer for layer in show if layer not in hide] + list(reveal)
+
+
+def _view(name: str) -> FigureKind:
+    def draw(stage: Stage, layers: Collection[str], small: bool) -> str:
+        asked = isinstance(stage.step.ask, Place) and stage.step.ask.figure == name
+        guess = stage.guess if asked else None
+        apart = MEASURES["px apart"].told(stage) if guess is not None and stage.revealed else ""
+        return draw_view(name, stage.moment, stage.bodies, layers, stage.step.chosen, guess, apart, small)
+
+    return FigureKind(draw, view.LAYERS, lambda stage, at: stage.window(name).unplace(at))
+
+
+def _bowl(stage: Stage, layers: Collection[str], small: bool) -> str:
+    asked = isinstance(stage.step.ask, Place) and stage.step.ask.figure == "landscape"
+    guess = stage.guess if asked else None
+    apart = MEASURES["degrees apart"].told(stage) if guess is not None and stage.revealed else ""
+    ways = []
+    if "others" in layers:
+        ways += sorted(map(_way, stage.races_so_far), key=lambda way: ORDER.index(way.role))
+    if "paths" in layers and stage.trail.path:
+        path = np.array(stage.trail.path)
+        ways.append(Way("you", "you", path, np.zeros(len(path), bool), len(path) - 1))
+    note = "hollow: a probing motion" if any(way.probes.any() for way in ways) else ""
+    theta_demo = stage.moment.theta_demo
+    return draw_bowl(stage.session.scene, stage.landscape, layers, theta_demo, ways, guess, apart, note)
+
+
+def _way(race: Race) -> Way:
+    postures = np.degrees([moment.theta for moment in race.moments])
+    probes = np.array([moment.probe for moment in race.moments])
+    best = int(np.argmin([moment.E for moment in race.moments]))
+    return Way(_title(race.servo), ROLES.get(race.servo, "slow"), postures, probes, best)
+
+
+def _title(servo: str) -> str:
+    return {"trust-region": "trust region", "broyden": "Broyden", "gradient": "the paper's law"}.get(
+        servo, SERVOS[servo].title
+    )
+
+
+def _progress(stage: Stage, layers: Collection[str], small: bool) -> str:
+    E = [moment.E for moment in stage.moments]
+    note = f"start no. {stage.given.seed}" if stage.step.deal else ""
+    return draw_progress(E, stage.goal, note)
+
+
+def _standings(stage: Stage, layers: Collection[str], small: bool) -> str:
+    goal = stage.goal
+    if goal is None:
+        return ""
+    rows = []
+    if stage.trail.path:
+        off = float(np.abs(np.array(stage.trail.path[-1]) - np.degrees(stage.moment.theta_demo)).max())
+        E = list(stage.trail.E)
+        rows.append(Row("you", "you", _whole(reached(E, goal)), len(E) - 1, E[-1], off, "goal reached"))
+    for race in stage.races_so_far:
+        E, last = [moment.E for moment in race.moments], race.moments[-1]
+        why = WHY.get(last.status, f"still on its way at {len(E) - 1}")
+        row = _title(race.servo), ROLES.get(race.servo, "slow"), _whole(reached(E, goal)), len(E) - 1, E[-1]
+        rows.append(Row(*row, error_deg(last), why))
+    if len(stage.races) < len(stage.step.race):
+        return draw_standings(rows, goal) + '<p class="vi-waits">the others are on their way …</p>'
+    return draw_standings(rows, goal)
+
+
+def _whole(motions: float) -> int | None:
+    return int(motions) if np.isfinite(motions) else None
+
+
+FIGURES: Mapping[str, FigureKind] = {
+    **{name: _view(name) for name in "lrLR"},
+    "scene": FigureKind(lambda stage, layers, small: '<div class="vi-hole"></div>'),
+    "formula": FigureKind(lambda stage, layers, small: draw_formula(stage.moment)),
+    "progress": FigureKind(_progress),
+    "landscape": FigureKind(_bowl, bowl.LAYERS, lambda stage, at: bowl.unplace(stage.session.scene, at)),
+    "standings": FigureKind(_standings),
+}

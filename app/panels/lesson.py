@@ -1,0 +1,62 @@
+"""A lesson, in place of all other panels; and where lessons are begun, the first of which is offered once."""
+
+from viewimit.drawing.over.links import link
+from viewimit.drawing.svg import escape
+
+from ..control.state import PageState
+from ..lessons.card import draw_lesson, draw_sliders
+from .panel import Layout, Panel
+from .widgets import put_html
+
+
+class LessonPanel(Panel):
+    in_lessons = True
+
+    def build(self, layout: Layout, state: PageState) -> None:
+        self._address = layout.address
+        self._list = layout.gui.add_html("")
+        self._lesson, self._sliders = layout.gui.add_html(""), layout.gui.add_html("")
+        self._of: tuple = ()
+
+    @property
+    def html(self) -> str:
+        """As it is shown."""
+        return self._lesson.content
+
+    def depends_on(self, state: PageState) -> tuple:
+        return id(state.course), None if state.course is None else state.course.changes, state.offered
+
+    def show(self, state: PageState) -> None:
+        course = state.course
+        put_html(self._list, "" if self._address is None else _offers(state, self._address))
+        if course is None:
+            put_html(self._lesson, "")
+            put_html(self._sliders, "")
+            return
+        put_html(self._lesson, draw_lesson(course, self._address))
+        sliders = draw_sliders(course, self._address)
+        of = course.screen, course.given.seed, bool(sliders)
+        if of != self._of:  # a slider that is dragged must not be made anew
+            self._of = of
+            put_html(self._sliders, sliders)
+
+
+def _offers(state: PageState, address: str) -> str:
+    """Links to all lessons, and the offer."""
+    links = " · ".join(
+        link(address, f"lesson/begin,{name}", f"Lesson: {lesson.title}", escape(lesson.short))
+        for name, lesson in state.lessons.items()
+    )
+    listed = f'<div class="vi-lessons">Lessons: {links}</div>'
+    if not state.offered:
+        return listed
+    name, lesson = next(iter(state.lessons.items()))
+    take = link(
+        address,
+        f"lesson/begin,{name}",
+        f"Begin: {lesson.title}",
+        '<span class="vi-button vi-filled">Take the tour</span>',
+    )
+    no = link(address, "lesson/leave", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
+    words = f"<b>New here?</b> {lesson.minutes} minutes show what this page is."
+    return f'{listed}<div class="vi-offer" role="dialog" aria-label="The tour">{words}{take}{no}</div>'

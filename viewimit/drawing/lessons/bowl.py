@@ -1,0 +1,117 @@
+"""The landscape of E, large: empty, or with its relief, and with the ways that were gone over it."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...analysis.landscape import Landscape
+from ...simulation.scene import Scene
+from .. import relief, svg
+from ..posture_plane import PosturePlane
+from ..theme import OBSERVED
+from . import mark
+
+WIDTH, MOST_HIGH = 640, 330  # units
+MARGINS = (40, 12, 12, 36)
+LAYERS = ("relief", "demonstrator", "smallest", "paths", "others", "apart")
+MOST_DOTS = 60  # motions, of a longer way only the line is drawn
+CLEAR = 4.0  # units on both sides of a way that labels leave free
+
+
+@dataclass(frozen=True)
+class Way:
+    """Over the landscape. name: beside it; role: you, learner, opponent or slow; postures_deg: (k, 2); probes: (k,)
+    whether each was made to learn from; best: with the smallest E, after which it only looked for something lower."""
+
+    name: str
+    role: str
+    postures_deg: NDArray
+    probes: NDArray
+    best: int
+
+
+def plane_of(scene: Scene) -> PosturePlane:
+    return PosturePlane(scene, WIDTH, MOST_HIGH, MARGINS)
+
+
+def unplace(scene: Scene, at: NDArray) -> NDArray:
+    """(2,) units of the drawing → degrees of the two joints, within their range."""
+    plane = plane_of(scene)
+    corners = np.array(scene.range_deg, float).T
+    first, last = plane.place(corners)
+    low, high = corners
+    return np.clip(low + (high - low) * ((at - first) / (last - first))[::-1], low, high)
+
+
+def draw_bowl(
+    scene: Scene,
+    found: Landscape | None,
+    layers: Collection[str],
+    theta_demo: NDArray,
+    ways: Sequence[Way] = (),
+    guess: NDArray | None = None,
+    distance: str = "",
+    note: str = "",
+) -> str:
+    """HTML. found: None while it is computed; theta_demo: (2,) rad; guess: (2,) degrees, the visitor's mark; distance:
+    in words, from there to the smallest E."""
+    plane = plane_of(scene)
+    labels = plane.labels.copy()
+    parts, above = [plane.frame("vi-plane")], []
+    lowest = None
+    levels: list[relief.Level] = []
+    if "relief" in layers:
+        if found is None:
+            parts.append(plane.message("computing …"))
+        elif np.isnan(found.E).all():
+            parts.append(plane.message("nowhere are five points seen in all four images"))
+        else:
+            grid = plane.grid(found.axes)
+            lowest = plane.place(np.degrees(found.minimum))
+            parts += [relief.shading(grid, found.E, plane.box), relief.contours(grid, found.E)]
+            levels = relief.level_places(grid, found.E, labels.bounds, lowest)
+    for way in ways:
+        points = plane.place(way.postures_deg)
+        labels.take_line(points, CLEAR)
+        parts.append(_way(points, way))
+    if lowest is not None and "smallest" in layers:
+        above.append(svg.cross(lowest, 8))
+        labels.take_points(lowest, 9)
+    if "demonstrator" in layers:
+        demo = plane.place(np.degrees(theta_demo))
+        above.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 2)}"/>')
+        labels.take_points(demo, 9)
+        above.append(labels.led(*demo.tolist(), "demonstrator", "vi-lead-demo", True))
+    if lowest is not None and "smallest" in layers:
+        above.append(labels.led(*lowest.tolist(), "smallest E", "vi-lead", False))
+    for way in ways:
+        end = plane.place(way.postures_deg[way.best])
+        labels.take_points(end, 6)
+        above.append(labels.beside(*end.tolist(), way.name, f"vi-b vi-halo vi-way-{way.role}-words", 12))
+    if guess is not None:
+        at = plane.place(guess)
+        if "apart" in layers and lowest is not None:
+            above.append(mark.distance(at, lowest, distance))
+        above.append(mark.cross_hair(at, "your mark", (WIDTH, plane.height)))
+    axes = plane.axes(note)
+    inside = "".join(parts) + relief.draw_levels(levels, labels) + axes + "".join(above)
+    label = "The landscape of E over both joints"
+    box = f"0 0 {WIDTH} {plane.height:.1f}"
+    return f'<svg class="vi vi-bowl" viewBox="{box}" role="img" aria-label="{label}">{inside}</svg>'
+
+
+def _way(points: NDArray, way: Way) -> str:
+    """Cased in paper, so that it reads on any shading; probes are hollow."""
+    line, rest = svg.path(points[: way.best + 1]), svg.path(points[way.best :])
+    drawn = f'<path class="vi-way vi-way-on vi-way-{way.role}" d="{rest}"/><path class="vi-way-case" d="{line}"/>'
+    drawn += f'<path class="vi-way vi-way-{way.role}" d="{line}"/>'
+    if len(points) > MOST_DOTS:
+        return drawn
+    points, probes = points[: way.best + 1], way.probes[: way.best + 1]
+    if (~probes).any():
+        drawn += f'<path class="vi-way-dots vi-way-{way.role}" d="{svg.dots(points[~probes])}"/>'
+    if probes.any():
+        drawn += f'<path class="vi-way-probes vi-way-{way.role}" d="{svg.circles(points[probes], 3.4)}"/>'
+    return drawn

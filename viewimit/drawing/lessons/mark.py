@@ -1,0 +1,37 @@
+"""What the visitor marks, in ink and cased in paper: a cross hair, and how far it is from what is true."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import svg
+
+RADIUS, ARM = 9.5, 15  # units: of the ring, and how far its lines go
+PILL = (52, 19)  # units
+
+
+def cross_hair(at: NDArray, name: str, size: tuple[float, float]) -> str:
+    """At (2,) units of a drawing of that size."""
+    x, y = at.tolist()
+    inner = ARM - 8
+    lines = "".join(
+        f"M{x + dx * inner:.1f} {y + dy * inner:.1f}L{x + dx * ARM:.1f} {y + dy * ARM:.1f}"
+        for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))
+    )
+    hair = svg.circles(at[None], RADIUS) + lines
+    left = x > size[0] - 90
+    words = svg.text(x + (-20 if left else 20), y + 4, name, f"vi-b vi-halo{' vi-end' if left else ''}")
+    return f'<g class="vi-you"><path class="vi-you-case" d="{hair}"/><path class="vi-you-line" d="{hair}"/>{words}</g>'
+
+
+def distance(at: NDArray, to: NDArray, words: str) -> str:
+    """A line between both, and how long it is, beside its middle."""
+    dash = f'<path class="vi-apart" d="{svg.segments(at[None], to[None])}"/>'
+    if not words:
+        return dash
+    across = np.array([-(to - at)[1], (to - at)[0]])
+    length = float(np.hypot(*across))
+    aside = np.array([-1.0, 0.0]) if length < 1 else across / length * (1 if across[0] <= 0 else -1)
+    x, y = (at + to) / 2 + 44 * aside
+    w, h = PILL
+    pill = f'<rect class="vi-pill" x="{x - w / 2:.1f}" y="{y - h / 2:.1f}" width="{w}" height="{h}" rx="{h / 2}"/>'
+    return dash + pill + svg.text(x, y + 4, words, "vi-pill-words vi-b vi-mid")

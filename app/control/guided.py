@@ -49,7 +49,7 @@ class Guided:
         """What was kept; name: of the lesson that goes on. One that is there no more is forgotten."""
         self._kept = {progress.lesson: progress for progress in kept if progress.lesson in self.lessons}
         self.offered = offered and bool(self.lessons)
-        if name in self.lessons:
+        if name is not None and name in self.lessons:
             self.begin(name)
 
     def _work(self, kind: str, make: Callable[[], object], take: Callable[[object], None]) -> None:

@@ -379,8 +379,8 @@ def in_lesson(state: PageState, course: Course) -> PageState:
     step, moment = course.step, course.moments[-1]
     chosen = None if step is None else step.chosen
     view = replace(state.view, chosen=chosen, rays=False, residuals=False, gizmo=False, help=False, large=None)
-    shown = {"session": course.session, "present": moment, "looked": moment, "shown": moment, "pictures": {}}
-    return replace(state, view=view, on_its_way=None, see_through=None, imitated=None, stage=None, **shown)
+    seen: dict[str, Any] = {"session": course.session, "present": moment, "looked": moment, "shown": moment}
+    return replace(state, view=view, on_its_way=None, see_through=None, imitated=None, stage=None, pictures={}, **seen)
 
 
 def on_points(settings: Settings) -> Settings:

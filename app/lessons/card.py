@@ -36,7 +36,9 @@ def draw_lesson(course: Course, address: str | None) -> str:
 def slides(course: Course) -> bool:
     """Whether the step's sliders are in reach: where something is to be done, or once it is revealed."""
     step = course.step
-    return bool(step and step.sliders) and (isinstance(step.ask, Do | Pose) or course.given.revealed)
+    if step is None or not step.sliders:
+        return False
+    return isinstance(step.ask, Do | Pose) or course.given.revealed
 
 
 def draw_sliders(course: Course, address: str | None) -> str:
@@ -146,9 +148,7 @@ def _ask(course: Course, stage: Stage, address: str | None) -> str:
         return f'<div class="vi-guide-ask">{question}{_scale(ask, given.number, address)}</div>'
     if isinstance(ask, Do):
         return f'<div class="vi-guide-ask">{question}{_meter(stage, ask)}</div>'
-    hint = (
-        "Click again to move the mark, or use the arrow keys." if isinstance(ask, Place) else "Turn the joints below."
-    )
+    hint = MOVE if isinstance(ask, Place) else "Turn the joints below."
     return f'<div class="vi-guide-ask">{question}<small>{hint}</small></div>'
 
 
@@ -292,13 +292,8 @@ def _ending(course: Course, address: str | None) -> str:
         return f'<h2>Done</h2><div class="vi-guide-told"><span>{moved}</span></div><p>{again}</p>'
     words, answers = course.question()
     rows = [(answer, False) for answer in answers]
-    lead = (
-        "A guess is enough: it will be asked again at the end."
-        if course.screen.kind == "before"
-        else "Asked again, in other words."
-    )
     options = _options(rows, course.given.choice, False, address)
-    return f'<h2>{inline(words)}</h2><p>{lead}</p><div class="vi-guide-ask">{options}</div>'
+    return f'<h2>{inline(words)}</h2><p>{LEADS[course.screen.kind]}</p><div class="vi-guide-ask">{options}</div>'
 
 
 def inline(words: str) -> str:

@@ -11,22 +11,21 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.landscape import Landscape, grid_axes, landscape
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 
 from .figures import FIGURES
 from .format import Choice, Do, Lesson, Number, Place, Pose, Step
 from .measures import MEASURES
 from .progress import Given, Progress
-from .stage import Race, Stage
+from .stage import Stage
+from .works import WORKS
+from .works.work import Task
 
-MOST_MOTIONS = 400  # of a race
 MOST_PATH = 200  # motions by hand
 APART_DEG = 30.0  # of a start that is dealt from the demonstrator, its joint that is farthest
 LEAST_DELAY, PLAYED = 0.35, 24  # s of a motion that is played; so many motions are, then all
@@ -82,8 +81,8 @@ class Course:
             self._silhouettes = world, Silhouettes(meshes, world)
         bodies = self._silhouettes[1].bodies(moment)
         return Stage(
-            step, self.session, self.moments, self.given, self.progress.given, self.steps, self.landscape,
-            self.races, self._played_so_far, bodies,
+            step, self.session, self.moments, self.given, self.progress.given, self.steps, self.made,
+            self._played_so_far, bodies,
         )  # fmt: skip
 
     @property
@@ -165,7 +164,7 @@ class Course:
         if not self.given.revealed:
             self._give(revealed=True)
             self._meet()
-            self._ask_for_what_it_takes()
+            self._ask_for("revealed")
 
     def again(self, seed: int | None = None) -> None:
         """From a new start, or that of a seed."""
@@ -188,7 +187,7 @@ class Course:
     def tick(self, now: float) -> None:
         """Show one more motion of the races, where they are played."""
         step = self.step
-        if step is None or step.play is None or self.played >= PLAYED or not self.races:
+        if step is None or step.play is None or self.played >= PLAYED or "races" not in self.made:
             return
         if self._next is None or now >= self._next:
             self._next = now + max(1 / step.play, LEAST_DELAY)
@@ -205,8 +204,7 @@ class Course:
     def _enter(self) -> None:
         """The screen is another: begin its session, and go again what was gone by hand."""
         self.changes += 1
-        self.landscape: Landscape | None = None
-        self.races: tuple[Race, ...] = ()
+        self.made: dict[str, object] = {}
         self.played, self._next = 0, None
         step = self.step
         if step is None:
@@ -226,7 +224,7 @@ class Course:
                 self._turned(slider.name, value)
         if any(slider.name.startswith("own ") for slider in step.sliders) and not given.sliders:
             self._give(sliders=tuple(self._stands(slider.name, slider.start) for slider in step.sliders))
-        self._ask_for_what_it_takes()
+        self._ask_for("entered", "turned", *(["revealed"] if self.given.revealed else []))
 
     def _settings(self, step: Step) -> Settings:
         """Of a step; its start is dealt, or that of the step whose path goes on here."""
@@ -253,11 +251,11 @@ class Course:
             theta[int(number) - 1] = np.radians(value)
             self.session.pose(theta)
             self.moments = [self.moments[0], self.session.snapshot]
-            self._ask_for_what_it_takes()
+            self._ask_for("turned")
         elif name in Settings.__struct_fields__:
             self.session.change(**{name: value})
             self.moments = [self.session.snapshot]
-            self._ask_for_what_it_takes()
+            self._ask_for("turned")
 
     def _meet(self) -> None:
         """Where the step ends with both arms alike, they are."""
@@ -284,30 +282,25 @@ class Course:
         value = float(MEASURES[ask.measure].of(stage))
         if (ask.below is not None and value < ask.below) or (ask.above is not None and value > ask.above):
             self._give(done=True, revealed=True)
-            self._ask_for_what_it_takes()
+            self._ask_for("revealed")
 
-    def _ask_for_what_it_takes(self) -> None:
-        """Landscape and races, where the step has a use for them."""
+    def _ask_for(self, *when: str) -> None:
+        """The works of the step's figures, and its own, that are due then."""
         step = self.step
         if step is None:
             return
-        figures = {figure.figure for figure in (*step.main, *step.side)}
-        if "landscape" in figures and len(self.session.scene.moving_joints) == 2:
-            seen = self.session.world, self.session.snapshot, self.changes
-            self._work("landscape", partial(_landscape, *seen[:2]), partial(self._take_landscape, self.screen.id))
-        if step.race and self.given.revealed and not self.races:
-            self._work(
-                "races", partial(_races, self.session.settings, step.race), partial(self._take_races, self.screen.id)
-            )
+        shown = [name for figure in (*step.main, *step.side) for name in FIGURES[figure.figure].works]
+        stands = self.given.sliders or tuple(slider.start for slider in step.sliders)
+        sliders = {slider.name: value for slider, value in zip(step.sliders, stands)}
+        session = self.session
+        task = Task(step, session.world, self.moments[-1], session.settings, sliders, self.given.seed)
+        for name in dict.fromkeys((*shown, *step.works)):
+            if WORKS[name].when in when:
+                self._work(name, partial(WORKS[name].make, task), partial(self._take, self.screen.id, name))
 
-    def _take_landscape(self, screen: str, made: object) -> None:
-        if screen == self.screen.id and isinstance(made, Landscape):
-            self.landscape = made
-            self.changes += 1
-
-    def _take_races(self, screen: str, made: object) -> None:
-        if screen == self.screen.id and isinstance(made, tuple):
-            self.races = made
+    def _take(self, screen: str, name: str, made: object) -> None:
+        if screen == self.screen.id:
+            self.made = {**self.made, name: made}
             self.changes += 1
 
     def _right(self, kind: str) -> int:
@@ -347,18 +340,3 @@ def _order(number: int, count: int, before: bool) -> list[int]:
 
 def _degrees(theta: NDArray) -> tuple[float, ...]:
     return tuple(np.round(np.degrees(theta), 3).tolist())
-
-
-def _landscape(world: World, snapshot: Snapshot) -> Landscape:
-    views = snapshot.views
-    return landscape(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world))
-
-
-def _races(settings: Settings, servos: tuple[str, ...]) -> tuple[Race, ...]:
-    """Each servo from the same start."""
-    races = []
-    for servo in servos:
-        session = Session(replace(settings, servo=servo))
-        session.run(MOST_MOTIONS)
-        races.append(Race(servo, tuple(session.history)))
-    return tuple(races)

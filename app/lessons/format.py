@@ -130,10 +130,11 @@ class Step(msgspec.Struct, **FIELDS):
     """id: by which other steps know it; text: at most MOST_WORDS words, **bold**, the first sentence plain; settings:
     fields of `Settings` by name, the rest as the lesson has them; chosen: a body point, with its rays in the scene;
     main, side: figures, large and small; nothing else is shown, and nothing is in reach but what is asked and sliders:
-    what can be turned; race: servos that are run from the same start; play: they are shown motion for motion, so many a
-    second; meets: the reveal brings the learner to the demonstrator's posture; deal: the learner's start is dealt at
-    random, by a seed; carry: the id of the step whose start and path go on here; ask: what is asked, nothing for a step
-    that only shows; told, after: what the reveal tells; say: the sentence that one should be able to say now."""
+    what can be turned; works: what is computed for it beside what its figures show; race: servos that are run from the
+    same start; play: they are shown motion for motion, so many a second; meets: the reveal brings the learner to the
+    demonstrator's posture; deal: the learner's start is dealt at random, by a seed; carry: the id of the step whose
+    start and path go on here; ask: what is asked, nothing for a step that only shows; told, after: what the reveal
+    tells; say: the sentence that one should be able to say now."""
 
     id: str
     title: str
@@ -144,6 +145,7 @@ class Step(msgspec.Struct, **FIELDS):
     main: tuple[Figure, ...] = ()
     side: tuple[Figure, ...] = ()
     sliders: tuple[Slider, ...] = ()
+    works: tuple[str, ...] = ()
     race: tuple[str, ...] = ()
     play: float | None = None
     meets: bool = False
@@ -162,6 +164,6 @@ class Lesson(msgspec.Struct, **FIELDS):
     short: str
     about: str
     minutes: int
-    settings: dict[str, Any] = {}
     step: tuple[Step, ...]
+    settings: dict[str, Any] = {}
     question: tuple[Question, ...] = ()

@@ -17,6 +17,7 @@ from viewimit.settings import Settings
 from .figures import FIGURES
 from .format import MOST_WORDS, Choice, Do, Lesson, Number, Place, Pose, Step
 from .measures import MEASURES, named_in
+from .works import WORKS
 
 FOLDER = ROOT / "lessons"
 _HEAD = re.compile(r"^\s*\[+\s*([^\]]+?)\s*\]+\s*(#.*)?$")
@@ -54,7 +55,9 @@ def _located(path: Path, text: str, where: str, what: str) -> str:
 def line_of(text: str, where: str) -> int:
     """The line, from 1, of a field such as .step[2].ask.kind, or of the nearest table that it is missing in."""
     keys = [name or int(number) for name, number in _PATH.findall(where)]
-    best, depth, counts, here = 1, 0, {}, []
+    best, depth = 1, 0
+    counts: dict[tuple, int] = {}
+    here: list = []
     for k, line in enumerate(text.splitlines(), 1):
         head = _HEAD.match(line)
         if head:
@@ -120,6 +123,9 @@ def _faults_of_step(step: Step, before: set[str], settings: dict):
                     yield f".{place}[{i}].{name}", f"no layer {min(unknown)!r}; there are {', '.join(layers)}"
     if step.carry is not None and step.carry not in before:
         yield ".carry", f"no step {step.carry!r} before this one"
+    for work in step.works:
+        if work not in WORKS:
+            yield ".works", f"no work {work!r}; there are {', '.join(WORKS)}"
     for servo in step.race:
         if servo not in SERVOS:
             yield ".race", f"no servo {servo!r}; there are {', '.join(SERVOS)}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +31,8 @@ class Race:
 @dataclass(frozen=True, eq=False)
 class Stage:
     """session: the lesson's own; moments: what was seen since the step began, the last of them shown; given: what was
-    answered here, and by_id in all steps; landscape: of the moment shown, None while it is computed; races: whole;
-    played: motions of them that are shown, None for all; bodies: what both arms look like."""
+    answered here, and by_id in all steps; made: what the step's works have come to so far, by name; played: motions of
+    races that are shown, None for all; bodies: what both arms look like."""
 
     step: Step
     session: Session
@@ -39,14 +40,23 @@ class Stage:
     given: Given
     by_id: Mapping[str, Given]
     steps: Mapping[str, Step]
-    landscape: Landscape | None
-    races: tuple[Race, ...]
+    made: Mapping[str, Any]
     played: int | None
     bodies: Bodies
 
     @property
     def moment(self) -> Snapshot:
         return self.moments[-1]
+
+    @property
+    def landscape(self) -> Landscape | None:
+        """Of the moment shown; None while it is computed."""
+        return self.made.get("landscape")
+
+    @property
+    def races(self) -> tuple[Race, ...]:
+        """Whole; none while they are run."""
+        return self.made.get("races", ())
 
     @property
     def revealed(self) -> bool:

@@ -10,13 +10,13 @@ from .disturbances import DisturbancesPanel
 from .duel import DuelPanel
 from .equations import ConflictPanel, EquationsPanel, LawPanel
 from .experiments import ExperimentsPanel
-from .glossary import GlossaryPanel
+from .guide.glossary import GlossaryPanel
+from .guide.keys import KeysPanel
+from .guide.lesson import LessonPanel
 from .history import HistoryPanel
 from .images import ImagesPanel
-from .keys import KeysPanel
 from .landscape import LandscapePanel
 from .learner import LearnerPanel
-from .lesson import LessonPanel
 from .method import MethodPanel
 from .motions import MotionsPanel
 from .panel import Panel

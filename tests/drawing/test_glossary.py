@@ -7,8 +7,8 @@ import pytest
 from drawn import parsed
 from quiet_page import QuietPage
 from viewimit.app.control.commands.session import Undo
-from viewimit.app.panels.glossary import numbers_now
-from viewimit.app.panels.help import help_html
+from viewimit.app.panels.guide.glossary import numbers_now
+from viewimit.app.panels.guide.help import help_html
 
 from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES

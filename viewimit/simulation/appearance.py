@@ -5,7 +5,7 @@ A silhouette is the hull of each link. Its support function is the largest proje
 and the vertex that is extreme in each, give a polygon inside the hull that lacks at most 2 px at its corners.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -50,7 +50,7 @@ class Silhouettes:
     Without meshes, as of a robot from a user's own URDF, there are skeletons only.
     """
 
-    def __init__(self, meshes: dict[int, NDArray], world: World):
+    def __init__(self, meshes: Mapping[int, NDArray], world: World):
         self._world = world
         self._links = np.array(sorted(meshes), int)
         chosen = [_extreme_vertices(np.asarray(meshes[link], float)) for link in self._links]

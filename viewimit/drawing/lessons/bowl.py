@@ -83,13 +83,14 @@ def draw_bowl(
         demo = plane.place(np.degrees(theta_demo))
         above.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 2)}"/>')
         labels.take_points(demo, 9)
-        above.append(labels.led(*demo.tolist(), "demonstrator", "vi-lead-demo", True))
+        above.append(labels.led(float(demo[0]), float(demo[1]), "demonstrator", "vi-lead-demo", True))
     if lowest is not None and "smallest" in layers:
-        above.append(labels.led(*lowest.tolist(), "smallest E", "vi-lead", False))
+        above.append(labels.led(float(lowest[0]), float(lowest[1]), "smallest E", "vi-lead", False))
     for way in ways:
         end = plane.place(way.postures_deg[way.best])
         labels.take_points(end, 6)
-        above.append(labels.beside(*end.tolist(), way.name, f"vi-b vi-halo vi-way-{way.role}-words", 12))
+        kind = f"vi-b vi-halo vi-way-{way.role}-words"
+        above.append(labels.beside(float(end[0]), float(end[1]), way.name, kind, 12))
     if guess is not None:
         at = plane.place(guess)
         if "apart" in layers and lowest is not None:

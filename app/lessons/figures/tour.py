@@ -1,10 +1,8 @@
-"""The figures that a step can show, by name: which layers each has, how it is drawn, and what a click in it means."""
+"""Of the tour: the four images, the scene, the formula of E, the landscape, and how all went."""
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from viewimit.drawing.lessons import bowl, view
 from viewimit.drawing.lessons.bowl import Way, draw_bowl
@@ -14,9 +12,11 @@ from viewimit.drawing.lessons.standings import Row, draw_standings
 from viewimit.drawing.lessons.view import draw_view
 from viewimit.servo import SERVOS
 
-from .format import Place
-from .measures import MEASURES, error_deg, reached
-from .stage import Race, Stage
+from ..format import Place
+from ..measures import MEASURES
+from ..measures.tour import error_deg, reached
+from ..stage import Race, Stage
+from .figure_kind import FigureKind
 
 ROLES = {"trust-region": "learner", "broyden": "opponent"}  # of races; all others are slow
 ORDER = ("slow", "learner", "opponent")  # in which ways are drawn, so that where two coincide both are seen
@@ -27,23 +27,6 @@ WHY = {
     "stalled": "found nothing lower",
     "stopped": "too few points are seen",
 }
-
-
-@dataclass(frozen=True)
-class FigureKind:
-    """draw(stage, layers, small): HTML, at the side or not; unplace(stage, at): (2,) units of the drawing → what is there, in the figure's unit,
-    None if it cannot be clicked."""
-
-    draw: Callable[[Stage, Collection[str], bool], str]
-    layers: tuple[str, ...] = ()
-    unplace: Callable[[Stage, NDArray], NDArray] | None = None
-
-
-def layers_of(stage: Stage, show: Collection[str], reveal: Collection[str], hide: Collection[str]) -> list[str]:
-    """Those of a figure that are shown at a moment."""
-    if not stage.revealed:
-        return list(show)
-    return [layer for layer in show if layer not in hide] + list(reveal)
 
 
 def _view(name: str) -> FigureKind:
@@ -118,6 +101,8 @@ FIGURES: Mapping[str, FigureKind] = {
     "scene": FigureKind(lambda stage, layers, small: '<div class="vi-hole"></div>'),
     "formula": FigureKind(lambda stage, layers, small: draw_formula(stage.moment)),
     "progress": FigureKind(_progress),
-    "landscape": FigureKind(_bowl, bowl.LAYERS, lambda stage, at: bowl.unplace(stage.session.scene, at)),
-    "standings": FigureKind(_standings),
+    "landscape": FigureKind(
+        _bowl, bowl.LAYERS, lambda stage, at: bowl.unplace(stage.session.scene, at), ("landscape",)
+    ),
+    "standings": FigureKind(_standings, works=("races",)),
 }

@@ -5,9 +5,9 @@ import numpy as np
 from viewimit.drawing.glossary import cards, told_now
 from viewimit.drawing.metrics import residual_lengths
 
-from ..control.state import PageState
-from .panel import SLOWEST, Layout, Panel
-from .widgets import put_html
+from ...control.state import PageState
+from ..panel import SLOWEST, Layout, Panel
+from ..widgets import put_html
 
 
 class GlossaryPanel(Panel):

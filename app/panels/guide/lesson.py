@@ -3,10 +3,10 @@
 from viewimit.drawing.over.links import link
 from viewimit.drawing.svg import escape
 
-from ..control.state import PageState
-from ..lessons.card import draw_lesson, draw_sliders
-from .panel import Layout, Panel
-from .widgets import put_html
+from ...control.state import PageState
+from ...lessons.card import draw_lesson, draw_sliders
+from ..panel import Layout, Panel
+from ..widgets import put_html
 
 
 class LessonPanel(Panel):

@@ -4,12 +4,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ..control.commands.command import Command
-from ..control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp
-from ..control.commands.session import Play, Reset, Step, Undo
-from ..control.state import PageState
+from ...control.commands.command import Command
+from ...control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp
+from ...control.commands.session import Play, Reset, Step, Undo
+from ...control.state import PageState
+from ..panel import Layout, Panel
 from .help import help_html
-from .panel import Layout, Panel
 
 
 @dataclass(frozen=True)

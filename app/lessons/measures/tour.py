@@ -1,39 +1,15 @@
-"""What a step can ask for and reveal, by name: numbers, places and postures, each computed from the step's session.
-
-A number is told with its unit; the words of a lesson hold none.
-"""
+"""Of the tour: E, the crossing, the bowl, and who needed how many motions."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.drawing import svg
 from viewimit.drawing.lessons.view import line_of
 from viewimit.snapshot import Snapshot
 
-from .stage import Race, Stage
-
-
-@dataclass(frozen=True)
-class Measure:
-    """of: a stage → a number, NaN where there is none, or an array that is a place or a posture; unit: behind the
-    number; digits: after the point, None for as many as it deserves; missing: what is told of NaN."""
-
-    of: Callable[[Stage], Any]
-    unit: str = ""
-    digits: int | None = None
-    missing: str = "–"
-
-    def told(self, stage: Stage) -> str:
-        """With its unit."""
-        value = float(self.of(stage))
-        if not np.isfinite(value):
-            return self.missing
-        number = svg.short(value) if self.digits is None else svg.number(value, self.digits)
-        return number + self.unit
+from ..stage import Race, Stage
+from .measure import Measure
 
 
 def error_deg(moment: Snapshot) -> float:
@@ -50,14 +26,6 @@ def reached(E: list[float], goal: float) -> float:
 def _recovered(stage: Stage) -> NDArray:
     """px in L, of the chosen point."""
     return stage.moment.recovered[stage.step.chosen or 0, :2]
-
-
-def _distance(stage: Stage) -> float:
-    """From the visitor's mark to what is true, in the unit of the figure."""
-    truth = MEASURES[stage.step.ask.truth].of(stage) if hasattr(stage.step.ask, "truth") else None
-    if stage.guess is None or truth is None:
-        return np.nan
-    return float(np.linalg.norm(stage.guess - truth))
 
 
 def _from_line(stage: Stage) -> float:
@@ -130,8 +98,6 @@ MEASURES: Mapping[str, Measure] = {
     "arm height": Measure(_height, " px", 0),
     "recovered in L": Measure(_recovered),
     "place of the smallest E": Measure(_smallest),
-    "px apart": Measure(_distance, " px", 0),
-    "degrees apart": Measure(_distance, "°", 0),
     "px from the first line": Measure(_from_line, " px", 1),
     "motions": Measure(lambda stage: float(len(stage.moments) - 1), "", 0),
     "your motions": Measure(_own_motions, "", 0),
@@ -143,18 +109,3 @@ MEASURES: Mapping[str, Measure] = {
     "points": Measure(lambda stage: float(stage.moment.usable.sum()), "", 0),
     "longest arrow": Measure(lambda stage: float(np.nanmax(np.hypot(*stage.moment.e.reshape(-1, 2).T))), " px", 1),
 }
-
-
-def fill(words: str, stage: Stage) -> str:
-    """Each {measure} in words by its number."""
-    parts = words.split("{")
-    filled = parts[0]
-    for part in parts[1:]:
-        name, rest = part.split("}", 1)
-        filled += MEASURES[name].told(stage) + rest
-    return filled
-
-
-def named_in(words: str) -> list[str]:
-    """The measures that words have in braces."""
-    return [part.split("}", 1)[0] for part in words.split("{")[1:]]

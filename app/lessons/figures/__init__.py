@@ -1,0 +1,16 @@
+"""The figures that a step can show, by name."""
+
+from collections.abc import Collection, Mapping
+
+from ..stage import Stage
+from . import tour
+from .figure_kind import FigureKind
+
+FIGURES: Mapping[str, FigureKind] = {**tour.FIGURES}
+
+
+def layers_of(stage: Stage, show: Collection[str], reveal: Collection[str], hide: Collection[str]) -> list[str]:
+    """Those of a figure that are shown at a moment."""
+    if not stage.revealed:
+        return list(show)
+    return [layer for layer in show if layer not in hide] + list(reveal)

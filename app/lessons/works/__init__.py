@@ -1,0 +1,8 @@
+"""What takes longer than a page may wait, by name: computed beside it for a step, and shown by its figures."""
+
+from collections.abc import Mapping
+
+from . import tour
+from .work import Work
+
+WORKS: Mapping[str, Work] = {**tour.WORKS}

@@ -1,0 +1,37 @@
+"""Of the tour: the landscape of what is seen, and other servos from the same start."""
+
+from collections.abc import Mapping
+
+import msgspec
+
+from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+from viewimit.session import Session
+
+from ..stage import Race
+from .work import Task, Work
+
+MOST_MOTIONS = 400  # of a race
+
+
+def _landscape(task: Task) -> Landscape | None:
+    """None unless two joints move."""
+    if len(task.world.scene.moving_joints) != 2:
+        return None
+    views = task.snapshot.views
+    return landscape(task.world, task.snapshot.fit, views.demo, views.visible[:, :2], grid_axes(task.world))
+
+
+def _races(task: Task) -> tuple[Race, ...]:
+    """Each servo of the step from the same start."""
+    races = []
+    for servo in task.step.race:
+        session = Session(msgspec.structs.replace(task.settings, servo=servo))
+        session.run(MOST_MOTIONS)
+        races.append(Race(servo, tuple(session.history)))
+    return tuple(races)
+
+
+WORKS: Mapping[str, Work] = {
+    "landscape": Work(_landscape, "turned"),
+    "races": Work(_races, "revealed"),
+}

@@ -1,0 +1,1 @@
+"""What explains the page: lessons, the help, the glossary's cards and the keys."""

@@ -89,7 +89,7 @@ def test_points_that_are_likely_wrong_are_listed_with_their_score(ask, ask_json,
         "kind": "misplaced", "points": ["<p5>"], "views": ["L", "R"], "frames": [11],
     }  # fmt: skip
     assert misplaced["score"] > 100 and "E" not in misplaced
-    assert (swapped["kind"], swapped["points"], swapped["views"]) == ("swapped", ["<p2>", "<p9>"], ["l", "r"])
+    assert (swapped["kind"], swapped["points"], swapped["views"]) == ("exchanged", ["<p2>", "<p9>"], ["l", "r"])
     assert swapped["E"] > 10 * swapped["E_exchanged"] and told["undecided"] == []
     _, out, _ = ask("evaluate", suspicious)
     page = (tmp_path / "report.html").read_text()

@@ -110,16 +110,20 @@ class App:
         self.services.basins.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        key, resumed = self._keys.take(client)
+        place = self._keys.take(client)
+        key = place.key
         token = token_of_client(self._server, client.client_id)
         address = None if token is None else self._touches.new_address()
-        keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: None)
+        keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         try:
-            page = Page(client, self.services, self._settings, keep, resumed, address)
-        except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
-            client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
+            page = Page(client, self.services, self._settings, keep, place.memory, address)
+        except Exception as error:
             if key:
                 self._keys.leave(key)
+            if not isinstance(error, (ValueError, OSError)):
+                raise
+            # a scene or URDF of the user's that has changed meanwhile
+            client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             return
         with self._lock:
             self._pages[client.client_id] = page, key
@@ -139,6 +143,10 @@ class App:
 
     def _retire(self, client_id: int) -> None:
         """Keep what the page is, and forget it."""
+        with self._lock:
+            _, key = self._pages.get(client_id, (None, None))
+        if key is not None:
+            self._autosave.leaving(key)
         with self._retiring:
             with self._lock:
                 page, key = self._pages.pop(client_id, (None, None))
@@ -153,5 +161,4 @@ class App:
             if key is not None:
                 if whole:  # else what was handed over some seconds ago stays
                     self._autosave.keep(key, page.memory())
-                self._autosave.forget(key)
                 self._keys.leave(key)

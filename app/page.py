@@ -101,9 +101,9 @@ class Page:
         self.model.say(text, np.inf)
         self.panel(StatusPanel).show_message(text)
 
-    def close(self) -> bool:
-        """The page is gone. Whether its last turn has ended, so that what `memory` tells is whole."""
-        ended = self._commands.wait(LEAVES_WITHIN)
+    def close(self, within: float = LEAVES_WITHIN) -> bool:
+        """The page is gone. Whether its last turn has ended, within so many s, so that what `memory` tells is whole."""
+        ended = self._commands.wait(within)
         if ended:
             self.model.close()
         else:

@@ -192,9 +192,9 @@ def browser_of(url: str) -> str:
         return page.headers["Set-Cookie"].split(";")[0]
 
 
-def kept_of(store: str, cookie: str) -> SavedPage | None:
-    """What a server has written there, a folder or a Redis, of the first tab of this browser; None before it has."""
-    key = f"{cookie.split('=')[1]}.0"
+def kept_of(store: str, cookie: str, tab: int = 0) -> SavedPage | None:
+    """What a server has written there, a folder or a Redis, of a tab of this browser; None before it has."""
+    key = f"{cookie.split('=')[1]}.{tab}"
     if store.startswith("unix:"):
         from redis import Redis
 

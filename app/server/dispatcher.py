@@ -4,11 +4,13 @@ Only the head of a request is looked at, and left for the worker to read: nothin
 """
 
 import asyncio
+import contextlib
 import io
 import logging
 import socket
+import threading
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from http.client import HTTPException, parse_headers
 
 from .cookie import token_of
@@ -22,6 +24,33 @@ HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
 UNPLACED = 200  # connections at a time whose head has not come
 KNOWN = 10_000  # browsers
 log = logging.getLogger(__name__)
+
+
+@contextlib.contextmanager
+def dispatching(placing: "Placing", listeners: Sequence[socket.socket], to: Sequence[socket.socket]) -> Iterator[None]:
+    """Inside, a thread hands over what comes to the listeners."""
+    loop, stop, begun = asyncio.new_event_loop(), asyncio.Event(), threading.Event()
+
+    async def dispatch() -> None:
+        dispatcher = Dispatcher(placing, to)
+        accepting = [loop.create_task(dispatcher.accept(listener)) for listener in listeners]
+        begun.set()
+        await stop.wait()
+        for task in accepting:
+            task.cancel()
+
+    def run() -> None:
+        with contextlib.closing(loop):
+            loop.run_until_complete(dispatch())
+
+    thread = threading.Thread(target=run, name="viewimit-dispatcher", daemon=True)
+    thread.start()
+    begun.wait()
+    try:
+        yield
+    finally:
+        loop.call_soon_threadsafe(stop.set)
+        thread.join()
 
 
 class Placing:

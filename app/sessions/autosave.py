@@ -4,7 +4,8 @@ import logging
 import secrets
 import threading
 import time
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import msgspec
 
@@ -13,11 +14,11 @@ from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 
 from . import codec
-from .store import Store
+from .store import RENEW_EVERY, Store
 
 CHUNK = 32  # motions a part
-TOUCH_EVERY = 60.0  # s
 HEAD = "head"
+TAKEN = "another tab has taken this session"
 log = logging.getLogger(__name__)
 
 
@@ -46,16 +47,22 @@ class SavedSession:
 
 @dataclass(eq=False)
 class _Written:
-    """What the store has of a session."""
+    """What the store has of a session, and by whose lease. renewed: whether that is kept up; lost: another has it."""
 
     writer: str
     head: SavedPage | None = None
     history: tuple[Snapshot, ...] = ()
-    seen: float = field(default_factory=time.monotonic)
+    renewed: bool = True
+    lost: bool = False
+
+
+class Held(Exception):
+    """The session is leased to another page."""
 
 
 class Autosave:
-    """`keep` returns at once; `claim` and `flush` wait for what was handed over before.
+    """`keep` returns at once; `claim` and `flush` wait for what was handed over before. Leases are renewed from `claim`
+    to `forget`.
 
     `problem` says why a session is not kept, to be told to its visitor; None while it is.
     """
@@ -67,20 +74,29 @@ class Autosave:
         self._busy: str | None = None  # key that is being written
         self._written: dict[str, _Written] = {}
         self._problems: dict[str, str] = {}
-        self._stopped = False
+        self._stopped = self._unrenewed = False
         self._thread = threading.Thread(target=self._run, name="viewimit-autosave", daemon=True)
         self._thread.start()
 
+    def held(self, keys: Iterable[str]) -> dict[str, float]:
+        """Which sessions are leased, by whomever, and for how many s yet. Raises OSError."""
+        return self._store.held(keys)
+
     def claim(self, key: str, begun: Settings) -> SavedSession | None:
-        """The session of this key, if it was begun with these settings; whoever had it before writes no more."""
-        self.flush(key)
+        """Lease the session of this key → what it is, if it was begun with these settings; who has it here loses it.
+
+        Raises Held if another process has it, OSError for a store that does not answer.
+        """
+        self.forget(key)
         written = _Written(secrets.token_hex(8))
+        parts = self._store.claim(key, written.writer)
+        if parts is None:
+            raise Held
+        memory = None
         try:
-            parts = self._store.claim(key, written.writer)
             memory = _decoded(parts, begun)
-        except (OSError, ValueError) as error:
+        except ValueError as error:
             log.warning("a session cannot be resumed: %s", error)
-            memory = None
         if memory is not None:
             written.head, written.history = memory.head, memory.history
         with self._changed:
@@ -88,9 +104,11 @@ class Autosave:
         return memory
 
     def keep(self, key: str, memory: SavedSession) -> str | None:
-        """Write what is new in it, soon; nothing is taken any more once it is stopped. → `problem`, up to now."""
+        """Write what is new in it, soon; nothing is taken any more once it is stopped, or once another page has the
+        session. → `problem`, up to now."""
         with self._changed:
-            if not self._stopped:
+            written = self._written.get(key)
+            if not self._stopped and not (written is not None and written.lost):
                 self._waiting[key] = memory
                 self._changed.notify_all()
             return self._problems.get(key)
@@ -100,12 +118,23 @@ class Autosave:
         with self._changed:
             return self._problems.get(key)
 
+    def leaving(self, key: str) -> None:
+        """The page goes: its lease is renewed no more, but ends only with the last that is to be kept."""
+        with self._changed:
+            if key in self._written:
+                self._written[key].renewed = False
+
     def forget(self, key: str) -> None:
-        """The page is gone; what was kept stays for half an hour."""
+        """The page is gone; what was kept stays for half an hour, for whoever claims it."""
         self.flush(key)
         with self._changed:
-            self._written.pop(key, None)
+            written = self._written.pop(key, None)
             self._problems.pop(key, None)
+        if written is not None:
+            try:
+                self._store.release(key, written.writer)
+            except OSError as error:
+                log.warning("a session is free only after a while: %s", error)
 
     def flush(self, key: str) -> None:
         """Wait until what was handed over is written."""
@@ -121,32 +150,55 @@ class Autosave:
         self._store.close()
 
     def _run(self) -> None:
-        touched = time.monotonic()
+        due = time.monotonic()
         while True:
+            memory = written = None
             with self._changed:
                 self._busy = None
                 self._changed.notify_all()
-                self._changed.wait_for(lambda: self._waiting or self._stopped, TOUCH_EVERY)
+                self._changed.wait_for(lambda: self._waiting or self._stopped, max(due - time.monotonic(), 0.0))
                 if not self._waiting and self._stopped:
                     return
                 if self._waiting:
                     self._busy = next(iter(self._waiting))
                     memory, written = self._waiting.pop(self._busy), self._written.get(self._busy)
-                keys = list(self._written)
-            if self._busy is not None and written is not None:
+            if self._busy is not None and memory is not None and written is not None:
                 self._try_to_write(self._busy, memory, written)
-            if time.monotonic() - touched > TOUCH_EVERY:
-                touched = time.monotonic()
-                try:
-                    self._store.touch(keys)
-                except OSError as error:
-                    log.warning("sessions are not kept alive: %s", error)
+            if time.monotonic() >= due:
+                self._renew()
+                due = time.monotonic() + RENEW_EVERY
+
+    def _renew(self) -> None:
+        with self._changed:
+            all_written = {key: written for key, written in self._written.items() if written.renewed}
+        try:
+            lost = self._store.renew({key: written.writer for key, written in all_written.items()})
+        except OSError as error:
+            if not self._unrenewed:  # one line until it answers again
+                log.warning("sessions are not kept alive: %s", error)
+            self._unrenewed = True
+            return
+        self._unrenewed = False
+        for key in lost:
+            self._lose(key, all_written[key])
+
+    def _lose(self, key: str, written: _Written) -> None:
+        """Another page has the session: this one writes it no more, and says so."""
+        with self._changed:
+            if self._written.get(key) is not written or written.lost:
+                return
+            written.renewed, written.lost = False, True
+            self._waiting.pop(key, None)
+            self._problems[key] = TAKEN
+        log.warning("a session is not kept: %s", TAKEN)
 
     def _try_to_write(self, key: str, memory: SavedSession, written: _Written) -> None:
         """What fails is said, and tried again with what is handed over next."""
         problem = None
         try:
-            self._write(key, memory, written)
+            if not self._write(key, memory, written):
+                self._lose(key, written)
+                return
         # a full disk, a Redis that is down; a state that nobody said how to store
         except (OSError, TypeError) as error:
             problem = str(error)
@@ -157,7 +209,8 @@ class Autosave:
             else:
                 self._problems[key] = problem
 
-    def _write(self, key: str, memory: SavedSession, written: _Written) -> None:
+    def _write(self, key: str, memory: SavedSession, written: _Written) -> bool:
+        """False if the session is another's."""
         parts = {}
         history, before = memory.history, written.history
         for first in range(0, len(history), CHUNK):
@@ -168,9 +221,11 @@ class Autosave:
             parts[HEAD] = msgspec.msgpack.encode(memory.head)
         gone = [str(k) for k in range(_chunks(len(history)), _chunks(len(before)))]
         if not parts and not gone:
-            return
-        if self._store.save(key, written.writer, parts, gone):
-            written.head, written.history = memory.head, history
+            return True
+        if not self._store.save(key, written.writer, parts, gone):
+            return False
+        written.head, written.history = memory.head, history
+        return True
 
 
 def _decoded(parts: dict[str, bytes], begun: Settings) -> SavedSession | None:

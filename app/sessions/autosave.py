@@ -4,7 +4,7 @@ import logging
 import secrets
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import msgspec
@@ -47,9 +47,11 @@ class SavedSession:
 
 @dataclass(eq=False)
 class _Written:
-    """What the store has of a session, and by whose lease. renewed: whether that is kept up; lost: another has it."""
+    """What the store has of a session, and by whose lease. there(): whether its page still is; renewed: whether the
+    lease is kept up; lost: another has it."""
 
     writer: str
+    there: Callable[[], bool]
     head: SavedPage | None = None
     history: tuple[Snapshot, ...] = ()
     renewed: bool = True
@@ -82,13 +84,14 @@ class Autosave:
         """Which sessions are leased, by whomever, and for how many s yet. Raises OSError."""
         return self._store.held(keys)
 
-    def claim(self, key: str, begun: Settings) -> SavedSession | None:
+    def claim(self, key: str, begun: Settings, there: Callable[[], bool] = lambda: True) -> SavedSession | None:
         """Lease the session of this key → what it is, if it was begun with these settings; who has it here loses it.
 
+        there(): asked before each renewal, whether its page still is; from the thread that writes, so it must be short.
         Raises Held if another process has it, OSError for a store that does not answer.
         """
         self.forget(key)
-        written = _Written(secrets.token_hex(8))
+        written = _Written(secrets.token_hex(8), there)
         parts = self._store.claim(key, written.writer)
         if parts is None:
             raise Held
@@ -171,6 +174,7 @@ class Autosave:
     def _renew(self) -> None:
         with self._changed:
             all_written = {key: written for key, written in self._written.items() if written.renewed}
+        all_written = {key: written for key, written in all_written.items() if written.there()}
         try:
             lost = self._store.renew({key: written.writer for key, written in all_written.items()})
         except OSError as error:

@@ -2,6 +2,7 @@
 or at another process."""
 
 import asyncio
+import contextlib
 import logging
 import threading
 import time
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from viser import ClientHandle, ViserServer
+from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from viewimit.settings import Settings
@@ -18,6 +20,7 @@ from .autosave import Autosave, Held, SavedSession
 
 MOST_TABS = 8  # of a browser that are kept
 ANSWERS_WITHIN = 2.0  # s: an open tab answers a ping sooner
+SILENT_FOR = 4.0  # s without an answer, after which a tab's lease is renewed no more until there is one
 LOOK_AGAIN = 0.1  # s
 log = logging.getLogger(__name__)
 
@@ -78,7 +81,7 @@ class SessionKeys:
                     break
                 if self._reserve(key, client_id):
                     try:
-                        return Place(key, self._autosave.claim(key, self._begun))
+                        return Place(key, self._autosave.claim(key, self._begun, Answering(self._server, client_id)))
                     except BaseException as error:
                         self._unreserve(key)
                         if not isinstance(error, Held):
@@ -106,6 +109,30 @@ class SessionKeys:
         if holder is not None and not answers(self._server, holder, ANSWERS_WITHIN):
             cut_off(self._server, holder)
             self._retire(holder)
+
+
+class Answering:
+    """Whether a client has answered lately, each time it is asked: a ping goes out with each question, as long as none
+    is under way."""
+
+    def __init__(self, server: ViserServer, client_id: int):
+        self._server, self._client_id = server, client_id
+        self._answered, self._asking = time.monotonic(), False
+
+    def __call__(self) -> bool:
+        connection = viser_private.connection_of(self._server, self._client_id)
+        if connection is None:
+            return False
+        if not self._asking:
+            self._asking = True
+            asyncio.run_coroutine_threadsafe(self._ask(connection), self._server.get_event_loop())
+        return time.monotonic() - self._answered < SILENT_FOR
+
+    async def _ask(self, connection: ServerConnection) -> None:
+        with contextlib.suppress(ConnectionClosed):
+            await (await connection.ping())
+            self._answered = time.monotonic()
+        self._asking = False
 
 
 def token_of_client(server: ViserServer, client_id: int) -> str | None:

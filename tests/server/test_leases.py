@@ -5,7 +5,7 @@ import signal
 
 import pytest
 from protocol import Client
-from serving import Server, browser_of, kept_of
+from serving import Relay, Server, browser_of, kept_of
 from waiting import stays, wait_until
 
 TAKEN = "another tab has taken this session"
@@ -25,7 +25,7 @@ def two_servers(where):
         server.process.kill()
 
 
-def cookie_at(server: Server, cookie: str) -> str:
+def cookie_at(server: Server | Relay, cookie: str) -> str:
     """A browser's cookie, as a server at another port has it."""
     return f"viewimit-{server.url.rsplit(':', 1)[1]}={cookie.split('=')[1]}"
 
@@ -77,6 +77,18 @@ def test_sessions_of_a_process_that_is_killed_come_free(two_servers, where):
         here.process.kill()
         with open_at(there, cookie) as one, open_at(there, cookie) as two:
             assert (one.value("θ₂"), two.value("θ₂")) == (62.0, 63.0)
+
+
+def test_a_laptop_that_slept_comes_back_at_another_process(two_servers, where):
+    here, there = two_servers
+    relay, cookie = Relay(here.url), browser_of(here.url)
+    asleep = Client(relay.url, cookie=cookie_at(relay, cookie)).ready()
+    choose(asleep, 67.0)
+    relay.silent.set()  # its connection looks open for half a minute
+    wait_until(lambda: (page := kept_of(where, cookie)) and page.cursor == 1)
+    with open_at(there, cookie) as second:
+        wait_until(lambda: second.value("θ₂") == 67.0)
+    relay.close()
 
 
 def test_a_page_whose_session_another_has_taken_says_so_and_writes_no_more(two_servers):

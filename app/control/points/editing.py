@@ -19,6 +19,7 @@ from viewimit.simulation.derived.scene_file import saved_scene
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
+from viewimit.views import FourViews
 
 MOST_POINTS = 64
 DIGITS = 4  # of a metre
@@ -28,11 +29,12 @@ HEADING = "Body points by hand, from viewimit's page: use it by --scene, or edit
 @dataclass(frozen=True, eq=False)
 class EditedPoints:
     """on: whether they are being edited; information: what they tell, None unless they are; proposal: a point that is
-    shown hollow until it is taken; searching: one is on its way."""
+    shown hollow until it is taken, proposed_in: the images of it; searching: one is on its way."""
 
     on: bool = False
     information: PointInformation | None = None
     proposal: Proposal | None = None
+    proposed_in: FourViews | None = None
     searching: bool = False
 
 
@@ -129,9 +131,15 @@ class PointEditing:
         now = self._session.snapshot
         key = self.on, now if self.on else None, self.proposal, self._searching
         if len(self._shown[0]) != len(key) or any(one is not other for one, other in zip(key, self._shown[0])):
-            information = point_information(self._session.world, now) if self.on else None
-            self._shown = key, EditedPoints(self.on, information, self.proposal, self._searching)
+            self._shown = key, self._seen(now) if self.on else EditedPoints()
         return self._shown[1]
+
+    def _seen(self, now: Snapshot) -> EditedPoints:
+        world, proposal = self._session.world, self.proposal
+        information, images = point_information(world, now), None
+        if proposal is not None:
+            images = World(world.scene, robot=world.robot, body=proposal.point).look(now.theta_demo, now.theta)
+        return EditedPoints(True, information, proposal, images, self._searching)
 
     def save(self) -> None:
         """The scene as it is, with the points by hand alone if there are any."""

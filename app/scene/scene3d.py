@@ -20,7 +20,7 @@ from . import meshes
 from .arms import Arms, link_name
 from .fixtures import LOOKS, Fixtures, add_floor, add_light
 from .hand_gizmo import HandGizmo
-from .moment import FAR_AWAY, Moment
+from .moment import Moment
 from .nodes import Nodes
 from .picking import picked
 from .proposed import ProposedPoint
@@ -160,10 +160,8 @@ class Scene3D:
         sizes = [POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2]
         radius = size * np.repeat(sizes, len(points) // 2)
         hit = None if self._edited is None else self._surface_at(self._edited, origin, direction)
-        if hit is not None:  # what is behind the surface is not meant
-            depth = (points - origin) @ direction / np.linalg.norm(direction)
-            points = np.where((depth - radius > hit.distance)[:, None], FAR_AWAY, points)
-        i = picked(points, radius, origin, direction, self._client.camera.fov)
+        surface = np.inf if hit is None else hit.distance
+        i = picked(points, radius, origin, direction, self._client.camera.fov, surface)
         if i is not None:
             self._queue.put(ChoosePoint(i % (len(points) // 2)))
         elif hit is not None:

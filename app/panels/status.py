@@ -61,8 +61,9 @@ def _said(state: PageState) -> Said:
         return Said("message", state.message)
     if busy is not None:
         return Said(*busy)
-    if state.points.information is not None and not state.playing:
-        points, joints = state.points, session.scene.moving_joints
+    points = state.points
+    if points.information is not None and not state.playing:
+        joints = session.scene.moving_joints
         return Said("editing", describe_edited(joints, points.information, points.proposal, points.searching))
     if state.see_through is not None:
         return Said("see-through", describe_see_through(session.scene, state.see_through))

@@ -22,7 +22,7 @@ FEWEST = 3
 @dataclass(frozen=True)
 class Body:
     """Which body, by what cameras: robot, by name or path; joints: numbers from 1 of those that move, span_deg: how far
-    each can turn; points, camera and undistort as in `Settings`."""
+    each can turn; points, camera and undistort as in `Settings`; layout: which points, "" for one of the scene's."""
 
     robot: str
     joints: tuple[int, ...]
@@ -30,6 +30,7 @@ class Body:
     points: int
     camera: str
     undistort: tuple[float, float]
+    layout: str = ""
 
     def require(self, other: "Body") -> None:
         """Raises ValueError for another body, with what differs."""
@@ -107,6 +108,7 @@ def _body_image(table: dict[str, NDArray]) -> BodyImage:
         points=int(table["points"]),
         camera=str(table["camera"]),
         undistort=_numbers(table["undistort"], float),
+        layout=str(table["layout"]) if "layout" in table else "",
     )
     noise_px, (K, m) = float(table["noise_px"]), (len(displacement), len(body.joints))
     N = own.shape[1] if own.ndim == 3 else 0

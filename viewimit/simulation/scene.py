@@ -1,5 +1,6 @@
 """Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.distortion import Radial
+from ..settings import BodyPoint
 from .camera import StereoHead
 from .lens import Lens
 from .robot import BodyPoints, Robot
@@ -86,7 +88,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     head: Head
     demonstrator: Base
     learner: Base
-    points: dict[str, tuple[tuple[int, float, float, float], ...]]
+    points: dict[str, tuple[BodyPoint, ...]]
     size: float = 1.0
 
     @property
@@ -151,13 +153,15 @@ def load_scene(
     robot: str | Path | None = None,
     joints: tuple[int, ...] | None = None,
     undistort: tuple[float, float] | None = None,
+    body_points: Sequence[BodyPoint] | None = None,
 ) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
     scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
-    robot's limits and start at rest. undistort: (k1, k2) in place of the head's.
+    robot's limits and start at rest. undistort: (k1, k2) in place of the head's. body_points: the only layout, in place
+    of the scene's.
     Raises ValueError that names the file and the field.
     """
     require_urdf(name)
@@ -177,6 +181,8 @@ def load_scene(
         scene = msgspec.structs.replace(scene, robot=robot)
         if undistort is not None:
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
+        if body_points is not None:
+            scene = msgspec.structs.replace(scene, points={str(len(body_points)): tuple(body_points)})
         _check(scene)
         scene = scene if joints is None else _freed(scene, joints)
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
@@ -324,5 +330,7 @@ def _check(scene: Scene) -> None:
             raise ValueError(f"points.{count} has {len(layout)} points")
         if any(not 0 <= link <= n for link, *_ in layout):
             raise ValueError(f"points.{count}: links are 0 … {n}")
+        if not np.isfinite(np.array(layout, float)).all():
+            raise ValueError(f"points.{count}: not all numbers are finite")
     scene.require_posture(np.radians(scene.posture_deg)[scene.moving], "demonstrator's")
     scene.require_posture(np.radians(scene.start_deg), "learner's start")

@@ -1,42 +1,49 @@
 """Sessions in one SQLite file of this user's, shared by the processes of a server."""
 
 import contextlib
+import logging
 import sqlite3
 import threading
 import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from .store import KEPT_S
+from .store import KEPT_S, MOST_BYTES
+
+LOCKED_S = 1.0  # that another process may hold the file
+log = logging.getLogger(__name__)
 
 
 class SqliteStore:
-    """One file, sessions.sqlite, which only its user may read."""
+    """One file, sessions.sqlite, which only its user may read. most_bytes: of all sessions in it."""
 
-    def __init__(self, folder: Path, clock=time.time):
-        self._clock, self._lock = clock, threading.Lock()
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        path = folder / "sessions.sqlite"
-        try:
-            path.touch(0o600)
-            self._file = sqlite3.connect(path, timeout=5.0, isolation_level=None, check_same_thread=False)
-            self._file.execute("PRAGMA journal_mode = WAL")
-            self._file.execute("PRAGMA synchronous = NORMAL")
-            self._file.execute("PRAGMA foreign_keys = ON")
-            self._file.execute("CREATE TABLE IF NOT EXISTS session (key TEXT PRIMARY KEY, writer TEXT, seen REAL)")
-            self._file.execute(
-                "CREATE TABLE IF NOT EXISTS part (key TEXT REFERENCES session ON DELETE CASCADE, name TEXT, data BLOB, "
-                "PRIMARY KEY (key, name)) WITHOUT ROWID"
-            )
-        except sqlite3.Error as error:
-            raise OSError(f"cannot keep sessions in {path}: {error}") from None
+    def __init__(self, folder: Path, clock=time.time, most_bytes: int = MOST_BYTES):
+        self._clock, self._lock, self._most_bytes = clock, threading.Lock(), most_bytes
+        self._path = folder / "sessions.sqlite"
+        self._open()
         self.touch(())
 
     def claim(self, key: str, writer: str) -> dict[str, bytes]:
         with self._transaction() as run:
             self._remove_old(run)
             run("UPDATE session SET writer = ?, seen = ? WHERE key = ?", (writer, self._clock(), key))
-            return dict(run("SELECT name, data FROM part WHERE key = ?", (key,)).fetchall())
+            return self._parts(run, key)
+
+    def read(self, key: str) -> dict[str, bytes]:
+        with self._using() as run:
+            return self._parts(run, key)
+
+    def names(self, key: str) -> set[str]:
+        with self._using() as run:
+            return {name for (name,) in run("SELECT name FROM part WHERE key = ?", (key,))}
+
+    def set_aside(self, key: str) -> None:
+        aside = f"aside {key}"
+        with self._transaction() as run:
+            run("DELETE FROM session WHERE key = ?", (aside,))
+            run("INSERT INTO session SELECT ?, '', seen FROM session WHERE key = ?", (aside, key))
+            run("UPDATE part SET key = ? WHERE key = ?", (aside, key))
+            run("DELETE FROM session WHERE key = ?", (key,))
 
     def save(self, key: str, writer: str, parts: dict[str, bytes], gone: Iterable[str] = ()) -> bool:
         with self._transaction() as run:
@@ -48,6 +55,7 @@ class SqliteStore:
                 run("DELETE FROM part WHERE key = ? AND name = ?", (key, name))
             for name, data in parts.items():
                 run("INSERT OR REPLACE INTO part VALUES (?, ?, ?)", (key, name, data))
+            self._make_room(run, key)
             return True
 
     def touch(self, keys: Iterable[str]) -> None:
@@ -60,16 +68,63 @@ class SqliteStore:
         with self._lock:
             self._file.close()
 
+    def _open(self) -> None:
+        """Raises OSError."""
+        path = self._path
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        try:
+            path.touch(0o600)
+            self._file = sqlite3.connect(path, timeout=LOCKED_S, isolation_level=None, check_same_thread=False)
+            self._inode = path.stat().st_ino
+            self._file.execute("PRAGMA journal_mode = WAL")
+            self._file.execute("PRAGMA synchronous = NORMAL")
+            self._file.execute("PRAGMA foreign_keys = ON")
+            self._file.execute("CREATE TABLE IF NOT EXISTS session (key TEXT PRIMARY KEY, writer TEXT, seen REAL)")
+            self._file.execute(
+                "CREATE TABLE IF NOT EXISTS part (key TEXT REFERENCES session ON DELETE CASCADE, name TEXT, data BLOB, "
+                "PRIMARY KEY (key, name)) WITHOUT ROWID"
+            )
+        except sqlite3.Error as error:
+            raise OSError(f"cannot keep sessions in {path}: {error}") from None
+
+    def _open_again_if_deleted(self) -> None:
+        """What is written into a file without a name is lost with its last process."""
+        with contextlib.suppress(FileNotFoundError):
+            if self._path.stat().st_ino == self._inode:
+                return
+        log.warning("%s was deleted; sessions are written anew", self._path)
+        self._file.close()
+        self._open()
+
+    @staticmethod
+    def _parts(run, key: str) -> dict[str, bytes]:
+        return dict(run("SELECT name, data FROM part WHERE key = ?", (key,)).fetchall())
+
+    def _make_room(self, run, key: str) -> None:
+        """Remove the oldest of the other sessions until those that are left are not too large."""
+        number = lambda name: run(f"PRAGMA {name}").fetchone()[0]
+        while (number("page_count") - number("freelist_count")) * number("page_size") > self._most_bytes:
+            oldest = run("SELECT key FROM session WHERE key != ? ORDER BY seen LIMIT 1", (key,)).fetchone()
+            if oldest is None:
+                break
+            run("DELETE FROM session WHERE key = ?", oldest)
+
     def _remove_old(self, run) -> None:
         run("DELETE FROM session WHERE seen < ?", (self._clock() - KEPT_S,))
 
     @contextlib.contextmanager
-    def _transaction(self):
-        """All or nothing. Raises OSError."""
+    def _using(self):
+        """Raises OSError."""
         with self._lock:
             try:
-                with self._file:  # commits, or rolls back
-                    self._file.execute("BEGIN IMMEDIATE")
-                    yield self._file.execute
+                self._open_again_if_deleted()
+                yield self._file.execute
             except sqlite3.Error as error:
                 raise OSError(f"the store of sessions: {error}") from None
+
+    @contextlib.contextmanager
+    def _transaction(self):
+        """All or nothing. Raises OSError."""
+        with self._using() as run, self._file:  # commits, or rolls back
+            run("BEGIN IMMEDIATE")
+            yield run

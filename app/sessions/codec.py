@@ -109,7 +109,12 @@ class _Packer:
             return [SETTINGS, msgspec.to_builtins(one)]
         if self._classes.get(type(one).__name__) is not type(one):
             raise TypeError(f"cannot keep a {type(one).__name__}")
-        return [type(one).__name__, {name: self.value(item) for name, item in _fields(one).items()}]
+        fields = _fields(one)
+        try:
+            require_fields(type(one), fields)
+        except ValueError as error:  # which nobody could go on with
+            raise TypeError(f"cannot keep it: {error}") from None
+        return [type(one).__name__, {name: self.value(item) for name, item in fields.items()}]
 
 
 def _classes() -> dict[str, type]:

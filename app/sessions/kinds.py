@@ -40,6 +40,8 @@ def fits(value: Any, hint: Any) -> bool:
     if hint in NUMBERS:
         return isinstance(value, NUMBERS[hint]) and (hint is bool or not isinstance(value, TRUTH))
     kind = origin or hint
+    if kind is np.ndarray and isinstance(value, np.generic):  # numpy makes these of arrays without dimensions
+        return True
     return kind in type(value).__mro__ if isinstance(kind, type) else True
 
 

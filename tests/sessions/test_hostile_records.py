@@ -206,6 +206,14 @@ def test_a_redis_with_other_records_ends_no_writing(redis_url, record, kept, key
     again.stop()
 
 
+def test_a_redis_knows_other_writers_by_their_bytes(redis_url, key):
+    import redis
+
+    with redis.Redis.from_url(redis_url) as there, contextlib.closing(open_store(redis_url)) as store:
+        there.hset(f"viewimit:{key}", b"writer", b"\xff")
+        assert store.save(key, "a", {"0": b"x"}) is False
+
+
 def test_a_page_refuses_moments_of_another_arm(kept):
     seven = Session(Settings(joints=tuple(range(1, 8))))
     others = tuple(moment.with_fields(settings=BEGUN) for moment in seven.history)

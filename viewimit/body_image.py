@@ -4,7 +4,6 @@ Postures are told by how far each joint is from its lower limit, which the learn
 the same whatever posture an imitation begins in.
 """
 
-import zipfile
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .reading import read_npz
 from .servo.visit import Visit
 
 CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
@@ -80,22 +80,11 @@ class BodyImage:
     def load(cls, path: Path) -> "BodyImage":
         """Raises OSError, or ValueError that names the file and what is wrong with it."""
         try:
-            return _body_image(_table(path))
+            return _body_image(read_npz(path))
         except KeyError as error:
             raise ValueError(f"{path}: no body image, {error} is missing; `viewimit rehearse` makes one") from None
         except (ValueError, TypeError) as error:
             raise ValueError(f"{path}: no body image: {error}; `viewimit rehearse` makes one") from None
-
-
-def _table(path: Path) -> dict[str, NDArray]:
-    """Raises OSError, or ValueError for what is no .npz file of arrays."""
-    try:
-        with zipfile.ZipFile(path):
-            pass  # np.load would take other files for what they are not
-        with np.load(path) as file:
-            return {name: file[name] for name in file.files}
-    except (zipfile.BadZipFile, EOFError, ValueError):
-        raise ValueError("not an .npz file of numbers") from None
 
 
 def _body_image(table: dict[str, NDArray]) -> BodyImage:

@@ -221,6 +221,12 @@ class PageModel:
         self.view = replace(self.view, chosen=memory.head.chosen)
         self.begin_anew()
 
+    def require_fit(self) -> None:
+        """Raises ValueError if the session's moments are of another arm or other points than its scene's."""
+        session, present = self.session, self.session.snapshot
+        if present.theta.shape != session.embodiment.lower.shape or len(present.views.demo) != len(session.world.body):
+            raise ValueError("its moments are not of this scene")
+
     def begin_like(self, memory: SavedSession) -> None:
         """By points from where a session that was kept stands, until its first camera images are there."""
         self.session.begin(on_points(memory.history[memory.head.cursor].settings))

@@ -21,7 +21,7 @@ from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
-from ..page import LEAVES_WITHIN, Page
+from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..sessions.autosave import Autosave
@@ -118,7 +118,7 @@ class App:
         address = None if token is None else self._touches.new_address()
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         try:
-            page = Page(client, self.services, self._settings, keep, place.memory, address)
+            page = self._page(client, key, keep, place.memory, address)
         except Exception as error:
             if key:
                 self._keys.leave(key)
@@ -134,6 +134,18 @@ class App:
             self._touches.open(address, page.touch, token)
         if client.client_id not in self._server.get_clients():  # it closed before this callback ran
             self._retire(client.client_id)
+
+    def _page(self, client: viser.ClientHandle, key: str | None, keep, resumed, address: str | None) -> Page:
+        """What was kept goes on, or the page says why it does not."""
+        try:
+            page = Page(client, self.services, self._settings, keep, resumed, address)
+        except CannotResume as error:
+            if key is not None:
+                self._autosave.set_aside(key, str(error))
+            page = Page(client, self.services, self._settings, keep, None, address)
+        if key is not None and (why := self._autosave.lost(key)) is not None:
+            page.say(why)
+        return page
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         self._retire(client.client_id)

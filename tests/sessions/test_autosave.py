@@ -113,6 +113,15 @@ class CountingStore:
     def claim(self, key, writer):
         return dict(self.parts)
 
+    def read(self, key):
+        return dict(self.parts)
+
+    def names(self, key):
+        return set(self.parts)
+
+    def set_aside(self, key):
+        self.parts.clear()
+
     def save(self, key, writer, parts, gone=()):
         self.parts |= parts
         self.writes.update(parts.keys())

@@ -1,9 +1,12 @@
 """viewimit serve: the page."""
 
 import argparse
+import os
 import sys
 
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
+
+STORE = "VIEWIMIT_STORE"  # environment variable, in place of --store
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -24,7 +27,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--store",
         metavar="DIR|URL",
-        help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT",
+        help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT; an "
+        f"address with a password is better said by the environment variable {STORE}, which other users do not see",
     )
     parser.add_argument(
         "--workers",
@@ -39,12 +43,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args)
     from ..app.serve import ServerOptions, serve, usual_workers  # the one place below the page that knows it
+    from ..app.server.origins import require_origin
     from ..app.sessions.stores import open_store
 
-    with naming("--store"):
-        open_store(args.store).close()
+    with naming("--origin"):
+        for origin in args.origin:
+            require_origin(origin)
+    store = args.store or os.environ.get(STORE) or None
+    with naming("--store" if args.store or not store else STORE):
+        open_store(store).close()
     workers = args.workers or usual_workers(args.host)
-    options = ServerOptions(settings, args.store, args.max_clients, tuple(args.origin), workers)
+    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

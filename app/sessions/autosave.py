@@ -254,7 +254,9 @@ class Autosave:
 
     def _renew(self) -> None:
         with self._changed:
-            all_written = {key: written for key, written in self._written.items() if written.renewed and written.claimed}
+            all_written = {
+                key: written for key, written in self._written.items() if written.renewed and written.claimed
+            }
         all_written = {key: written for key, written in all_written.items() if written.there()}
         try:
             lost = self._store.renew({key: written.writer for key, written in all_written.items()})

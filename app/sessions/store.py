@@ -14,8 +14,8 @@ LEASE_S, RENEW_EVERY = 5.0, 1.0  # s, by the clock of the store
 
 
 class Store(Protocol):
-    """Methods may be called from any thread, and raise OSError if the store does not do what they ask. `claim` and `read`
-    raise ValueError for what is no session's."""
+    """Methods may be called from any thread, and raise OSError if the store does not do what they ask; `claim` and
+    `read` raise ValueError for what is no session's."""
 
     def claim(self, key: str, writer: str) -> dict[str, bytes] | None:
         """Lease a session to `writer`, who alone may write it from now on → its parts, none of a new one; None: it is

@@ -48,6 +48,11 @@ class _Written:
     unread: bool = False
     lost: str | None = None
 
+    @property
+    def memory(self) -> SavedSession | None:
+        """What the store has; None if that is nothing."""
+        return None if self.head is None else SavedSession(self.head, self.history)
+
     def forget(self) -> None:
         """All of it has to be written."""
         self.head, self.history, self.sizes = None, (), {}
@@ -71,6 +76,7 @@ class Autosave:
         self._busy: str | None = None  # key that is being written
         self._written: dict[str, _Written] = {}
         self._leaving: set[str] = set()  # keys whose page is gone, and that are still to be written
+        self._going: set[str] = set()  # whose leases are given back just now
         self._problems: dict[str, str] = {}
         self._stopped = self._unrenewed = False
         self._thread = threading.Thread(target=self._run, name="viewimit-autosave", daemon=True)
@@ -91,22 +97,21 @@ class Autosave:
         What cannot be read is set aside, and `lost` says why. Raises Held if another process has it.
         """
         until = time.monotonic() + self._within
-        self.forget(key)
+        self.flush(key)
         with self._changed:
-            self._changed.wait_for(lambda: key not in self._leaving, self._within)
-            memory = self._waiting.get(key)  # the store has not taken it in time: what it has is older
-            before = self._written.get(key)
-        if memory is not None and memory.head.begun == begun and before is not None:
-            written = before  # its lease goes on
-            written.there, written.renewed = there, True
-        else:
-            written = _Written(secrets.token_hex(8), there)
-            memory = self._read(key, written, begun, until)
-        with self._changed:
-            if written is not before:
-                self._waiting.pop(key, None)
-            self._written[key] = written
+            self._changed.wait_for(lambda: key not in self._going, max(until - time.monotonic(), 0.0))
             self._leaving.discard(key)
+            written = self._written.get(key)
+            if written is not None and not written.taken and written.claimed:
+                written.there, written.renewed = there, True  # its lease goes on
+                memory = self._waiting.get(key, written.memory)  # which the store may not have taken in time
+                if memory is not None and memory.head.begun == begun:
+                    return memory
+        written = _Written(secrets.token_hex(8) if written is None else written.writer, there)
+        memory = self._read(key, written, begun, until)
+        with self._changed:
+            self._waiting.pop(key, None)
+            self._written[key] = written
         return memory
 
     def lost(self, key: str) -> str | None:
@@ -147,6 +152,7 @@ class Autosave:
         """The page is gone: once what was handed over is written, its lease is given back, and nothing is known of it
         here. What was kept stays for half an hour, for whoever claims it."""
         with self._changed:
+            self._problems.pop(key, None)
             if key in self._written:
                 self._leaving.add(key)
                 self._changed.notify_all()
@@ -219,6 +225,8 @@ class Autosave:
                 self._changed.notify_all()
                 self._changed.wait_for(self._has_to_do, max(due - time.monotonic(), 0.0))
                 ends = self._stopped and not self._waiting
+                if ends:
+                    self._leaving.update(self._written)
                 if self._waiting:
                     self._busy = next(iter(self._waiting))
                     memory, written = self._waiting.pop(self._busy), self._written.get(self._busy)
@@ -237,19 +245,19 @@ class Autosave:
     def _leave(self) -> None:
         """Know nothing any more of pages that are gone and written, and give their leases back."""
         with self._changed:
-            gone = [key for key in self._leaving if key not in self._waiting]
-            leases = [(key, self._written[key].writer) for key in gone if key in self._written]
-        for key, writer in leases:
+            self._going = {key for key in self._leaving if key not in self._waiting}
+            self._leaving -= self._going
+            gone = {key: self._written.pop(key, None) for key in self._going}
+            for key in gone:
+                self._problems.pop(key, None)
+        for key, written in gone.items():
             try:
-                self._store.release(key, writer)
+                if written is not None and written.claimed:
+                    self._store.release(key, written.writer)
             except Exception as error:  # as in writing
                 log.warning("a session is free only after a while: %s", error)
         with self._changed:
-            for key in gone:
-                if key in self._leaving:  # nobody has claimed it meanwhile
-                    self._leaving.discard(key)
-                    self._written.pop(key, None)
-                    self._problems.pop(key, None)
+            self._going = set()
             self._changed.notify_all()
 
     def _renew(self) -> None:

@@ -49,18 +49,17 @@ class RedisStore:
             raise OSError(f"cannot reach the Redis: {error}") from None
 
     def claim(self, key: str, writer: str) -> dict[str, bytes] | None:
-        def claim(pipe) -> dict[bytes, bytes] | None:
-            leased, fields = pipe.exists(_lease(key)), pipe.hgetall(_name(key))
+        def claim(pipe) -> dict[str, bytes] | None:
+            leased, parts = pipe.exists(_lease(key)), _parts(pipe.hgetall(_name(key)))
             pipe.multi()
             if leased:
                 return None
             pipe.set(_lease(key), writer, px=LEASE_MS)
             pipe.hset(_name(key), WRITER, writer)
             pipe.expire(_name(key), KEPT_S)
-            return fields
+            return parts
 
-        fields = self._run(claim, key)
-        return None if fields is None else _parts(fields)
+        return self._run(claim, key)
 
     def held(self, keys: Iterable[str]) -> dict[str, float]:
         keys = list(keys)

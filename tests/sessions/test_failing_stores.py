@@ -135,10 +135,10 @@ def test_a_redis_that_hangs_is_given_up(tmp_path, kept):
 
 
 def test_a_file_that_somebody_else_writes_is_read(tmp_path, kept):
-    autosave = Autosave(SqliteStore(tmp_path))
-    autosave.claim(KEY, BEGUN)
-    autosave.keep(KEY, kept)
-    autosave.flush(KEY)
+    before, autosave = (Autosave(SqliteStore(tmp_path)) for _ in range(2))
+    before.claim(KEY, BEGUN)
+    before.keep(KEY, kept)
+    before.stop()
     with contextlib.closing(sqlite3.connect(tmp_path / "sessions.sqlite", isolation_level=None)) as file:
         file.execute("BEGIN IMMEDIATE")
         with within(ANSWERS_WITHIN + 0.5):
@@ -156,10 +156,10 @@ def test_a_file_that_somebody_else_writes_is_read(tmp_path, kept):
 def test_a_full_redis_is_read(redis_url, kept):
     import redis
 
-    autosave = Autosave(open_store(redis_url))
-    autosave.claim(KEY, BEGUN)
-    autosave.keep(KEY, kept)
-    autosave.flush(KEY)
+    before, autosave = (Autosave(open_store(redis_url)) for _ in range(2))
+    before.claim(KEY, BEGUN)
+    before.keep(KEY, kept)
+    before.stop()
     with redis.Redis.from_url(redis_url) as there:
         there.config_set("maxmemory", 1)
         try:
@@ -198,7 +198,7 @@ def test_the_oldest_of_a_file_make_room(tmp_path):
     for k in range(12):
         now[0] = k
         assert store.save(f"session {k}", "a", {"0": bytes(PART)})
-        store.touch(["session 0"])
+        store.renew({"session 0": "a"})
     there = [k for k in range(12) if store.names(f"session {k}")]
     assert there == [0, 8, 9, 10, 11]  # as many as fit
     store.close()

@@ -19,44 +19,44 @@ from .. import viser_private
 from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
 from .cookie import cookie_for, token_of
+from .limits import Limits
 from .origins import is_own_page
 from .page_head import with_own_head
+from .pending_connections import PendingConnections
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .seat_counts import SeatCounts
 from .touches import ROOT, NotTouched, Touches
 
-PING_EVERY, PONG_WITHIN = 15.0, 15.0  # s: one that does not take what is sent does not answer either
-CLOSED_WITHIN = 2.0  # s that a client is given to say goodbye
 log = logging.getLogger(__name__)
 
-FULL = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
+NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
 <title>viewimit: all seats are taken</title>
 <body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
-<h1>All seats are taken</h1><p>{count} tabs are open here, which is as many as there is room for. This page tries again
-every few seconds; close a tab elsewhere to make room.</p></body></html>"""
+<h1>All seats are taken</h1><p>{why}. This page tries again every few seconds; close a tab elsewhere to make room.</p>
+</body></html>"""
 
 
 class AccessControl:
-    """`serve` stands for websockets' own. max_clients: tabs at a time; origins: pages elsewhere that may connect, as
+    """`serve` stands for websockets' own. limits: of this process; origins: pages elsewhere that may connect, as
     scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
     its own. touches: where its pages' links lead.
     """
 
     def __init__(
         self,
-        max_clients: int,
+        limits: Limits,
         origins: Iterable[str],
         counts: SeatCounts,
         worker: int = 0,
         listening: socket.socket | None = None,
     ):
-        self._max_clients, self._origins = max_clients, frozenset(origins)
+        self.limits, self._origins = limits, frozenset(origins)
         self._counts, self._own, self._listening = counts, counts.rows[worker], listening
         self.touches = Touches(worker)
         self._server: ViserServer | None = None
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
-        self.opened = 0  # connections that have no seat yet
+        self.pending = PendingConnections(limits.pending, limits.pending_of_one)
         self._log = QuietLog(log, TokenBucket(LINES_A_SECOND, LINES_AT_ONCE))
 
     def guard(self, server: ViserServer) -> None:
@@ -77,9 +77,9 @@ class AccessControl:
                 "process_request": lambda connection, request: self._answer(connection, request, process_request),
                 "create_connection": connect,
                 "max_size": MOST_MESSAGE,
-                "ping_interval": PING_EVERY,
-                "ping_timeout": PONG_WITHIN,
-                "close_timeout": CLOSED_WITHIN,
+                "ping_interval": self.limits.ping_every,
+                "ping_timeout": self.limits.pong_within,
+                "close_timeout": self.limits.closed_within,
                 "server_header": None,
             },
         )
@@ -101,7 +101,11 @@ class AccessControl:
 
     @property
     def full(self) -> bool:
-        return len(self.seats) >= self._max_clients
+        return len(self.seats) >= self.limits.seats
+
+    def full_for(self, address: int) -> bool:
+        """Whether as many tabs are open from there as one address may have."""
+        return self._counts.seats_of(address) >= self.limits.seats_of_one
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         """A response, or None: take the websocket. Who comes before all is ready waits."""
@@ -118,9 +122,13 @@ class AccessControl:
             return self._refuse_seat(connection, request)
         is_page = response.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
-            response = _response(
-                http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=self._counts.seats), "text/html"
+            why = f"{self._counts.seats} tabs are open here, which is as many as there is room for"
+            response = _response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
+        elif is_page and self.full_for(connection.network):
+            why = (
+                f"{self.limits.seats_of_one} tabs are open from your address, which is as many as one address may have"
             )
+            response = _response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:
             with_own_head(response)
             if token_of(request.headers) is None:
@@ -142,17 +150,24 @@ class AccessControl:
             self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
             return _response(http.HTTPStatus.FORBIDDEN, "not from there")
         if self.full:
-            self.note(connection, f"a seat: all {self._max_clients} are taken")
+            self.note(connection, f"a seat: all {self.limits.seats} are taken")
             return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
+        if self.full_for(connection.network):
+            most = self.limits.seats_of_one
+            self.note(connection, f"a seat: its address has {most} already; --max-per-address allows more")
+            return _response(http.HTTPStatus.TOO_MANY_REQUESTS, "all seats of one address are taken")
+        self.pending.discard(connection)
         self.seats.add(connection)
-        self._own.seats = len(self.seats)
+        self._own.take(connection.network)
         connection.take_seat(token_of(request.headers))
         return None
 
     def leave(self, connection: GuardedConnection) -> None:
         """It has ended."""
-        self.seats.discard(connection)
-        self._own.seats = len(self.seats)
+        self.pending.discard(connection)
+        if connection in self.seats:
+            self.seats.discard(connection)
+            self._own.leave(connection.network)
         self._own.ended += 1
 
     def _tell_health(self) -> Response:

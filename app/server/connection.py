@@ -10,23 +10,26 @@ from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 
 from . import message_schema
+from .client_address import network_of
+from .limits import Limits
 from .message_schema import Hostile, Refused
+from .pending_connections import PendingConnections
 from .rate_limits import TokenBucket
+from .unsent import Unsent
 from .validation import PART, MessageValidator
 
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
 REFUSALS_A_SECOND, REFUSALS_AT_ONCE = 0.5, 20  # messages that are dropped, before the client is closed
-PAGE_WITHIN = 30.0  # s from the handshake to the first camera message
 UNSENT = 1 << 18  # bytes that the system keeps for a client that is slow to take them
-OPEN_FILES = 200  # connections at a time that are no seats yet, such as page loads
+LOOKS = 4  # at what waits for a client, in the time in which it must take something of it
 
 
 class Host(Protocol):
-    """What a connection asks of the server that it belongs to. opened: connections of any kind; seats: of clients."""
+    """What a connection asks of the server that it belongs to."""
 
-    opened: int
-    seats: set["GuardedConnection"]
+    limits: Limits
+    pending: PendingConnections
 
     def note(self, connection: "GuardedConnection", what: str) -> None: ...
 
@@ -38,17 +41,21 @@ class Host(Protocol):
 
 
 class GuardedConnection(ServerConnection):
-    """A connection whose `recv` returns messages that were checked only. token: of its browser, None without one."""
+    """A connection whose `recv` returns messages that were checked only. token: of its browser, None without one;
+    network: where it comes from."""
 
     def __init__(self, host: Host, *args, **limits):
         super().__init__(*args, **limits)
         self._host = host
         self.token: str | None = None
+        self.network = network_of(None)
+        self._unsent = Unsent()
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
         self._failing: asyncio.Task | None = None
         self._starts: asyncio.TimerHandle | None = None
+        self._looks: asyncio.TimerHandle | None = None
 
     @property
     def name(self) -> str:
@@ -58,21 +65,49 @@ class GuardedConnection(ServerConnection):
 
     def connection_made(self, transport) -> None:
         super().connection_made(transport)
-        self._host.opened += 1
+        self.network = network_of(self.remote_address)
         transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNSENT)
-        if self._host.opened - len(self._host.seats) > OPEN_FILES:
-            transport.abort()
+        self._host.pending.add(self, self.network, transport.abort)
+        self._look()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._host.opened -= 1
         self._host.leave(self)
-        if self._starts is not None:
-            self._starts.cancel()
+        for timer in (self._starts, self._looks):
+            if timer is not None:
+                timer.cancel()
         super().connection_lost(exc)
 
     def take_seat(self, token: str | None) -> None:
         self.token = token
-        self._starts = self.loop.call_later(PAGE_WITHIN, self._end_if_idle)
+        self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
+
+    def send_data(self) -> None:
+        before = self.transport.get_write_buffer_size()
+        super().send_data()
+        self._unsent.written(before, self.transport.get_write_buffer_size())
+
+    def _look(self) -> None:
+        """Whatever goes on, who takes nothing of what waits is left: closing would wait behind it."""
+        within = self._host.limits.stalled_within
+        if self._unsent.stalled(self.transport.get_write_buffer_size()) >= within:
+            self._host.note(self, f"a client that has taken nothing for {within:g} s; closed")
+            self.transport.abort()
+            return
+        self._looks = self.loop.call_later(within / LOOKS, self._look)
+
+    async def keepalive(self) -> None:
+        """In place of websockets' own, which waits without limit until a ping is on its way."""
+        limits = self._host.limits
+        while True:
+            await asyncio.sleep(limits.ping_every)
+            try:
+                answered = await asyncio.wait_for(self.ping(), limits.written_within)
+                self.latency = await asyncio.wait_for(answered, limits.pong_within)
+            except asyncio.TimeoutError:
+                self._end(CloseCode.INTERNAL_ERROR, "silence: a ping had no answer")
+                return
+            except ConnectionClosed:
+                return
 
     def process_event(self, event) -> None:
         if self.request is not None and not self._frames.take():
@@ -117,10 +152,11 @@ class GuardedConnection(ServerConnection):
             self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def _end(self, code: CloseCode, what: str) -> None:
-        """Say it in the log and close; what comes after is not read any more."""
+        """Say it in the log and close; what comes after is not read any more, and who does not say goodbye is left."""
         if self._failing is None:
             self._host.note(self, f"{what}; closed")
             self._failing = self.loop.create_task(self._fail(code, what))
+            self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
 
     async def _fail(self, code: CloseCode, what: str) -> None:
         try:

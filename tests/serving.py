@@ -20,7 +20,7 @@ import viser
 from viewimit.app import viser_private
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
-from viewimit.app.server.limits import Limits
+from viewimit.app.server.limits.connection_limits import Limits
 from viewimit.app.server.pages import App
 from viewimit.app.server.seat_counts import SeatCounts, WorkerCounts
 from viewimit.app.sessions.autosave import HEAD, Autosave, SavedPage

@@ -19,11 +19,12 @@ from .. import viser_private
 from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
 from .cookie import cookie_for, token_of
-from .limits import Limits
+from .limits.connection_limits import Limits
+from .limits.pending_connections import PendingConnections
 from .origins import is_own_page
 from .page_head import with_own_head
-from .pending_connections import PendingConnections
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
+from .responses import plain_response
 from .seat_counts import SeatCounts
 from .touches import ROOT, NotTouched, Touches
 
@@ -109,53 +110,66 @@ class AccessControl:
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         """A response, or None: take the websocket. Who comes before all is ready waits."""
+        answer = await self._answer_whole(connection, request, viser_answers)
+        if answer is not None and connection.wants_no_body:
+            answer.body = b""
+        return answer
+
+    async def _answer_whole(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         await self._guarded.wait()
         if connection.transport.is_closing():  # it did not
-            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
+            return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
         path = request.path.partition("?")[0]
         if path == "/health":
             return self._tell_health()
         if path.startswith(ROOT):
             return self._touch(connection, request)
-        response = viser_answers(connection, request)
-        if response is None:
+        try:
+            answer = viser_answers(connection, request)
+        except (OSError, ValueError):  # a path that no file can have
+            answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
+        if answer is None:
             return self._refuse_seat(connection, request)
-        is_page = response.headers.get("Content-Type", "").startswith("text/html")
+        if answer.status_code == http.HTTPStatus.NOT_FOUND:
+            answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
+        is_page = answer.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
             why = f"{self._counts.seats} tabs are open here, which is as many as there is room for"
-            response = _response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
+            answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
         elif is_page and self.full_for(connection.network):
             why = (
                 f"{self.limits.seats_of_one} tabs are open from your address, which is as many as one address may have"
             )
-            response = _response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
+            answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:
-            with_own_head(response)
+            with_own_head(answer)
             if token_of(request.headers) is None:
-                response.headers["Set-Cookie"] = cookie_for(request.headers)
-        _describe(response.headers, request.headers.get("Host", ""))
-        return response
+                answer.headers["Set-Cookie"] = cookie_for(request.headers)
+        _describe(answer.headers, request.headers.get("Host", ""))
+        return answer
 
     def _touch(self, connection: GuardedConnection, request: Request) -> Response:
+        if connection.wants_no_body:
+            return plain_response(http.HTTPStatus.METHOD_NOT_ALLOWED, "a touch is a GET", Allow="GET")
         try:
             self.touches.follow(request.path, request.headers)
         except NotTouched as refusal:
             self.note(connection, str(refusal))
-            return _response(refusal.status, refusal.status.phrase)
-        return _response(http.HTTPStatus.NO_CONTENT, "")
+            return plain_response(refusal.status, refusal.status.phrase)
+        return plain_response(http.HTTPStatus.NO_CONTENT, "")
 
     def _refuse_seat(self, connection: GuardedConnection, request: Request) -> Response | None:
         origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
             self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
-            return _response(http.HTTPStatus.FORBIDDEN, "not from there")
+            return plain_response(http.HTTPStatus.FORBIDDEN, "not from there")
         if self.full:
             self.note(connection, f"a seat: all {self.limits.seats} are taken")
-            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
+            return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
         if self.full_for(connection.network):
             most = self.limits.seats_of_one
             self.note(connection, f"a seat: its address has {most} already; --max-per-address allows more")
-            return _response(http.HTTPStatus.TOO_MANY_REQUESTS, "all seats of one address are taken")
+            return plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, "all seats of one address are taken")
         self.pending.discard(connection)
         self.seats.add(connection)
         self._own.take(connection.network)
@@ -174,15 +188,7 @@ class AccessControl:
         well = self._counts.well
         status = http.HTTPStatus.OK if well else http.HTTPStatus.SERVICE_UNAVAILABLE
         told = {"status": "ok" if well else "failing", "clients": self._counts.seats, "workers": len(self._counts.rows)}
-        return _response(status, json.dumps(told) + "\n", "application/json")
-
-
-def _response(status: http.HTTPStatus, text: str, kind: str = "text/plain") -> Response:
-    body = text.encode()
-    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body))})
-    headers["Connection"] = "close"
-    headers["Cache-Control"] = "no-store"
-    return Response(status.value, status.phrase, headers, body)
+        return plain_response(status, json.dumps(told) + "\n", "application/json")
 
 
 def _describe(headers: Headers, host: str) -> None:
@@ -191,4 +197,6 @@ def _describe(headers: Headers, host: str) -> None:
     headers["X-Content-Type-Options"] = "nosniff"
     headers["Referrer-Policy"] = "no-referrer"
     headers["Cross-Origin-Opener-Policy"] = "same-origin"
-    headers["Cache-Control"] = "no-cache"
+    for name, value in (("Cache-Control", "no-cache"), ("Connection", "close")):
+        headers.pop(name, None)  # to set one that is there would add to it
+        headers[name] = value

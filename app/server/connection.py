@@ -2,20 +2,24 @@
 
 import asyncio
 import socket
+from http import HTTPStatus
 from typing import Any, Protocol
 
 from viser import ClientHandle
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
+from websockets.protocol import State
 
 from . import message_schema
-from .client_address import network_of
-from .limits import Limits
+from .limits.client_address import network_of
+from .limits.connection_limits import Limits
+from .limits.pending_connections import PendingConnections
+from .limits.unsent import Unsent
 from .message_schema import Hostile, Refused
-from .pending_connections import PendingConnections
 from .rate_limits import TokenBucket
-from .unsent import Unsent
+from .request_head import METHODS, NotAnswered, RequestHead, read_head
+from .responses import plain_response
 from .validation import PART, MessageValidator
 
 MOST_MESSAGE = PART + 4096  # bytes
@@ -50,12 +54,20 @@ class GuardedConnection(ServerConnection):
         self.token: str | None = None
         self.network = network_of(None)
         self._unsent = Unsent()
+        self._received = b""  # of a request that has not come as a whole
+        self._head: RequestHead | None = None
+        self._refused = False
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
         self._failing: asyncio.Task | None = None
         self._starts: asyncio.TimerHandle | None = None
         self._looks: asyncio.TimerHandle | None = None
+
+    @property
+    def wants_no_body(self) -> bool:
+        """Whether its request is for the head of an answer."""
+        return self._head is not None and not self._head.of_body
 
     @property
     def name(self) -> str:
@@ -80,6 +92,45 @@ class GuardedConnection(ServerConnection):
     def take_seat(self, token: str | None) -> None:
         self.token = token
         self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
+
+    def data_received(self, data: bytes) -> None:
+        if self._head is not None:
+            super().data_received(data)
+        elif not self._refused:
+            self._received += data
+            self._begin()
+
+    def _begin(self) -> None:
+        """Once all of a request's head has come."""
+        try:
+            self._head = read_head(self._received)
+        except NotAnswered as refusal:
+            self._refuse(refusal)
+            return
+        if self._head is not None:
+            self._received = b""
+            super().data_received(self._head.plain)
+
+    def eof_received(self) -> bool | None:  # type: ignore[override]  # asyncio takes an answer, websockets gives none
+        """Who has sent all of a request may end its side, and is answered yet; True: the connection stays."""
+        if self._refused:
+            return False  # it is closed once the answer is sent
+        if self._head is not None and not self._head.websocket and self.protocol.state is State.CONNECTING:
+            return True
+        return super().eof_received()
+
+    def _refuse(self, refusal: NotAnswered) -> None:
+        """Say why, and read no more. It is not closed at once, or what the client still sends would undo the answer."""
+        self._refused = True
+        self._host.note(self, str(refusal))
+        allow = {"Allow": METHODS} if refusal.status == HTTPStatus.METHOD_NOT_ALLOWED else {}
+        answer = plain_response(refusal.status, str(refusal) + "\n", **allow)
+        if self._received.startswith(b"HEAD "):
+            answer.body = b""
+        self._received = b""
+        self.transport.write(answer.serialize())
+        self.transport.write_eof()
+        self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
 
     def send_data(self) -> None:
         before = self.transport.get_write_buffer_size()

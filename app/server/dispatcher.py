@@ -12,15 +12,15 @@ from collections.abc import Sequence
 from functools import partial
 from http.client import HTTPException, parse_headers
 
-from .client_address import network_of
 from .cookie import token_of
+from .limits.client_address import network_of
+from .limits.pending_connections import PendingConnections
 from .options import ServerOptions
-from .pending_connections import PendingConnections
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
+from .request_head import MOST_HEAD, is_whole
 from .seat_counts import SeatCounts
 from .touches import worker_of
 
-MOST_HEAD = 1 << 14  # bytes
 HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
 UNPLACED = 200  # connections at a time whose head has not come
 KNOWN = 10_000  # browsers
@@ -112,7 +112,7 @@ async def _head(connection: socket.socket) -> bytes:
     while True:
         await _readable(connection)
         head = connection.recv(MOST_HEAD, socket.MSG_PEEK)
-        if not head or b"\r\n\r\n" in head or len(head) == MOST_HEAD:
+        if not head or is_whole(head) or len(head) == MOST_HEAD:
             return head
         await asyncio.sleep(LOOK_AGAIN)  # it is readable already, so that nothing tells when more has come
 

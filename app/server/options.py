@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from viewimit.settings import Settings
 
-from .limits import Limits
+from .limits.connection_limits import Limits
 
 PENDING = 200  # connections of a process without a seat, such as page loads
 PAGE_CONNECTIONS = 12  # that a browser or two open at once

@@ -10,7 +10,7 @@ from browsing import PAUSE
 from drawn import learners_bars
 from protocol import Client
 from serving import Here, Relay, Server, browser_of, kept_of
-from viewimit.app.server.limits import Limits
+from viewimit.app.server.limits.connection_limits import Limits
 from waiting import stays, wait_until
 
 from viewimit.session import Session

@@ -9,12 +9,12 @@ import viser
 from protocol import VIEW, Client
 from serving import Here, Server
 from viewimit.app.serve import usual_per_address
-from viewimit.app.server.client_address import network_of
-from viewimit.app.server.limits import Limits
+from viewimit.app.server.limits.client_address import network_of
+from viewimit.app.server.limits.connection_limits import Limits
+from viewimit.app.server.limits.pending_connections import PendingConnections
+from viewimit.app.server.limits.unsent import Unsent
 from viewimit.app.server.options import PENDING, ServerOptions
-from viewimit.app.server.pending_connections import PendingConnections
 from viewimit.app.server.seat_counts import SeatCounts
-from viewimit.app.server.unsent import Unsent
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 

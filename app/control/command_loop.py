@@ -12,8 +12,7 @@ from .background import Background
 from .commands.command import Command
 from .page_model import PageModel
 from .queue import CommandQueue
-from .shedding import LoadShedding
-from .time_budget import TimeBudget
+from .shedding import LoadShedding, TimeBudget
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s

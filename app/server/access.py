@@ -10,8 +10,10 @@ import logging
 import socket
 from collections.abc import Callable, Iterable
 
+import viser
 from viser import ClientHandle, ViserServer
 from websockets.datastructures import Headers
+from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.typing import Origin
 
@@ -20,6 +22,7 @@ from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
 from .cookie import cookie_for, token_of
 from .limits.connection_limits import Limits
+from .limits.fault_lines import in_a_line, logger_of
 from .limits.pending_connections import PendingConnections
 from .origins import is_own_page
 from .page_head import with_own_head
@@ -28,6 +31,9 @@ from .responses import plain_response
 from .seat_counts import SeatCounts
 from .touches import ROOT, NotTouched, Touches
 
+FAULTS_A_SECOND = 1.0  # of the machinery, in the log
+VERSION = "viser-v"
+OWN_VERSION = VERSION + viser.__version__  # of the page, as its handshake says it
 log = logging.getLogger(__name__)
 
 NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
@@ -59,6 +65,7 @@ class AccessControl:
         self.seats: set[GuardedConnection] = set()
         self.pending = PendingConnections(limits.pending, limits.pending_of_one)
         self._log = QuietLog(log, TokenBucket(LINES_A_SECOND, LINES_AT_ONCE))
+        self._faults = QuietLog(log, TokenBucket(FAULTS_A_SECOND, 1))
 
     def guard(self, server: ViserServer) -> None:
         """Whose clients pass it; nobody gets a seat before."""
@@ -69,9 +76,22 @@ class AccessControl:
         def connect(protocol, websockets_server, **limits) -> GuardedConnection:
             return GuardedConnection(self, protocol, websockets_server, **limits)
 
+        async def handle(connection: GuardedConnection) -> None:
+            if connection.subprotocol != OWN_VERSION:  # viser would print what it is told
+                theirs = (connection.subprotocol or "unknown").removeprefix(VERSION)[:40]
+                self.note(connection, f"a page of another version, {theirs}")
+                said = f"Version mismatch. Client: {theirs}, Server: {viser.__version__}"  # as viser's page knows it
+                await connection.close(CloseCode.PROTOCOL_ERROR, said)
+                return
+            await handler(connection)
+
+        loop = asyncio.get_running_loop()
+        loop.set_exception_handler(
+            lambda _, context: self._faults.warn(in_a_line(context["message"], context.get("exception")))
+        )
         place = {"host": host, "port": port} if self._listening is None else {"sock": self._listening}
         return plain(
-            handler,
+            handle,
             **place,
             **options
             | {
@@ -82,6 +102,7 @@ class AccessControl:
                 "ping_timeout": self.limits.pong_within,
                 "close_timeout": self.limits.closed_within,
                 "server_header": None,
+                "logger": logger_of(self._faults.warn),
             },
         )
 

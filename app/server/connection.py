@@ -25,6 +25,7 @@ from .validation import PART, MessageValidator
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
 REFUSALS_A_SECOND, REFUSALS_AT_ONCE = 0.5, 20  # messages that are dropped, before the client is closed
+LINES_OF_ONE = 1.0  # a second, that one connection brings into the log
 UNSENT = 1 << 18  # bytes that the system keeps for a client that is slow to take them
 LOOKS = 4  # at what waits for a client, in the time in which it must take something of it
 
@@ -58,6 +59,7 @@ class GuardedConnection(ServerConnection):
         self._head: RequestHead | None = None
         self._refused = False
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
+        self._lines = TokenBucket(LINES_OF_ONE, 1)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
         self._failing: asyncio.Task | None = None
@@ -179,7 +181,8 @@ class GuardedConnection(ServerConnection):
                 self._admit(raw)
                 return raw
             except Refused as refusal:
-                self._host.note(self, str(refusal))
+                if self._lines.take():
+                    self._host.note(self, str(refusal))
                 if not self._refusals.take():
                     self._end(CloseCode.POLICY_VIOLATION, "too many messages that make no sense")
             except Hostile as refusal:
@@ -205,7 +208,8 @@ class GuardedConnection(ServerConnection):
     def _end(self, code: CloseCode, what: str) -> None:
         """Say it in the log and close; what comes after is not read any more, and who does not say goodbye is left."""
         if self._failing is None:
-            self._host.note(self, f"{what}; closed")
+            due = 0.0 if self._lines.take() else 1 / LINES_OF_ONE
+            self.loop.call_later(due, self._host.note, self, f"{what}; closed")
             self._failing = self.loop.create_task(self._fail(code, what))
             self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
 

@@ -9,8 +9,7 @@ from viewimit.app.control.command_loop import CommandLoop
 from viewimit.app.control.commands.command import Command
 from viewimit.app.control.commands.session import Reset, Step
 from viewimit.app.control.queue import APART, HELD_UP, CommandQueue
-from viewimit.app.control.shedding import LoadShedding
-from viewimit.app.control.time_budget import AT_ONCE, SHARE, TimeBudget
+from viewimit.app.control.shedding import AT_ONCE, SHARE, LoadShedding, TimeBudget
 
 from viewimit.settings import Settings
 

@@ -17,7 +17,7 @@ from .server.seat_counts import SeatCounts
 from .server.worker import LOG_FORMAT
 from .server.workers import working
 
-__all__ = ["ServerOptions", "serve", "usual_workers"]
+__all__ = ["ServerOptions", "serve", "usual_per_address", "usual_workers"]
 
 MOST_WORKERS = 4  # by default
 STOPS_WITHIN = 9.0  # s, and then it is ended
@@ -83,6 +83,14 @@ def usual_workers(host: str) -> int:
         return 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(cores, MOST_WORKERS)
+
+
+def usual_per_address(host: str, max_clients: int) -> int:
+    """Tabs that one address may have: all where only this machine comes, on which a proxy may stand.
+
+    Else a class behind one router needs most, and a tenth is left for who comes from elsewhere.
+    """
+    return max_clients if is_loopback(host) else max_clients - max_clients // 10
 
 
 def can_hand_over() -> bool:

@@ -50,7 +50,7 @@ def serving(
     """
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    access = AccessControl(options.clients_of(worker), options.origins, counts, worker, listening)
+    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),

@@ -16,7 +16,7 @@ from protocol import Client
 from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of
 from viewimit.app.control.command_loop import CommandLoop
 from viewimit.app.page import LEAVES_WITHIN
-from viewimit.app.server import access, connection
+from viewimit.app.server.limits.connection_limits import Limits
 from waiting import stays, wait_until
 
 from viewimit.session import Session
@@ -222,10 +222,8 @@ def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(her
     assert "RuntimeError: the arm fell off" in capfd.readouterr().err
 
 
-def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, monkeypatch):
-    monkeypatch.setattr(access, "PING_EVERY", 1.0)
-    monkeypatch.setattr(access, "PONG_WITHIN", 1.0)
-    here = Here(tmp_path)
+def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path):
+    here = Here(tmp_path, Limits(ping_every=1.0, pong_within=1.0))
     relay = Relay(here.url)
     with Client(relay.url).ready() as slow, Client(here.url).ready() as other:
         for client in (slow, other):
@@ -240,9 +238,8 @@ def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, mon
     here.stop()
 
 
-def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(connection, "PAGE_WITHIN", 0.3)
-    here = Here(tmp_path)
+def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path):
+    here = Here(tmp_path, Limits(page_within=0.3))
     with Client(here.url, view=False) as nobody, Client(here.url) as somebody:
         assert nobody.closed()[0] == 1008
         assert somebody.closed(0.5) is None

@@ -154,16 +154,18 @@ def test_who_sends_no_head_is_closed_and_holds_nobody_up(dispatching, monkeypatc
             silent.recv(10)
 
 
-def test_of_connections_that_send_nothing_only_so_many_are_open(dispatching, monkeypatch):
+def test_of_connections_that_send_nothing_only_so_many_are_open_and_the_oldest_make_room(monkeypatch):
     monkeypatch.setattr(dispatcher_module, "UNPLACED", 3)
+    dispatching = Dispatching()
     waiting = [socket.create_connection(dispatching.place) for _ in range(5)]
     for client in waiting:
         client.settimeout(5)
-    assert [client.recv(10) for client in waiting[3:]] == [b"", b""]
-    waiting[0].sendall(HEAD.format(token("dora")).encode())
+    assert [client.recv(10) for client in waiting[:2]] == [b"", b""]
+    waiting[4].sendall(HEAD.format(token("dora")).encode())
     dispatching.handed(0).close()
     for client in waiting:
         client.close()
+    dispatching.stop()
 
 
 def workers_of(server: Server) -> list[int]:

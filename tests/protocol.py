@@ -89,7 +89,8 @@ class Client:
 
     def ready(self, seconds: float = 30.0) -> "Client":
         """Once its page is built."""
-        wait_until(lambda: self.status and "Help" in self.commands, seconds)
+        built = {"Help", "Load"}  # of the keys and of the motions, the last that are built of each kind
+        wait_until(lambda: self.status and built <= {*self.commands, *self.widgets}, seconds)
         return self
 
     def closed(self, seconds: float = 10.0) -> tuple[int, str] | None:

@@ -38,7 +38,7 @@ TOGETHER = 4000  # fits at a time, for memory's sake
 
 @dataclass(frozen=True)
 class Suspect:
-    """kind: misplaced, or swapped with each other; points: one index, or two; views: one of these is wrong, or both;
+    """kind: misplaced, or exchanged for each other; points: one index, or two; views: one of these is wrong, or both;
     frames: in which, by index.
 
     score: of a misplaced point, its rms distance from the epipolar geometry of the others in these frames, in standard
@@ -134,7 +134,7 @@ def _swapped(views: FourViews, noise_px: float) -> tuple[list[Suspect], str]:
         if left_E[k] <= min(explained, AMBIGUOUS * max(least, noise_px**2), E / DECISIVE):
             (i, j), score = pairs[k][0], float(E / max(left_E[k], noise_px**2))
             exchange, which = (int(names[i]), int(names[j])), tuple(frames.tolist())
-            found.append(Suspect("swapped", exchange, BODIES[0], which, score, E, float(left_E[k])))
+            found.append(Suspect("exchanged", exchange, BODIES[0], which, score, E, float(left_E[k])))
     return found, ""
 
 

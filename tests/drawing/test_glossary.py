@@ -12,7 +12,7 @@ from viewimit.app.panels.guide.help import help_html
 
 from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES
-from viewimit.session import complete
+from viewimit.embodiment.in_scene import complete
 from viewimit.settings import BEST
 from viewimit.snapshot import AT_REST
 from viewimit.transfer import TRANSFERS

@@ -90,7 +90,7 @@ def test_a_swapped_pair_is_named_alone_and_so_is_how_far_E_falls(count, frames):
         pair = tuple(sorted(rng.permutation(count)[:2].tolist()))
         clean = looks(panda(count), rng, frames)
         (found,) = suspects(clean.with_exchanged((pair,))).found
-        assert (found.kind, found.points, found.views) == ("swapped", pair, ("l", "r"))
+        assert (found.kind, found.points, found.views) == ("exchanged", pair, ("l", "r"))
         assert found.E > 10 * found.E_exchanged and found.score >= 10
 
 
@@ -99,7 +99,7 @@ def test_with_noise_a_swapped_pair_is_named_or_none_is():
     for _ in range(20):
         pair = tuple(sorted(rng.permutation(16)[:2].tolist()))
         found = named(looks(panda(16), rng, FRAMES, 0.5).with_exchanged((pair,)))
-        assert found in ([], [("swapped", pair, ("l", "r"))])
+        assert found in ([], [("exchanged", pair, ("l", "r"))])
         alone += bool(found)
     assert alone >= 15
 
@@ -117,7 +117,7 @@ def test_a_wrong_point_and_a_swapped_pair_are_told_apart():
     rng = np.random.default_rng(5)
     views = looks(panda(16), rng, FRAMES).with_exchanged(((3, 8),))
     views.own[:, 11, 1] += 60
-    assert named(views) == [("misplaced", (11,), ("L", "R")), ("swapped", (3, 8), ("l", "r"))]
+    assert named(views) == [("misplaced", (11,), ("L", "R")), ("exchanged", (3, 8), ("l", "r"))]
 
 
 def test_points_that_are_not_seen_count_for_nothing():

@@ -89,7 +89,7 @@ def test_points_that_are_likely_wrong_are_listed_with_their_score(ask, ask_json,
         "kind": "misplaced", "points": ["<p5>"], "views": ["L", "R"], "frames": [11],
     }  # fmt: skip
     assert misplaced["score"] > 100 and "E" not in misplaced
-    assert (swapped["kind"], swapped["points"], swapped["views"]) == ("swapped", ["<p2>", "<p9>"], ["l", "r"])
+    assert (swapped["kind"], swapped["points"], swapped["views"]) == ("exchanged", ["<p2>", "<p9>"], ["l", "r"])
     assert swapped["E"] > 10 * swapped["E_exchanged"] and told["undecided"] == []
     _, out, _ = ask("evaluate", suspicious)
     page = (tmp_path / "report.html").read_text()
@@ -189,7 +189,7 @@ def test_a_picture_says_its_view_by_name_or_option(ask, tmp_path):
     status, _, err = ask("detect", tmp_path / "front.png", "--out", tmp_path / "a.csv")
     assert status == 2 and "does not end in a view" in err
     status, _, err = ask("detect", "--L", tmp_path / "front.png", "--out", tmp_path / "a.csv")
-    assert status == 2 and "--L" in err and "no such file" in err
+    assert status == 2 and "--L" in err and "No such file" in err
 
 
 def test_pictures_become_points_and_an_evaluation(ask, ask_json, tmp_path):

@@ -15,7 +15,7 @@ def told(suspects: Suspects, points: Sequence[str], numbers: Sequence[int]) -> l
 def in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
     """The points, what is wrong with them, and how much speaks for that. frames: how many there are."""
     named, where = " and ".join(suspect["points"]), " or ".join(f"[{view}]" for view in suspect["views"])
-    if suspect["kind"] == "swapped":
+    if suspect["kind"] == "exchanged":
         falls = (
             f"E {suspect['E']:.3g} px², {suspect['E_exchanged']:.3g} px² exchanged: falls {suspect['score']:.3g} times"
         )
@@ -34,6 +34,6 @@ def _told(suspect: Suspect, points: Sequence[str], numbers: Sequence[int]) -> di
         "frames": [numbers[k] for k in suspect.frames],
         "score": suspect.score,
     }
-    if suspect.kind == "swapped":
+    if suspect.kind == "exchanged":
         said |= {"E": suspect.E, "E_exchanged": suspect.E_exchanged}
     return said

@@ -116,7 +116,8 @@ class NextLarger(Command):
 
 
 class LetGo(Command):
-    """Of the help, or else of a lesson or its offer, or else of an imitation, the see-through arm and what is large."""
+    """Of the help, or else of a lesson or its offer, or else of a proposed point, or of editing them, or else of an
+    imitation, the see-through arm and what is large."""
 
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
@@ -126,7 +127,7 @@ class LetGo(Command):
             model.view = replace(model.view, help=False)
         elif model.guided.course is not None or model.guided.offered:
             model.guided.leave()
-        else:
+        elif not model.points.let_go():
             model.imitated.stop()
             model.see_through.let_go()
             model.view = replace(model.view, large=None)

@@ -22,7 +22,7 @@ def _matches(stage: Stage, layers: Collection[str], small: bool) -> str:
     shapes = {
         "all": Shape(f"All {total} matches", None if made is None else made.by_count[total]),
         "few": Shape(f"{count} matches", few, flat, hidden=not stage.revealed),
-        "plane": Shape(f"{total} matches, all in one plane", None if made is None else made.plane),
+        "plane": Shape(f"{total} matches, nearly in a plane", None if made is None else made.plane),
     }
     matched = np.zeros(len(moment.usable), bool)
     if made is not None:

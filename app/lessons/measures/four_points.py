@@ -1,4 +1,4 @@
-"""Of the step about too few points: how high the landscapes are, and how many false bottoms points in a plane leave."""
+"""Of the step about too few points: how high the landscapes are, and how surely lines cross."""
 
 from collections.abc import Callable, Mapping
 
@@ -38,6 +38,11 @@ def _largest(found: Landscape) -> float:
     return float(np.nanmax(found.E))
 
 
+def _median_condition(found: Landscape) -> float:
+    """cond(A), over the postures."""
+    return np.nan if found.condition is None else float(np.nanmedian(found.condition))
+
+
 def _zero_if_flat(stage: Stage) -> float:
     """px²: the largest E with four matches; rounding errors are zero."""
     made = matches(stage)
@@ -50,7 +55,6 @@ def _zero_if_flat(stage: Stage) -> float:
 MEASURES: Mapping[str, Measure] = {
     "largest E of all matches": Measure(_of(0, _largest), " px²"),
     "largest E of four matches": Measure(_zero_if_flat, " px²", 0),
-    "bottoms of all matches": Measure(_of(0, lambda found: float(len(found.local_minima()))), "", 0),
-    "bottoms in a plane": Measure(_of(None, lambda found: float(len(found.local_minima()))), "", 0),
-    "astray in a plane": Measure(_of(None, lambda found: 100 * (1 - found.basin_fraction())), " %", 0),
+    "cond A of all matches": Measure(_of(0, _median_condition), "", 0),
+    "cond A in a plane": Measure(_of(None, _median_condition), "", 0),
 }

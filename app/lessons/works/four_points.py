@@ -1,5 +1,5 @@
 """Of the step about too few points: the landscape of E with all matches, with fewer, down to four, and with all of them
-in one plane."""
+nearly in one plane."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,12 +20,13 @@ from .work import Task, Work
 
 FEWEST = 4
 STEP_DEG = 1.5
+LEFT = 0.1  # of the points' distances from the plane: exactly in it, rounding errors would shape the landscape
 
 
 @dataclass(frozen=True, eq=False)
 class Matches:
     """order: (N,) indices of the points as they are added, the four best first; by_count: landscapes of the first 4, 5,
-    … N of them; plane: of all, pressed into the plane in which the arm moves."""
+    … N of them; plane: of all, pressed towards the plane in which the arm moves. With conditions, but for four."""
 
     order: NDArray
     by_count: Mapping[int, Landscape]
@@ -68,7 +69,7 @@ def landscape_of(world: World, theta_demo: NDArray, points: NDArray) -> Landscap
     demo, demo_visible = (images[points] for images in world.demo_images(theta_demo))
     own, own_visible = (images[..., points, :] for images in world.own_images((axes[0][:, None], axes[1])))
     if len(points) >= MIN_POINTS:
-        return Landscape(axes, conflict_of_images(epipolar.fit, demo, demo_visible, own, own_visible)[0])
+        return Landscape(axes, *conflict_of_images(epipolar.fit, demo, demo_visible, own, own_visible, True))
     shape = own.shape[:-2]
     views = FourViews(demo, own.reshape((-1,) + own.shape[-2:]), np.ones(1, bool))
     E = np.asarray(fit_any(views).conflict(views)).reshape(shape)
@@ -86,15 +87,16 @@ def fit_any(views: FourViews) -> EpipolarTransfer:
     return EpipolarTransfer(matrix, demo_mean, own_mean, f.reshape((4, 5) + batch))
 
 
-def pressed(world: World, theta: NDArray) -> BodyPoints:
-    """The world's points, moved on their links into the plane through their middle in which the arm moves: where its
-    moving joints turn about one direction they stay in one plane. theta: (m,) rad, at which they are moved."""
+def pressed(world: World, theta: NDArray, left: float = LEFT) -> BodyPoints:
+    """The world's points, moved on their links towards the plane through their middle in which the arm moves, so that
+    this share of their distances is left: where its moving joints turn about one direction they stay as near to a
+    plane. theta: (m,) rad, at which they are moved."""
     frames = world.link_frames(theta, world.T_world_demo)
     axes = np.array([frames[k + 1, :3, :3] @ world.robot.joints[k].axis for k in world.scene.moving])
     normal = (axes * np.where(axes @ axes[0] < 0, -1.0, 1.0)[:, None]).sum(0)
     normal /= np.linalg.norm(normal)
     points = world.points_world(theta, world.T_world_demo)
-    flat = points - ((points - points.mean(0)) @ normal)[:, None] * normal
+    flat = points - (1 - left) * ((points - points.mean(0)) @ normal)[:, None] * normal
     T_world_link = frames[world.body.link]
     local = np.einsum("nji,nj->ni", T_world_link[:, :3, :3], flat - T_world_link[:, :3, 3])
     return BodyPoints(world.body.link, local)

@@ -97,7 +97,7 @@ def _way(start: NDArray, end: NDArray, shift: str) -> str:
     across = np.array([-(end - start)[1], (end - start)[0]])
     aside = across / max(float(np.hypot(*across)), 1e-9)
     aside = aside if aside[1] > 0 else -aside
-    x, y = (start + end) / 2 + 30 * aside
+    x, y = (start + end) / 2 + 64 * aside
     return (
         f'<path class="vi-e vi-e-large" d="{svg.segments(start[None], end[None])}"/><path class="vi-tip" d="{tip}"/>'
         f"{svg.text(x, y + 6, shift, 'vi-shift vi-halo vi-mid')}"

@@ -80,9 +80,9 @@ def _landscape(scene: Scene, shape: Shape, theta_demo: NDArray, most: float, ste
         minima = np.degrees(found.local_minima())
         for k, place in enumerate(plane.place(minima[:MOST_CROSSES])):
             parts.append(svg.cross(place, 7 if k == 0 else 3.5))
-        bottoms = "1 bottom" if len(minima) == 1 else f"{len(minima)} bottoms"
+        bottoms = "1 bottom" if len(minima) == 1 else "several bottoms"
         words = f"{bottoms}; E up to {_rounded(float(np.nanmax(found.E)))} px²"
-        parts.append(svg.text(x + 0.62 * w, h + 12, f"a posture every {step_deg:g}°", "vi-2nd vi-grid-words"))
+        parts.append(svg.text(x + 0.14 * w, h + 12, f"a posture every {step_deg:g}°", "vi-2nd vi-grid-words"))
     if not shape.hidden and not shape.flat:
         demo = plane.place(np.degrees(theta_demo))
         parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], 5)}"/>')
@@ -91,8 +91,8 @@ def _landscape(scene: Scene, shape: Shape, theta_demo: NDArray, most: float, ste
 
 
 def _rounded(value: float) -> str:
-    """To two digits, thousands apart."""
-    return f"{float(f'{value:.2g}'):,.0f}".replace(",", "\u2009")
+    """To three digits, thousands apart."""
+    return f"{float(f'{value:.3g}'):,.0f}".replace(",", "\u2009")
 
 
 def _points(points: NDArray, matched: NDArray, bones: NDArray) -> str:

@@ -17,7 +17,7 @@ HIGHEST = 30.0
 Y_TICKS = ((0.01, "0.01°"), (0.1, "0.1°"), (1.0, "1°"), (10.0, "10°"))
 X_TICKS = ((1.0, "1 ×"), (3.0, "3 ×"), (10.0, "10 ×"), (30.0, "30 ×"))
 NAMES = {
-    "epipolar": "epipolar: used here",
+    "epipolar": "epipolar (here)",
     "linear": "linear combination",
     "rank3": "rank 3",
     "projective": "projective",

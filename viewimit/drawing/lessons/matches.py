@@ -12,12 +12,12 @@ from ...simulation.scene import Scene
 from .. import relief, svg
 from ..posture_plane import PosturePlane
 
-COLUMN, ROW = 440, 272  # units: of a landscape with its words
-SIZE = (2 * COLUMN + 20, 2 * ROW)
+SIZE = (440, 256)  # units: of a landscape with its words
 MARGINS = (46, 4, 0, 22)
 MOST_HIGH = 196
 TOP = 28  # units from a row's top to its plot
 LAYERS = ("all", "few", "plane")
+ORDER = ("all", "few", "points", "plane")
 MOST_CROSSES = 60
 
 
@@ -46,23 +46,17 @@ def draw_matches(
     step_deg: of the landscapes' grids. All are drawn up to the largest E with all matches."""
     whole = shapes["all"].found
     most = np.inf if whole is None else float(np.nanmax(whole.E))
-    places = ((0, 0), (COLUMN + 20, 0), (COLUMN + 20, ROW))
-    parts = []
-    for name, (x, y) in zip(LAYERS, places):
-        if name in layers:
-            parts.append(
-                f'<g transform="translate({x} {y})">{_landscape(scene, shapes[name], theta_demo, most, step_deg)}</g>'
-            )
-    parts.append(f'<g transform="translate(0 {ROW})">{_points(points, matched, bones)}</g>')
-    label = "Landscapes of E with all matches, with few, and with points in one plane"
-    return (
-        f'<svg class="vi vi-worded vi-matches" viewBox="0 0 {SIZE[0]} {SIZE[1]}" role="img" aria-label="{label}">'
-        f"{''.join(parts)}</svg>"
-    )
+    drawn = {name: _landscape(scene, shapes[name], theta_demo, most, step_deg) for name in LAYERS if name in layers}
+    drawn["points"] = _points(points, matched, bones)
+    return f'<div class="vi-matches">{"".join(_wrap(drawn[name]) for name in ORDER if name in drawn)}</div>'
+
+
+def _wrap(inside: str) -> str:
+    return f'<svg class="vi vi-worded" viewBox="0 0 {SIZE[0]} {SIZE[1]}" role="img">{inside}</svg>'
 
 
 def _landscape(scene: Scene, shape: Shape, theta_demo: NDArray, most: float, step_deg: float) -> str:
-    plane = PosturePlane(scene, COLUMN, MOST_HIGH, MARGINS)
+    plane = PosturePlane(scene, SIZE[0], MOST_HIGH, MARGINS)
     x, _, w, h = plane.box
     parts, words = [plane.frame("vi-plane")], ""
     if shape.hidden:
@@ -80,10 +74,9 @@ def _landscape(scene: Scene, shape: Shape, theta_demo: NDArray, most: float, ste
         minima = np.degrees(found.local_minima())
         for k, place in enumerate(plane.place(minima[:MOST_CROSSES])):
             parts.append(svg.cross(place, 7 if k == 0 else 3.5))
-        bottoms = "1 bottom" if len(minima) == 1 else "several bottoms"
-        words = f"{bottoms}; E up to {_rounded(float(np.nanmax(found.E)))} px²"
+        words = f"{'1 bottom; ' if len(minima) == 1 else ''}E up to {_rounded(float(np.nanmax(found.E)))} px²"
         parts.append(svg.text(x + 0.14 * w, h + 12, f"a posture every {step_deg:g}°", "vi-2nd vi-grid-words"))
-    if not shape.hidden and not shape.flat:
+    if shape.found is not None and not shape.hidden and not shape.flat:
         demo = plane.place(np.degrees(theta_demo))
         parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], 5)}"/>')
     head = svg.text(x, 18, shape.title, "vi-b") + svg.text(x + w, 18, words, "vi-2nd vi-end")
@@ -97,7 +90,7 @@ def _rounded(value: float) -> str:
 
 def _points(points: NDArray, matched: NDArray, bones: NDArray) -> str:
     """The demonstrator's points in l, matched ones filled."""
-    left, top, w, h = MARGINS[0], TOP, COLUMN - MARGINS[0] - MARGINS[1], MOST_HIGH
+    left, top, w, h = MARGINS[0], TOP, SIZE[0] - MARGINS[0] - MARGINS[1], MOST_HIGH
     everything = np.concatenate([points, bones])
     low, high = everything.min(0), everything.max(0)
     scale = float(min((w - 40) / (high - low)[0], (h - 30) / (high - low)[1]))
@@ -107,7 +100,7 @@ def _points(points: NDArray, matched: NDArray, bones: NDArray) -> str:
         f'<g class="vi-quiet vi-demo"><path class="vi-bone" d="{svg.path(place(bones))}"/></g>',
         f'<path class="vi-unmatched" d="{svg.diamonds(place(points[~matched]), 5)}"/>' if (~matched).any() else "",
         f'<path class="vi-seen" d="{svg.diamonds(place(points[matched]), 6)}"/>',
-        svg.text(left, 18, f"{int(matched.sum())} matches, in l", "vi-b"),
+        svg.text(left, 18, "What is matched, in l", "vi-b"),
     ]
     if (~matched).any():
         drawn.append(svg.text(left + w, 18, "hollow: left out", "vi-2nd vi-end"))

@@ -67,16 +67,9 @@ def _E_without_depth(stage: Stage) -> float:
     return float(moment.fit(used).conflict(used))
 
 
-def _size(stage: Stage) -> float:
-    """px: how far the learner's points spread in L, from top to bottom."""
-    return float(np.ptp(stage.moment.views.own[:, 1]))
-
-
 MEASURES: Mapping[str, Measure] = {
     "bias": Measure(_bias, "°"),
     "bias at once the distance": Measure(_bias_at(1.0), "°", 1),
     "bias at ten times the distance": Measure(_bias_at(TIMES_ASKED), "°"),
     "E without depth": Measure(_E_without_depth, " px²"),
-    "arm's size": Measure(_size, " px", 0),
-    "distance": Measure(lambda stage: stage.slider("distance"), " times", 0),
 }

@@ -250,7 +250,7 @@ def verdict(stage: Stage) -> str:
             near = truth > 0 and 1 / ask.factor <= given.number / truth <= ask.factor
         else:
             near = abs(given.number - truth) <= (ask.within or 0.0)
-        return ask.close if near else ask.far
+        return ask.close if near else ask.less if ask.less is not None and given.number < truth else ask.far
     return ""
 
 

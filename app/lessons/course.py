@@ -22,6 +22,7 @@ from .figures import FIGURES
 from .format import Choice, Do, Lesson, Number, Place, Pose, Step
 from .measures import MEASURES
 from .progress import Given, Progress
+from .scenes import SLIDERS, Staging
 from .stage import Stage
 from .works import WORKS
 from .works.work import Task
@@ -51,7 +52,7 @@ class Course:
         self.screens = _screens(lesson)
         self.progress = replace(progress, at=int(np.clip(progress.at, 0, len(self.screens) - 1)))
         self.steps = {step.id: step for step in lesson.step}
-        self.changes, self.session = 0, Session()
+        self.changes, self.session, self._staging = 0, Session(), Staging()
         self._silhouettes: tuple[World, Silhouettes] | None = None
         self._next: float | None = None
         self._enter()
@@ -210,8 +211,7 @@ class Course:
         if step is None:
             self.moments = [self.session.snapshot]
             return
-        self.session.begin(self._settings(step))
-        self.moments = [self.session.snapshot]
+        self._begin(step)
         given = self.given
         if step.ask is None and not given.revealed:
             self._give(revealed=True)
@@ -220,11 +220,26 @@ class Course:
         if given.revealed:
             self._meet()
         for slider, value in zip(step.sliders, given.sliders):
-            if not slider.name.startswith("own "):
+            if not slider.name.startswith("own ") and slider.name not in SLIDERS:
                 self._turned(slider.name, value)
         if any(slider.name.startswith("own ") for slider in step.sliders) and not given.sliders:
             self._give(sliders=tuple(self._stands(slider.name, slider.start) for slider in step.sliders))
         self._ask_for("entered", "turned", *(["revealed"] if self.given.revealed else []))
+
+    def _begin(self, step: Step) -> None:
+        """Its session, in its scene as the sliders have it."""
+        moved = {name: value for name, value in self._sliders(step).items() if name in SLIDERS}
+        settings, staging = self._settings(step), Staging(step.scene, moved)
+        if staging == self._staging:
+            self.session.begin(settings)
+        else:
+            self._staging, self.session = staging, Session(settings, staging.open_eyes)
+        self.moments = [self.session.snapshot]
+
+    def _sliders(self, step: Step) -> dict[str, float]:
+        """Where they stand, by name."""
+        stands = self.given.sliders or tuple(slider.start for slider in step.sliders)
+        return {slider.name: value for slider, value in zip(step.sliders, stands)}
 
     def _settings(self, step: Step) -> Settings:
         """Of a step; its start is dealt, or that of the step whose path goes on here."""
@@ -251,6 +266,9 @@ class Course:
             theta[int(number) - 1] = np.radians(value)
             self.session.pose(theta)
             self.moments = [self.moments[0], self.session.snapshot]
+            self._ask_for("turned")
+        elif name in SLIDERS and self.step is not None:
+            self._begin(self.step)
             self._ask_for("turned")
         elif name in Settings.__struct_fields__:
             self.session.change(**{name: value})
@@ -290,9 +308,7 @@ class Course:
         if step is None:
             return
         shown = [name for figure in (*step.main, *step.side) for name in FIGURES[figure.figure].works]
-        stands = self.given.sliders or tuple(slider.start for slider in step.sliders)
-        sliders = {slider.name: value for slider, value in zip(step.sliders, stands)}
-        session = self.session
+        session, sliders = self.session, self._sliders(step)
         task = Task(step, session.world, self.moments[-1], session.settings, sliders, self.given.seed)
         for name in dict.fromkeys((*shown, *step.works)):
             if WORKS[name].when in when:

@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 MOST_WORDS = 60  # of a step's text
+CHANGEABLE = ("head", "demonstrator", "learner", "points")  # of a scene, in a step
 FIELDS: dict[str, Any] = {"frozen": True, "kw_only": True, "forbid_unknown_fields": True}
 
 
@@ -54,7 +55,7 @@ class Place(msgspec.Struct, tag="place", tag_field="kind", **FIELDS):
 
 class Number(msgspec.Struct, tag="number", tag_field="kind", **FIELDS):
     """A number on a scale. truth: a measure; factor: within which a guess is close, or within: by how much it may
-    differ; logarithmic: the scale."""
+    differ; less: what is said in place of `far` to whoever guessed too little; logarithmic: the scale."""
 
     question: str
     unit: str
@@ -66,6 +67,7 @@ class Number(msgspec.Struct, tag="number", tag_field="kind", **FIELDS):
     step: float | None = None
     factor: float | None = None
     within: float | None = None
+    less: str | None = None
     logarithmic: bool = False
 
 
@@ -95,7 +97,8 @@ Ask = Choice | Place | Number | Do | Pose
 
 class Slider(msgspec.Struct, **FIELDS):
     """name: what figures and measures know it by: `demo 1`, `own 1` … are joints, by their place among those that move;
-    that of a field of `Settings` sets it. unit: behind its number, None for no number at all."""
+    that of a field of `Settings` sets it, and those of `scenes.SLIDERS` move the eyes. unit: behind its number, None
+    for no number at all."""
 
     name: str
     label: str
@@ -128,7 +131,8 @@ class Question(msgspec.Struct, **FIELDS):
 
 class Step(msgspec.Struct, **FIELDS):
     """id: by which other steps know it; text: at most MOST_WORDS words, **bold**, the first sentence plain; settings:
-    fields of `Settings` by name, the rest as the lesson has them; chosen: a body point, with its rays in the scene;
+    fields of `Settings` by name, the rest as the lesson has them; scene: what is different in it, by fields of a scene
+    file, of CHANGEABLE; chosen: a body point, with its rays in the scene;
     main, side: figures, large and small; nothing else is shown, and nothing is in reach but what is asked and sliders:
     what can be turned; works: what is computed for it beside what its figures show; race: servos that are run from the
     same start; play: they are shown motion for motion, so many a second; meets: the reveal brings the learner to the
@@ -141,6 +145,7 @@ class Step(msgspec.Struct, **FIELDS):
     text: str
     say: str
     settings: dict[str, Any] = {}
+    scene: dict[str, Any] = {}
     chosen: int | None = None
     main: tuple[Figure, ...] = ()
     side: tuple[Figure, ...] = ()

@@ -13,9 +13,10 @@ from viewimit.assets import ROOT
 
 from viewimit.servo import SERVOS
 from viewimit.settings import Settings
+from viewimit.simulation.scene import extended, load_scene
 
 from .figures import FIGURES
-from .format import MOST_WORDS, Choice, Do, Lesson, Number, Place, Pose, Step
+from .format import CHANGEABLE, MOST_WORDS, Choice, Do, Lesson, Number, Place, Pose, Step
 from .measures import MEASURES, named_in
 from .works import WORKS
 
@@ -108,9 +109,12 @@ def _faults_of_step(step: Step, before: set[str], settings: dict):
     if words > MOST_WORDS:
         yield ".text", f"{words} words; at most {MOST_WORDS} are read"
     try:
-        msgspec.convert(settings, Settings)
+        wanted = msgspec.convert(settings, Settings)
     except (msgspec.ValidationError, ValueError) as error:
         yield ".settings", str(error)
+        return
+    if step.scene:
+        yield from _faults_of_scene(step, wanted)
     for place in ("main", "side"):
         for i, figure in enumerate(getattr(step, place)):
             if figure.figure not in FIGURES:
@@ -141,6 +145,17 @@ def _faults_of_step(step: Step, before: set[str], settings: dict):
         if not slider.low <= slider.start <= slider.high:
             yield ".sliders", f"{slider.name}: start must be from low to high"
     yield from _faults_of_ask(step)
+
+
+def _faults_of_scene(step: Step, settings: Settings):
+    unknown = set(step.scene) - set(CHANGEABLE)
+    if unknown:
+        yield f".scene.{min(unknown)}", f"cannot be changed in a step; {', '.join(CHANGEABLE)} can"
+        return
+    try:
+        extended(load_scene(settings.scene, settings.robot, settings.joints), step.scene)
+    except (msgspec.ValidationError, ValueError) as error:
+        yield ".scene", str(error)
 
 
 def _faults_of_ask(step: Step):

@@ -1,9 +1,9 @@
 """Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -193,6 +193,13 @@ def load_scene(
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from None
     return scene
+
+
+def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
+    """As a scene file that extends this one has it, with these fields. Raises ValueError that names the field."""
+    merged = msgspec.convert(_merge(msgspec.to_builtins(scene), dict(fields)), Scene)
+    _check(merged)
+    return merged
 
 
 def _check_head(head: Head) -> None:

@@ -3,10 +3,15 @@
 from collections.abc import Collection, Mapping
 
 from ..stage import Stage
-from . import tour
+from . import crossing_angle, four_points, minimum, tour
 from .figure_kind import FigureKind
 
-FIGURES: Mapping[str, FigureKind] = {**tour.FIGURES}
+FIGURES: Mapping[str, FigureKind] = {
+    **tour.FIGURES,
+    **minimum.FIGURES,
+    **crossing_angle.FIGURES,
+    **four_points.FIGURES,
+}
 
 
 def layers_of(stage: Stage, show: Collection[str], reveal: Collection[str], hide: Collection[str]) -> list[str]:

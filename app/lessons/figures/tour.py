@@ -14,6 +14,7 @@ from viewimit.servo import SERVOS
 
 from ..format import Place
 from ..measures import MEASURES
+from ..measures.crossing_angle import construction
 from ..measures.tour import error_deg, reached
 from ..stage import Race, Stage
 from .figure_kind import FigureKind
@@ -34,7 +35,8 @@ def _view(name: str) -> FigureKind:
         asked = isinstance(stage.step.ask, Place) and stage.step.ask.figure == name
         guess = stage.guess if asked else None
         apart = MEASURES["px apart"].told(stage) if guess is not None and stage.revealed else ""
-        return draw_view(name, stage.moment, stage.bodies, layers, stage.step.chosen, guess, apart, small)
+        spread = construction(stage) if "ellipse" in layers else None
+        return draw_view(name, stage.moment, stage.bodies, layers, stage.step.chosen, guess, apart, small, spread)
 
     return FigureKind(draw, view.LAYERS, lambda stage, at: stage.window(name).unplace(at))
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from . import tour
+from . import four_points, minimum, tour
 from .work import Work
 
-WORKS: Mapping[str, Work] = {**tour.WORKS}
+WORKS: Mapping[str, Work] = {**tour.WORKS, **minimum.WORKS, **four_points.WORKS}

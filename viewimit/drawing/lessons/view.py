@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...analysis.construction import Construction
 from ...geometry.pairs import INTO, SOURCE
 from ...simulation.appearance import ArmImages, Bodies
 from ...snapshot import Snapshot
 from .. import svg
 from ..theme import HEAD
 from . import mark
+from .ellipse import draw_ellipse
 
 SIZES = {
     False: dict.fromkeys("lrLR", (340, 500)),
@@ -72,8 +74,10 @@ def draw_view(
     guess: NDArray | None = None,
     distance: str = "",
     small: bool = False,
+    spread: Construction | None = None,
 ) -> str:
-    """HTML. guess: (2,) px, the visitor's mark; distance: in words, from there to the recovered point."""
+    """HTML. guess: (2,) px, the visitor's mark; distance: in words, from there to the recovered point; spread: of the
+    chosen point, for its ellipse."""
     window = window_of(view, bodies, moment, small)
     side, (w, h) = "lrLR".index(view) % 2, window.size
     parts = [_arm(bodies.demo if view in "lr" else bodies.own, side, window, view)]
@@ -83,6 +87,9 @@ def draw_view(
     if "skeleton" in layers and bodies.recovered is not None:
         parts.append(f'<path class="vi-bone vi-found" d="{svg.path(window.place(bodies.recovered[side]))}"/>')
     parts += _points(view, moment, layers, points, seen, window, side)
+    if spread is not None and "ellipse" in layers and view in "LR":
+        at, half_axes = window.place(spread.recovered[side]), window.scale * spread.half_axes[side]
+        parts.append(draw_ellipse(at, half_axes, float(spread.direction[side])))
     if chosen is not None and seen[chosen]:
         parts += _chosen(view, moment, layers, points[chosen], chosen, window, side)
     if guess is not None:
@@ -167,7 +174,7 @@ def _line(line: NDArray, window: Window, name: str, eye: int) -> str:
     """Across the drawing, and named along it."""
     normal = line[:2] / np.hypot(*line[:2])
     offset = (line[:2] @ window.corner + line[2]) / np.hypot(*line[:2]) * window.scale  # in units of the drawing
-    ends = _chord(normal, offset, window.size)
+    ends = chord(normal, offset, window.size)
     if ends is None:
         return ""
     first, last = ends
@@ -182,7 +189,7 @@ def _line(line: NDArray, window: Window, name: str, eye: int) -> str:
     )
 
 
-def _chord(normal: NDArray, offset: float, size: tuple[int, int]) -> tuple[NDArray, NDArray] | None:
+def chord(normal: NDArray, offset: float, size: tuple[int, int]) -> tuple[NDArray, NDArray] | None:
     """Where the line n·x + c = 0 enters and leaves the box, from left to right; None if it misses it."""
     w, h = size
     ends = []

@@ -13,7 +13,7 @@ from ..evaluation import residual
 from ..simulation.world import World
 from ..views import FourViews
 
-ROUNDS = 10
+ROUNDS = 6
 STEP = 1e-3  # rad, of the differences
 DAMPING, LESS, MORE = (
     1e-3,

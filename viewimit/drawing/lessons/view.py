@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from ...geometry.pairs import INTO, SOURCE
 from ...simulation.appearance import ArmImages, Bodies
 from ...snapshot import Snapshot
+from ...views import Pairs
 from .. import svg
 from ..theme import HEAD
 from . import mark
+from .pair import draw_pairs
 
 SIZES = {
     False: dict.fromkeys("lrLR", (340, 500)),
@@ -26,7 +28,7 @@ CAPTIONS = {
 }
 LAYERS = (
     "points", "own points", "recovered points", "arrows", "skeleton", "chosen", "line from l", "line from r",
-    "crossing", "own chosen", "arrow", "ellipse", "framed",
+    "crossing", "own chosen", "arrow", "ellipse", "framed", "pair",
 )  # fmt: skip
 EYES = {"line from l": 0, "line from r": 1}
 LABEL_ALONG = (0.78, 0.22)  # of a line's chord, where its name stands
@@ -72,8 +74,10 @@ def draw_view(
     guess: NDArray | None = None,
     distance: str = "",
     small: bool = False,
+    pairs: Pairs = (),
 ) -> str:
-    """HTML. guess: (2,) px, the visitor's mark; distance: in words, from there to the recovered point."""
+    """HTML. guess: (2,) px, the visitor's mark; distance: in words, from there to the recovered point; pairs: points
+    that may be taken for each other."""
     window = window_of(view, bodies, moment, small)
     side, (w, h) = "lrLR".index(view) % 2, window.size
     parts = [_arm(bodies.demo if view in "lr" else bodies.own, side, window, view)]
@@ -83,6 +87,8 @@ def draw_view(
     if "skeleton" in layers and bodies.recovered is not None:
         parts.append(f'<path class="vi-bone vi-found" d="{svg.path(window.place(bodies.recovered[side]))}"/>')
     parts += _points(view, moment, layers, points, seen, window, side)
+    if "pair" in layers:
+        parts.append(draw_pairs(points, pairs, window.size))
     if chosen is not None and seen[chosen]:
         parts += _chosen(view, moment, layers, points[chosen], chosen, window, side)
     if guess is not None:

@@ -63,3 +63,22 @@ def test_twenty_five_images_bring_the_cloud_together_by_about_five(guess, close)
     assert wide / narrow == pytest.approx(5, rel=4 / np.sqrt(600))
     assert verdict(course.stage) == (ask.close if close else ask.far)
     assert "25 images averaged each time" in words(course)
+
+
+def test_of_what_the_shoulder_does_to_the_images_arrows_show_less_than_of_the_elbow(noise):
+    """By going there: a degree to either side of the demonstrator's posture."""
+    stage, turn = noise.stage, np.radians(1)
+    world, theta = stage.session.world, stage.moments[0].theta_demo
+    for joint, which in enumerate(("first", "second")):
+        aside = turn * np.eye(2)[joint]
+        looks = [world.look(theta, theta + sign * aside) for sign in (-1, 1)]
+        e = [stage.moments[0].fit(views).residual(views) for views in looks]
+        moved = (looks[1].own - looks[0].own).reshape(-1, 2) / 2
+        shown = (e[1] - e[0]).reshape(-1, 2) / 2
+        for name, change in (("moves", moved), ("shows", shown)):
+            rms = np.sqrt(np.square(change).sum(-1).mean())
+            assert MEASURES[f"{which} joint {name}"].of(stage) == pytest.approx(rms, rel=0.01)
+    moves, shows = (
+        [MEASURES[f"{which} joint {name}"].of(stage) for which in ("first", "second")] for name in ("moves", "shows")
+    )
+    assert moves[0] > moves[1] and shows[0] < shows[1]

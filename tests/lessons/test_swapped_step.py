@@ -64,6 +64,13 @@ def test_E_is_large_wherever_the_arm_goes_and_smallest_at_a_wrong_posture(course
     assert course.step.ask.answers[right_answer(stage, course.step.ask)].text.endswith("at a wrong posture")
 
 
+def test_the_other_eight_points_have_long_arrows_too_where_both_arms_stand_alike(course, pair):
+    clean = Session(msgspec.structs.replace(course.session.settings, swapped=0.0))
+    eight = np.delete(np.arange(10), pair)
+    alike = [one.observe(one.snapshot.theta_demo, one.snapshot).e[eight] for one in (course.session, clean)]
+    assert np.linalg.norm(alike[0]) > 10 > 0.01 > np.linalg.norm(alike[1])
+
+
 def test_with_the_pair_changed_back_it_arrives(course):
     assert MEASURES["off at rest"].of(course.stage) < 0.5 and MEASURES["E at rest"].of(course.stage) < 0.01
     assert MEASURES["least E as seen"].of(course.stage) >= MEASURES["smallest E"].of(course.stage)

@@ -3,7 +3,7 @@
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.lessons.card import right_answer
+from viewimit.app.lessons.card import draw_lesson, right_answer
 from viewimit.app.lessons.figures import FIGURES
 from viewimit.app.lessons.measures import MEASURES
 from walking import course_at, words
@@ -52,7 +52,11 @@ def test_rectification_is_of_the_matches_that_are_told(course):
 def test_what_comes_after_is_hidden_before_and_both_are_told_then(course):
     before = course_at("toed-in")
     drawn = FIGURES["rows"].draw(before.stage, ["as seen"], True)
-    assert "rectified" not in drawn and "rows differ by less than 0.01 px" not in words(before)
+    assert (
+        "rectified" not in drawn
+        and "Rectified" not in draw_lesson(before, None)
+        and "rows differ by less than 0.01 px" not in words(before)
+    )
     told = words(course)
     assert "rows differ by less than 0.01 px" in told and "–" not in told
     for name in ("off as seen", "off rectified"):

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -15,7 +16,7 @@ from .work import Task, Work
 
 GRID_DEG, FINE_DEG = 2.0, 0.1  # of the landscapes, and of a look around where E is smallest
 MORE = 20  # points
-CASES = {
+CASES: Mapping[str, Mapping[str, Any]] = {
     "as seen": {"rectify": "off"},
     "rectified": {"rectify": "auto"},
     "more points": {"rectify": "off", "points": MORE},

@@ -30,7 +30,8 @@ class Case:
 
 
 def draw_mended(scene: Scene, theta_demo: NDArray, cases: Sequence[Case], layers: Collection[str]) -> str:
-    """HTML. theta_demo: (2,) rad. A case whose layer is not shown leaves its plane empty."""
+    """HTML. theta_demo: (2,) rad. A case whose layer is not shown leaves its plane empty, without its
+    title."""
     plane = PosturePlane(scene, WIDTH, MOST_HIGH, MARGINS)
     each = plane.height + HEAD
     drawn = "".join(
@@ -38,7 +39,7 @@ def draw_mended(scene: Scene, theta_demo: NDArray, cases: Sequence[Case], layers
         for k, case in enumerate(cases)
     )
     box = f"0 0 {WIDTH} {each * len(cases):.1f}"
-    label = "Landscapes of E: " + ", ".join(case.title for case in cases)
+    label = "Landscapes of E: " + ", ".join(case.title for case in cases if case.layer in layers)
     return f'<svg class="vi vi-mended" viewBox="{box}" role="img" aria-label="{label}">{drawn}</svg>'
 
 
@@ -63,7 +64,7 @@ def _case(plane: PosturePlane, case: Case, theta_demo: NDArray, shown: bool) -> 
         above.append(labels.led(float(demo[0]), float(demo[1]), "demonstrator", "vi-lead-demo", left_first))
         above.append(labels.led(float(lowest[0]), float(lowest[1]), "smallest E", "vi-lead", not left_first))
         words = f"{svg.number(case.off_deg, 1)}° off"
-    head = svg.text(left, 20, case.title, "vi-b vi-mended-title")
+    head = svg.text(left, 20, case.title if shown else "", "vi-b vi-mended-title")
     head += svg.text(left + width, 20, words, "vi-b vi-end vi-mended-title vi-of-E")
     inside = "".join(parts) + relief.draw_levels(levels, labels) + plane.axes() + "".join(above)
     return f'{head}<g transform="translate(0 {HEAD - 4})">{inside}</g>'

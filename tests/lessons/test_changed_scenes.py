@@ -50,7 +50,7 @@ def test_joints_are_not_changed_and_faults_name_line_and_field(tmp_path):
 def test_lessons_without_changes_keep_their_world():
     from walking import course_at
 
-    course = course_at("tour", "eyes")
+    course = course_at("eyes")
     world = course.session.world
     course.go(1)
     assert course.session.world is world

@@ -10,7 +10,7 @@ from walking import course_at
 
 @pytest.fixture
 def course():
-    return course_at("limits", "crossing-angle")
+    return course_at("crossing-angle")
 
 
 def told(course, name):

@@ -17,7 +17,7 @@ from viewimit.views import FourViews
 
 @pytest.fixture(scope="module")
 def course():
-    return course_at("limits", "four-points")
+    return course_at("four-points")
 
 
 def test_four_random_points_fit_whatever_the_images_are():

@@ -19,7 +19,7 @@ from viewimit.transfer import TRANSFERS
 
 @pytest.fixture
 def course():
-    return course_at("limits", "minimum")
+    return course_at("minimum")
 
 
 def told(course, name):

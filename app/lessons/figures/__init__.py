@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 
 from ..stage import Stage
-from . import crossing_angle, four_points, minimum, tour
+from . import crossing_angle, four_points, minimum, noise, rectification, tour, verdict
 from .figure_kind import FigureKind
 
 FIGURES: Mapping[str, FigureKind] = {
@@ -11,6 +11,9 @@ FIGURES: Mapping[str, FigureKind] = {
     **minimum.FIGURES,
     **crossing_angle.FIGURES,
     **four_points.FIGURES,
+    **verdict.FIGURES,
+    **noise.FIGURES,
+    **rectification.FIGURES,
 }
 
 

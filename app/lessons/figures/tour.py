@@ -15,6 +15,7 @@ from viewimit.servo import SERVOS
 from ..format import Place
 from ..measures import MEASURES
 from ..measures.crossing_angle import construction
+from ..measures.exchange import named
 from ..measures.tour import error_deg, reached
 from ..stage import Race, Stage
 from .figure_kind import FigureKind
@@ -36,7 +37,8 @@ def _view(name: str) -> FigureKind:
         guess = stage.guess if asked else None
         apart = MEASURES["px apart"].told(stage) if guess is not None and stage.revealed else ""
         spread = construction(stage) if "ellipse" in layers else None
-        return draw_view(name, stage.moment, stage.bodies, layers, stage.step.chosen, guess, apart, small, spread)
+        said = stage.step.chosen, guess, apart, small
+        return draw_view(name, stage.moment, stage.bodies, layers, *said, spread, named(stage))
 
     return FigureKind(draw, view.LAYERS, lambda stage, at: stage.window(name).unplace(at))
 
@@ -47,7 +49,9 @@ def _bowl(stage: Stage, layers: Collection[str], small: bool) -> str:
     apart = MEASURES["degrees apart"].told(stage) if guess is not None and stage.revealed else ""
     ways = []
     if "others" in layers:
-        ways += sorted(map(_way, stage.races_so_far), key=lambda way: ORDER.index(way.role))
+        alone = len(stage.step.race) == 1
+        others = (_way(race, "the learner" if alone else _title(race.servo)) for race in stage.races_so_far)
+        ways += sorted(others, key=lambda way: ORDER.index(way.role))
     if "paths" in layers and stage.trail.path:
         path = np.array(stage.trail.path)
         ways.append(Way("you", "you", path, np.zeros(len(path), bool), len(path) - 1))
@@ -56,11 +60,11 @@ def _bowl(stage: Stage, layers: Collection[str], small: bool) -> str:
     return draw_bowl(stage.session.scene, stage.landscape, layers, theta_demo, ways, guess, apart, note)
 
 
-def _way(race: Race) -> Way:
+def _way(race: Race, name: str) -> Way:
     postures = np.degrees([moment.theta for moment in race.moments])
     probes = np.array([moment.probe for moment in race.moments])
     best = int(np.argmin([moment.E for moment in race.moments]))
-    return Way(_title(race.servo), ROLES.get(race.servo, "slow"), postures, probes, best)
+    return Way(name, ROLES.get(race.servo, "slow"), postures, probes, best)
 
 
 def _title(servo: str) -> str:

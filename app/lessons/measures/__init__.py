@@ -9,7 +9,7 @@ import numpy as np
 
 from ..format import Place, Pose
 from ..stage import Stage
-from . import crossing_angle, four_points, minimum, tour
+from . import crossing_angle, exchange, four_points, minimum, noise, observability, rectification, rest, tour
 from .measure import Measure
 
 
@@ -28,6 +28,11 @@ MEASURES: Mapping[str, Measure] = {
     **minimum.MEASURES,
     **crossing_angle.MEASURES,
     **four_points.MEASURES,
+    **observability.MEASURES,
+    **rest.MEASURES,
+    **noise.MEASURES,
+    **exchange.MEASURES,
+    **rectification.MEASURES,
 }
 
 

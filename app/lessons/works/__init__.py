@@ -2,7 +2,13 @@
 
 from collections.abc import Mapping
 
-from . import four_points, minimum, tour
+from . import four_points, minimum, noise, rectification, tour
 from .work import Work
 
-WORKS: Mapping[str, Work] = {**tour.WORKS, **minimum.WORKS, **four_points.WORKS}
+WORKS: Mapping[str, Work] = {
+    **tour.WORKS,
+    **minimum.WORKS,
+    **four_points.WORKS,
+    **noise.WORKS,
+    **rectification.WORKS,
+}

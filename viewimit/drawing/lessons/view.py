@@ -10,10 +10,12 @@ from ...analysis.construction import Construction
 from ...geometry.pairs import INTO, SOURCE
 from ...simulation.appearance import ArmImages, Bodies
 from ...snapshot import Snapshot
+from ...views import Pairs
 from .. import svg
 from ..theme import HEAD
 from . import mark
 from .ellipse import draw_ellipse
+from .pair import draw_pairs
 
 SIZES = {
     False: dict.fromkeys("lrLR", (340, 500)),
@@ -28,7 +30,7 @@ CAPTIONS = {
 }
 LAYERS = (
     "points", "own points", "recovered points", "arrows", "skeleton", "chosen", "line from l", "line from r",
-    "crossing", "own chosen", "arrow", "ellipse", "framed",
+    "crossing", "own chosen", "arrow", "ellipse", "framed", "pair",
 )  # fmt: skip
 EYES = {"line from l": 0, "line from r": 1}
 LABEL_ALONG = (0.78, 0.22)  # of a line's chord, where its name stands
@@ -75,9 +77,10 @@ def draw_view(
     distance: str = "",
     small: bool = False,
     spread: Construction | None = None,
+    pairs: Pairs = (),
 ) -> str:
     """HTML. guess: (2,) px, the visitor's mark; distance: in words, from there to the recovered point; spread: of the
-    chosen point, for its ellipse."""
+    chosen point, for its ellipse; pairs: points that may be taken for each other."""
     window = window_of(view, bodies, moment, small)
     side, (w, h) = "lrLR".index(view) % 2, window.size
     parts = [_arm(bodies.demo if view in "lr" else bodies.own, side, window, view)]
@@ -90,6 +93,8 @@ def draw_view(
     if spread is not None and "ellipse" in layers and view in "LR":
         at, half_axes = window.place(spread.recovered[side]), window.scale * spread.half_axes[side]
         parts.append(draw_ellipse(at, half_axes, float(spread.direction[side])))
+    if "pair" in layers:
+        parts.append(draw_pairs(points, pairs, window.size))
     if chosen is not None and seen[chosen]:
         parts += _chosen(view, moment, layers, points[chosen], chosen, window, side)
     if guess is not None:

@@ -1,0 +1,66 @@
+"""Where E is least under noise: as theory has it of small noise, at a minimum each time, and nearer the more images."""
+
+import numpy as np
+import pytest
+
+from viewimit.analysis.landscape import conflict_at
+from viewimit.analysis.observability import joint_uncertainty
+from viewimit.analysis.scatter import scatter
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+RUNS = 400
+SESSION = Session(Settings(transfer="projective", points=16, demonstrator_deg=(45, -90)))
+MOMENT = SESSION.snapshot
+WORLD, DEMO = SESSION.world, MOMENT.theta_demo
+
+
+def found(noise_px, frames=1, runs=RUNS, seed=3, **more):
+    return scatter(WORLD, MOMENT.fit, DEMO, noise_px, frames, runs, np.random.default_rng(seed), **more)
+
+
+def test_without_noise_it_is_the_demonstrators_posture():
+    assert np.abs(found(0.0, runs=2) - DEMO).max() < np.radians(1e-3)
+
+
+def test_noise_of_the_own_images_alone_costs_what_the_curvature_of_E_tells():
+    """An independent way: √diag((JᵀJ)⁻¹), of the linear transfer, whose residual is a projection of the own images."""
+    session = Session(Settings(transfer="linear", demonstrator_deg=(45, -90)))
+    moment, noise_px = session.snapshot, 0.02
+    rng = np.random.default_rng(1)
+    theta = scatter(session.world, moment.fit, DEMO, noise_px, 1, RUNS, rng, of_demo=False)
+    views = moment.views
+    about = theta.mean(0)
+    told = joint_uncertainty(session.world, moment.fit, views.demo, views.visible[:, :2], about)
+    assert theta.std(0) / noise_px == pytest.approx(told, rel=4 / np.sqrt(2 * RUNS))
+
+
+def test_E_rises_on_all_sides_of_what_was_found():
+    noise_px, rng = 0.5, np.random.default_rng(8)
+    theta = scatter(WORLD, MOMENT.fit, DEMO, noise_px, 1, 1, rng)[0]
+    again = np.random.default_rng(8)
+    own, demo = (again.normal(0.0, noise_px, (1, 1, *MOMENT.views.own.shape)).mean(1)[0] for _ in range(2))
+
+    class Noisy:
+        def own_images(self, theta):
+            images, visible = WORLD.own_images(theta)
+            return images + own, visible
+
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    ring = theta[:, None] + np.radians(0.2) * np.stack([np.cos(angles), np.sin(angles)])
+    E = conflict_at(Noisy(), MOMENT.fit, MOMENT.views.demo + demo, MOMENT.views.visible[:, :2], [*ring])[0]
+    least = conflict_at(Noisy(), MOMENT.fit, MOMENT.views.demo + demo, MOMENT.views.visible[:, :2], [*theta])[0]
+    assert (E > least).all()
+
+
+def test_averaged_images_bring_the_postures_nearer_by_the_root_of_their_number():
+    one, nine = found(0.2), found(0.2, frames=9, seed=4)
+    assert one.std(0) / nine.std(0) == pytest.approx(np.full(2, 3.0), rel=4 / np.sqrt(RUNS))
+
+
+def test_a_point_out_of_sight_is_refused():
+    rng = np.random.default_rng(0)
+    world = Session(Settings(demonstrator_deg=(45, -90))).world
+    world.own_images = lambda theta: (np.zeros((10, 4)), np.zeros((10, 2), bool))
+    with pytest.raises(ValueError, match="needs all points in all four images"):
+        scatter(world, MOMENT.fit, DEMO, 0.5, 1, 2, rng)

@@ -4,7 +4,8 @@ from viewimit.drawing.over.links import link
 from viewimit.drawing.svg import escape
 
 from ...control.state import PageState
-from ...lessons.card import draw_lesson, draw_sliders
+from ...lessons.card import draw_lesson
+from ...lessons.sliders import draw_sliders
 from ..panel import Layout, Panel
 from ..widgets import put_html
 

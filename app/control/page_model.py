@@ -33,10 +33,10 @@ from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .duel import Duel
 from .experiments import Experiments
-from .guided import Guided
 from .joints import Freedom
 from .landscapes import Basins, DuelLandscapes, OwnLandscape
 from .moments.building import BuildingUp
+from .moments.guided import Guided
 from .moments.imitated import Imitated
 from .moments.past import Left, Past
 from .moments.rehearsal import require_use

@@ -71,7 +71,7 @@ def _scale(ask: Number, chosen: float | None, address: str | None) -> str:
     for value in (float(f"{number:.2g}") for number in values):
         kind = "vi-option" + (" vi-chosen-one" if chosen is not None and abs(value - chosen) < 1e-9 else "")
         words = f"{shown(value)}{ask.unit}"
-        inside = f'<span class="{kind}">{words}</span>'
+        inside = f'<span class="{kind}">{escape(words)}</span>'
         drawn.append(inside if address is None else link(address, f"lesson/guess,{value:g}", words, inside))
     return f'<div class="vi-options vi-numbers">{"".join(drawn)}</div>'
 

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from pathlib import Path
 
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
@@ -31,6 +32,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=between(int, 1, 64),
         help="processes that share the visitors (1 on this machine alone, else one a core, 4 at most)",
     )
+    parser.add_argument(
+        "--lesson",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="FILE",
+        help="a lesson of your own, offered in place of the tour; more than once for more (docs/lessons.md)",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_setting_options(parser)
     add_run_options(parser)
@@ -38,13 +47,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args)
-    from ..app.serve import ServerOptions, serve, usual_workers  # the one place below the page that knows it
+    from ..app.lessons.source import own  # the one place below the page that knows it
+    from ..app.serve import ServerOptions, serve, usual_workers
     from ..app.sessions.stores import open_store
 
     with naming("--store"):
         open_store(args.store).close()
+    with naming("--lesson"):
+        lessons = own(args.lesson)
     workers = args.workers or usual_workers(args.host)
-    options = ServerOptions(settings, args.store, args.max_clients, tuple(args.origin), workers)
+    options = ServerOptions(settings, args.store, args.max_clients, tuple(args.origin), workers, lessons)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

@@ -56,8 +56,8 @@ def _offers(state: PageState, address: str) -> str:
         address,
         f"lesson/begin,{name}",
         f"Begin: {lesson.title}",
-        '<span class="vi-button vi-filled">Take the tour</span>',
+        '<span class="vi-button vi-filled">Begin</span>',
     )
     no = link(address, "lesson/leave", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
-    words = f"<b>New here?</b> {lesson.minutes} minutes show what this page is."
-    return f'{listed}<div class="vi-offer" role="dialog" aria-label="The tour">{words}{take}{no}</div>'
+    words = f"<span><b>New here?</b> {escape(lesson.title)}, {lesson.minutes} minutes: {escape(lesson.about)}</span>"
+    return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(lesson.title)}">{words}{take}{no}</div>'

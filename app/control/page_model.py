@@ -202,7 +202,7 @@ class PageModel:
     def follow_lesson(self, now: float) -> None:
         """Move on what moves by itself in it."""
         if self.guided.course is not None:
-            self.guided.course.tick(now)
+            self.guided.course.tick(now, self.player.still)
 
     def begin_anew(self) -> None:
         """The session has begun anew, in a world of its own."""

@@ -33,15 +33,16 @@ def draw_ask(stage: Stage, address: str | None) -> str:
 
 
 def _answers(stage: Stage, ask: Choice, address: str | None) -> str:
-    right = right_answer(stage, ask)
+    right = right_answer(stage, ask) if stage.revealed else None
     rows = [(answer.text, k == right) for k, answer in enumerate(ask.answers)]
     return draw_options(rows, stage.given.choice, stage.revealed, address)
 
 
-def right_answer(stage: Stage, ask: Choice) -> int:
-    """Its index: as written, or as computed."""
+def right_answer(stage: Stage, ask: Choice) -> int | None:
+    """Its index: as written, or as computed; None while it is computed."""
     if ask.right is not None:
-        return round(float(MEASURES[ask.right].of(stage))) - 1
+        number = float(MEASURES[ask.right].of(stage))
+        return round(number) - 1 if np.isfinite(number) else None
     return next(k for k, answer in enumerate(ask.answers) if answer.right)
 
 

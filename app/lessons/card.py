@@ -83,6 +83,7 @@ def _body(course: Course, stage: Stage, address: str | None) -> str:
     if not given.revealed and step.ask is not None and not isinstance(step.ask, Do) and address is not None:
         off = '<span class="vi-button vi-wide vi-off" aria-disabled="true">Show me</span>'
         parts.append(_button(address, "show", "Show me", "vi-wide vi-filled vi-guide-main") if course.answered else off)
+    parts += [f'<p class="vi-guide-failed">Not computed: {escape(why)}.</p>' for why in course.failed]
     if given.revealed:
         parts.append(draw_reveal(stage))
         if step.deal and address is not None:

@@ -27,12 +27,14 @@ def draw_reveal(stage: Stage) -> str:
 
 
 def verdict(stage: Stage) -> str:
-    """What is said about this very answer."""
+    """What is said about this very answer; nothing while what is true is computed."""
     ask, given = stage.step.ask, stage.given
     if isinstance(ask, Choice):
         return "" if given.choice is None else ask.answers[given.choice].because
     if isinstance(ask, Place | Pose) and given.place is not None:
         off = np.linalg.norm(np.array(given.place) - MEASURES[ask.truth].of(stage))
+        if np.isnan(off):
+            return ""
         if off <= ask.near:
             return ask.close
         if isinstance(ask, Place) and ask.line is not None and ask.on_line is not None:
@@ -41,6 +43,8 @@ def verdict(stage: Stage) -> str:
         return ask.far
     if isinstance(ask, Number) and given.number is not None:
         truth = float(MEASURES[ask.truth].of(stage))
+        if np.isnan(truth):
+            return ""
         if ask.factor is not None:
             near = truth > 0 and 1 / ask.factor <= given.number / truth <= ask.factor
         else:

@@ -56,8 +56,10 @@ def draw_options(rows: Sequence[tuple[str, bool]], choice: int | None, revealed:
             drawn.append(f'<span class="{kind}">{mark}{inline(words)}</span>')
             continue
         inside = f'<span class="{kind}"><kbd>{k + 1}</kbd>{inline(words)}</span>'
-        said = f"{words}{', chosen' if k == choice else ''}"
-        drawn.append(inside if address is None else link(address, f"lesson/choose,{k}", said, inside))
+        said = words.replace("**", "")
+        drawn.append(
+            inside if address is None else link(address, f"lesson/choose,{k}", said, inside, True, k == choice)
+        )
     return f'<div class="vi-options">{"".join(drawn)}</div>'
 
 
@@ -70,10 +72,11 @@ def _scale(ask: Number, chosen: float | None, address: str | None) -> str:
         values = np.linspace(ask.low, ask.high, count)
     drawn = []
     for value in (float(f"{number:.2g}") for number in values):
-        kind = "vi-option" + (" vi-chosen-one" if chosen is not None and abs(value - chosen) < 1e-9 else "")
+        here = chosen is not None and abs(value - chosen) < 1e-9
+        kind = "vi-option" + (" vi-chosen-one" if here else "")
         words = f"{shown(value)}{ask.unit}"
         inside = f'<span class="{kind}">{escape(words)}</span>'
-        drawn.append(inside if address is None else link(address, f"lesson/guess,{value:g}", words, inside))
+        drawn.append(inside if address is None else link(address, f"lesson/guess,{value:g}", words, inside, True, here))
     return f'<div class="vi-options vi-numbers">{"".join(drawn)}</div>'
 
 

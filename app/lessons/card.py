@@ -2,7 +2,7 @@
 
 import re
 
-from viewimit.drawing.over.links import link, sink
+from viewimit.drawing.over.links import button, sink
 from viewimit.drawing.svg import escape
 
 from .answers import draw_ask, draw_options
@@ -10,10 +10,10 @@ from .course import Course
 from .figure_area import draw_figures
 from .format import Do
 from .measures import fill
-from .reveal import draw_reveal
+from .reveal import draw_reveal, spoken
 from .sliders import slides
 from .stage import Stage
-from .words import inline
+from .words import heading, inline
 
 LEADS = {
     "before": "A guess is enough: it will be asked again at the end.",
@@ -27,9 +27,10 @@ def draw_lesson(course: Course, address: str | None) -> str:
     body = _ending(course, address) if stage is None or step is None else _body(course, stage, address)
     kind = "" if stage is None or step is None else f" vi-guide-{step.id}{' vi-sliding' if slides(course) else ''}"
     figures = "" if stage is None or step is None else draw_figures(stage, address)
-    card = f'<div class="vi-guide-card" aria-live="polite">{_head(course, address)}{body}{_foot(course, address)}</div>'
+    card = f'<div class="vi-guide-card">{_head(course, address)}{body}{_foot(course, address)}</div>'
     label = f"Lesson: {escape(course.lesson.title)}"
-    return f'<section class="vi-guide{kind}" aria-label="{label}">{card}{figures}</section>{sink()}'
+    told = f'data-screen="{course.screen.id}" data-spoken="{"" if stage is None else escape(spoken(stage))}"'
+    return f'<section class="vi-guide{kind}" aria-label="{label}" {told}>{card}{figures}</section>{sink()}'
 
 
 def _head(course: Course, address: str | None) -> str:
@@ -42,7 +43,7 @@ def _head(course: Course, address: str | None) -> str:
     }[screen.kind]
     at = {"before": -1, "step": screen.number}.get(screen.kind, count)
     bars = "".join(f'<i class="{"vi-gone" if k < at else "vi-here" if k == at else ""}"></i>' for k in range(count))
-    leave = "" if address is None else link(address, "lesson/leave", "Leave the lesson", "Leave <kbd>Esc</kbd>")
+    leave = "" if address is None else button(address, "lesson/leave", "Leave the lesson", "Leave <kbd>Esc</kbd>")
     name = escape(course.lesson.short)
     return (
         f'<div class="vi-guide-head"><b>{name}</b> {where}<span class="vi-guide-leave">{leave}</span></div>'
@@ -61,7 +62,7 @@ def _foot(course: Course, address: str | None) -> str:
     words = "Finish" if at == last else "Next →"
     ready = course.given.revealed if course.screen.kind == "step" else course.answered or course.screen.kind == "end"
     if not ready:
-        onwards = f'<span class="vi-button vi-off" aria-disabled="true">{words}</span>'
+        onwards = f'<span class="vi-button vi-off" role="button" aria-disabled="true">{words}</span>'
     else:
         onwards = _button(address, "leave" if at == last else "next", words, "vi-filled vi-guide-main")
     return f'<div class="vi-guide-foot">{back}{skip}{onwards}</div>'
@@ -70,18 +71,18 @@ def _foot(course: Course, address: str | None) -> str:
 def _button(address: str, what: str, words: str, kind: str) -> str:
     key = " <kbd>Enter</kbd>" if "vi-guide-main" in kind and what == "show" else ""
     inside = f'<span class="vi-button {kind}">{words}{key}</span>'
-    return link(address, f"lesson/{what}", re.sub(r"[←→] ?| ?[←→]", "", words), inside)
+    return button(address, f"lesson/{what}", re.sub(r"[←→] ?| ?[←→]", "", words), inside)
 
 
 def _body(course: Course, stage: Stage, address: str | None) -> str:
     step, given = stage.step, stage.given
-    parts = [f"<h2>{escape(step.title)}</h2>"]
+    parts = [heading(escape(step.title))]
     if not given.revealed or step.ask is None:
         parts.append(f"<p>{inline(fill(step.text, stage))}</p>")
     if step.ask is not None:
         parts.append(draw_ask(stage, address))
     if not given.revealed and step.ask is not None and not isinstance(step.ask, Do) and address is not None:
-        off = '<span class="vi-button vi-wide vi-off" aria-disabled="true">Show me</span>'
+        off = '<span class="vi-button vi-wide vi-off" role="button" aria-disabled="true">Show me</span>'
         parts.append(_button(address, "show", "Show me", "vi-wide vi-filled vi-guide-main") if course.answered else off)
     parts += [f'<p class="vi-guide-failed">Not computed: {escape(why)}.</p>' for why in course.failed]
     if given.revealed:
@@ -108,8 +109,8 @@ def _ending(course: Course, address: str | None) -> str:
         count = len(course.lesson.question)
         moved = f"<b>{before}</b> of {count} were right before, <b>{after}</b> of {count} after."
         again = "The page is yours now: pose the demonstrator, and press Play."
-        return f'<h2>Done</h2><div class="vi-guide-told"><span>{moved}</span></div><p>{again}</p>'
+        return f'{heading("Done")}<div class="vi-guide-told"><span>{moved}</span></div><p>{again}</p>'
     words, answers = course.question()
     rows = [(answer, False) for answer in answers]
     options = draw_options(rows, course.given.choice, False, address)
-    return f'<h2>{inline(words)}</h2><p>{LEADS[course.screen.kind]}</p><div class="vi-guide-ask">{options}</div>'
+    return f'{heading(inline(words))}<p>{LEADS[course.screen.kind]}</p><div class="vi-guide-ask">{options}</div>'

@@ -5,7 +5,7 @@ import numpy as np
 
 from viewimit.drawing.svg import escape
 
-from .format import Choice, Number, Place, Pose
+from .format import Choice, Do, Number, Place, Pose
 from .measures import MEASURES, fill
 from .stage import Stage
 from .words import inline
@@ -24,6 +24,17 @@ def draw_reveal(stage: Stage) -> str:
         parts.append(f"<p>{inline(fill(step.after, stage))}</p>")
     parts.append(f'<div class="vi-guide-say"><small>Now you can say</small>{inline(fill(step.say, stage))}</div>')
     return "".join(parts)
+
+
+def spoken(stage: Stage) -> str:
+    """What is read aloud as it becomes known: what came of the last motion, or of the answer. Not the whole card."""
+    step = stage.step
+    if not stage.revealed:
+        ask = step.ask
+        return f"{ask.measure} {MEASURES[ask.measure].told(stage)}" if isinstance(ask, Do) else ""
+    told = "" if step.told is None else f"{step.told.label}: {MEASURES[step.told.measure].told(stage)}."
+    parts = told, fill(verdict(stage), stage), fill(step.say, stage)
+    return " ".join(filter(None, parts)).replace("**", "") if step.ask is not None else ""
 
 
 def verdict(stage: Stage) -> str:

@@ -30,13 +30,15 @@ def draw_sliders(course: Course, address: str | None) -> str:
 def _slider(k: int, slider: Slider, value: float, address: str) -> str:
     low, high, at = (_even(slider, number) for number in (slider.low, slider.high, value))
     step = (high - low) / 200 if slider.logarithmic else slider.step
-    output = "" if slider.unit is None else f"<output>{shown(value)}{escape(slider.unit)}</output>"
+    words = "" if slider.unit is None else escape(f"{shown(value)}{slider.unit}")
+    output = f"<output>{words}</output>" if words else ""
+    said = f' aria-valuetext="{words}"' if words else ""
     live = "" if slider.name.startswith("own ") else ' data-live=""'
     log = ' data-log=""' if slider.logarithmic else ""
     told = f'data-turn="{address}/lesson/turn,{k},"{live}{log}'
     return (
         f'<label><span>{escape(slider.label)}</span><input type="range" id="vi-guide-slider-{k}" min="{low:g}"'
-        f' max="{high:g}" step="{step:g}" value="{at:g}" {told}/>{output}</label>'
+        f' max="{high:g}" step="{step:g}" value="{at:g}"{said} {told}/>{output}</label>'
     )
 
 

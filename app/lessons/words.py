@@ -13,3 +13,8 @@ def inline(words: str) -> str:
 def shown(value: float) -> str:
     """A number that was chosen or set, as it is written."""
     return f"{value:g}".replace("-", "−")
+
+
+def heading(inside: str) -> str:
+    """Of a screen: the focus begins there."""
+    return f'<h2 tabindex="-1">{inside}</h2>'

@@ -1,6 +1,6 @@
 """A lesson, in place of all other panels; and where lessons are begun, the first of which is offered once."""
 
-from viewimit.drawing.over.links import link
+from viewimit.drawing.over.links import button, link
 from viewimit.drawing.svg import escape
 
 from ...control.state import PageState
@@ -52,12 +52,12 @@ def _offers(state: PageState, address: str) -> str:
     if not state.offered:
         return listed
     name, lesson = next(iter(state.lessons.items()))
-    take = link(
+    take = button(
         address,
         f"lesson/begin,{name}",
         f"Begin: {lesson.title}",
-        '<span class="vi-button vi-filled">Begin</span>',
+        '<span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span>',
     )
-    no = link(address, "lesson/leave", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
+    no = button(address, "lesson/leave", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
     words = f"<span><b>New here?</b> {escape(lesson.title)}, {lesson.minutes} minutes: {escape(lesson.about)}</span>"
     return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(lesson.title)}">{words}{take}{no}</div>'

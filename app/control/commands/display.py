@@ -116,7 +116,7 @@ class NextLarger(Command):
 
 
 class LetGo(Command):
-    """Of the help, or else of a lesson or its offer, or else of an imitation, the see-through arm and what is large."""
+    """Of the help, or else of a lesson, or else of an imitation, the see-through arm, what is large and what is offered."""
 
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
@@ -124,9 +124,10 @@ class LetGo(Command):
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help:
             model.view = replace(model.view, help=False)
-        elif model.guided.course is not None or model.guided.offered:
+        elif model.guided.course is not None:
             model.guided.leave()
         else:
+            model.guided.offered = False
             model.imitated.stop()
             model.see_through.let_go()
             model.view = replace(model.view, large=None)

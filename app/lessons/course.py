@@ -55,7 +55,7 @@ class Course:
         at, answers = int(np.clip(progress.at, 0, len(self.screens) - 1)), self._answers
         given = {id: one for id, one in progress.given.items() if id in answers and fitting(one, *answers[id])}
         self.progress = replace(progress, at=at, given=given)
-        self.changes, self._visits, self.session = 0, 0, Session()
+        self.changes, self._visits, self.played, self.session = 0, 0, 0, Session()
         self._silhouettes: tuple[World, Silhouettes] | None = None
         self._next: float | None = None
         self._enter()

@@ -116,7 +116,7 @@ class NextLarger(Command):
 
 
 class LetGo(Command):
-    """Of the help, or else of a lesson, or else of an imitation, the see-through arm, what is large and what is offered."""
+    """Of the help, or else of a lesson, or else of an imitation, the see-through arm, what is large and the offer."""
 
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True

@@ -59,5 +59,5 @@ def _offers(state: PageState, address: str) -> str:
         '<span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span>',
     )
     no = button(address, "lesson/leave", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
-    words = f"<span><b>New here?</b> {escape(lesson.title)}, {lesson.minutes} minutes: {escape(lesson.about)}</span>"
+    words = f"<span><b>New here?</b> {escape(lesson.title)}, {lesson.minutes} min: {escape(lesson.about)}</span>"
     return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(lesson.title)}">{words}{take}{no}</div>'

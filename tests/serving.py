@@ -21,6 +21,7 @@ from viewimit.app import viser_private
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
 from viewimit.app.server.limits.connection_limits import Limits
+from viewimit.app.server.options import ServerOptions
 from viewimit.app.server.pages import App
 from viewimit.app.server.seat_counts import SeatCounts, WorkerCounts
 from viewimit.app.sessions.autosave import HEAD, Autosave, SavedPage
@@ -28,7 +29,6 @@ from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
 
 from viewimit.session import Session
-from viewimit.settings import Settings
 
 STARTS_WITHIN_S = 90  # on a busy machine
 ENDS_WITHIN_S = 10
@@ -138,7 +138,7 @@ class Here:
         self.access = AccessControl(limits, (), counts)
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        self.app = App(self.viser, Settings(), self._scheduler, Autosave(SqliteStore(folder)), self.access.touches)
+        self.app = App(self.viser, ServerOptions(), self._scheduler, Autosave(SqliteStore(folder)), self.access.touches)
         self.access.guard(self.viser)
         self.url = f"http://127.0.0.1:{self.viser.get_port()}"
 

@@ -132,7 +132,7 @@ class CommandLoop:
     def _apply(self, command: Command, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
         if self._model.guided.course is not None and not command.in_lesson:
-            self._model.refusals += 1
+            self._model.refuse("In a lesson the page's own controls rest: Esc leaves it.", now + MESSAGE_STAYS)
             return
         try:
             command.apply(self._model, now)

@@ -33,14 +33,15 @@ from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .duel import Duel
 from .experiments import Experiments
-from .guided import Guided
 from .joints import Freedom
 from .landscapes import Basins, DuelLandscapes, OwnLandscape
 from .moments.building import BuildingUp
+from .moments.guided import Guided
 from .moments.imitated import Imitated
 from .moments.past import Left, Past
 from .moments.rehearsal import require_use
 from .moments.see_through import SeeThrough
+from .moments.shown_word import BeforeWord
 from .motions import Motions
 from .on_the_way import OnTheWay
 from .player import DENSE, Player
@@ -80,6 +81,7 @@ class PageModel:
         self.preset = next(iter(self.presets.values()))
         self._of_presets: dict[str, Settings] = {}  # as a session has them
         self.past = Past()
+        self._before_word: BeforeWord | None = None
         self.motions = Motions(self.session, self.pose, self._make_motion, send)
         self.experiments = Experiments(
             services.experiments, page_id, self.session, self.motions, self._take_run_later, send
@@ -171,10 +173,42 @@ class PageModel:
 
     def bring_back(self, left: Left) -> None:
         """As it was. Raises ValueError, with all as it is, if that cannot be any more."""
+        self._go_on_with(left)
+        self.past.forget_newest()
+
+    def show_word(self, key: str, preset: Preset) -> None:
+        """Begin with what shows an entry of the glossary; what was there before the first of them is kept."""
+        first, playing = self.shown_word, self.player.playing
+        left = self.past.present(self._sessions, self.preset, self.player.speed)
+        before = first or BeforeWord(key, preset, left, self.past.everything, self.view, playing)
+        self.begin_preset(preset)
+        self._before_word = replace(before, key=key, preset=preset)
+
+    @property
+    def shown_word(self) -> BeforeWord | None:
+        """What was there before the entry that is shown; None if none is."""
+        before = self._before_word
+        return before if before is not None and self.preset is before.preset else None
+
+    def give_back(self) -> None:
+        """What was there before an entry of the glossary was shown. Raises ValueError, with all as it is, if there is
+        nothing to be given back, or that cannot be any more."""
+        before = self.shown_word
+        if before is None:
+            raise ValueError("nothing is shown in place of what was here")
+        if len(before.left.runs) != len(self._sessions):
+            raise ValueError("a duel has begun or ended since: end or begin it again first")
+        self.player.pause()
+        self._go_on_with(before.left)
+        self.past.go_back_to(before.past)
+        self.view = replace(before.view, help=False, wide=self.view.wide, prefers_dark=self.view.prefers_dark)
+        if before.playing:
+            self.player.play()
+
+    def _go_on_with(self, left: Left) -> None:
         world = self.session.world
         for session, (moments, cursor) in zip(self._sessions, left.runs):
             session.resume(moments, cursor)
-        self.past.forget_newest()
         self.preset, self.player.speed = left.preset, left.speed
         self.player.settle()
         if self.session.world is not world:
@@ -211,7 +245,7 @@ class PageModel:
     def follow_lesson(self, now: float) -> None:
         """Move on what moves by itself in it."""
         if self.guided.course is not None:
-            self.guided.course.tick(now)
+            self.guided.course.tick(now, self.player.still)
 
     def begin_anew(self) -> None:
         """The session has begun anew, in a world of its own."""
@@ -345,6 +379,7 @@ class PageModel:
             lessons=self.guided.lessons,
             course=self.guided.course,
             offered=self.guided.offered,
+            word=None if self.shown_word is None else self.shown_word.key,
         )
 
     def _look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:

@@ -81,7 +81,8 @@ class PageState:
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
     points: of the body, while they are edited. message: for the visitor; unsaved: why the session is not kept, None as
     far as is known. lessons: all there are, by name; course: the one that goes on, whose session then is shown;
-    offered: whether the first one is. Session, duel, experiments and motions are those of the page: to be read only.
+    offered: whether the first one is. word: of the glossary that is shown, in place of what can be given back. Session,
+    duel, experiments and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -118,6 +119,7 @@ class PageState:
     lessons: Mapping[str, Lesson]
     course: Course | None
     offered: bool
+    word: str | None
 
     @cached_property
     def arms_in_images(self) -> tuple[Bodies, Windows]:

@@ -21,7 +21,7 @@ from viewimit.simulation.world import World
 from .figures import FIGURES
 from .format import Choice, Do, Lesson, Number, Place, Pose, Step
 from .measures import MEASURES
-from .progress import Given, Progress
+from .progress import Given, Progress, fitting
 from .scenes import SLIDERS, Staging
 from .stage import Stage
 from .works import WORKS
@@ -29,6 +29,8 @@ from .works.work import Task
 
 MOST_PATH = 200  # motions by hand
 APART_DEG = 30.0  # of a start that is dealt from the demonstrator, its joint that is farthest
+MOST_SEED = 9999
+FARTHEST = 1e4  # units of a drawing: no figure is as large
 LEAST_DELAY, PLAYED = 0.35, 24  # s of a motion that is played; so many motions are, then all
 Work = Callable[[str, Callable[[], object], Callable[[object], None]], None]
 replace = msgspec.structs.replace
@@ -44,15 +46,18 @@ class Screen:
 
 
 class Course:
-    """work(kind, make, take): make() beside the page, then take(what came of it) in the page's own time. changes: how
-    often anything that is shown has changed."""
+    """work(kind, make, take): make() beside the page, then take(what came of it, or the exception) in the page's own
+    time. changes: how often anything that is shown has changed; failed: what could not be computed, and why."""
 
     def __init__(self, lesson: Lesson, progress: Progress, work: Work):
         self.lesson, self._work = lesson, work
         self.screens = _screens(lesson)
-        self.progress = replace(progress, at=int(np.clip(progress.at, 0, len(self.screens) - 1)))
         self.steps = {step.id: step for step in lesson.step}
-        self.changes, self.session, self._staging = 0, Session(), Staging()
+        at, answers = int(np.clip(progress.at, 0, len(self.screens) - 1)), self._answers
+        given = {id: one for id, one in progress.given.items() if id in answers and fitting(one, *answers[id])}
+        self.progress = replace(progress, at=at, given=given)
+        self.changes, self._visits, self.played = 0, 0, 0
+        self.session, self._staging = Session(), Staging()
         self._silhouettes: tuple[World, Silhouettes] | None = None
         self._next: float | None = None
         self._enter()
@@ -130,7 +135,7 @@ class Course:
     def place(self, at: NDArray) -> None:
         """at: (2,) units of the figure's drawing."""
         stage, ask = self.stage, self.step.ask if self.step else None
-        if stage is None or not isinstance(ask, Place) or stage.revealed:
+        if stage is None or not isinstance(ask, Place) or stage.revealed or np.abs(at).max() > FARTHEST:
             raise ValueError("nothing is to be marked here")
         unplace = FIGURES[ask.figure].unplace
         assert unplace is not None
@@ -172,7 +177,10 @@ class Course:
         step = self.step
         if step is None or not step.deal:
             raise ValueError("no start is dealt here")
-        fresh = Given(seed=self.given.seed + 1 if seed is None else seed)
+        seed = self.given.seed % MOST_SEED + 1 if seed is None else seed
+        if not 1 <= seed <= MOST_SEED:
+            raise ValueError(f"starts have numbers from 1 to {MOST_SEED}")
+        fresh = Given(seed=seed)
         self.progress = replace(self.progress, given={**self.progress.given, self.screen.id: fresh})
         self._enter()
 
@@ -185,12 +193,15 @@ class Course:
         self._enter()
         return True
 
-    def tick(self, now: float) -> None:
-        """Show one more motion of the races, where they are played."""
+    def tick(self, now: float, still: bool = False) -> None:
+        """Show one more motion of the races, where they are played; still: all of them, as nothing is to move."""
         step = self.step
         if step is None or step.play is None or self.played >= PLAYED or "races" not in self.made:
             return
-        if self._next is None or now >= self._next:
+        if still:
+            self.played = PLAYED
+            self.changes += 1
+        elif self._next is None or now >= self._next:
             self._next = now + max(1 / step.play, LEAST_DELAY)
             self.played += 1
             self.changes += 1
@@ -205,7 +216,9 @@ class Course:
     def _enter(self) -> None:
         """The screen is another: begin its session, and go again what was gone by hand."""
         self.changes += 1
+        self._visits += 1
         self.made: dict[str, object] = {}
+        self.failed: tuple[str, ...] = ()
         self.played, self._next = 0, None
         step = self.step
         if step is None:
@@ -312,12 +325,27 @@ class Course:
         task = Task(step, session.world, self.moments[-1], session.settings, sliders, self.given.seed)
         for name in dict.fromkeys((*shown, *step.works)):
             if WORKS[name].when in when:
-                self._work(name, partial(WORKS[name].make, task), partial(self._take, self.screen.id, name))
+                self._work(name, partial(WORKS[name].make, task), partial(self._take, self._visits, name))
 
-    def _take(self, screen: str, name: str, made: object) -> None:
-        if screen == self.screen.id:
+    def _take(self, visit: int, name: str, made: object) -> None:
+        """visit: of the screen and the start that it was made for."""
+        if visit != self._visits:
+            return
+        if isinstance(made, Exception):
+            self.failed = (*self.failed, f"{name}: {made}")
+        else:
             self.made = {**self.made, name: made}
-            self.changes += 1
+        self.changes += 1
+
+    @property
+    def _answers(self) -> dict[str, tuple[Step | None, int]]:
+        """Each screen's step, and among how many answers it is chosen there, by its id."""
+        answers: dict[str, tuple[Step | None, int]] = {"end": (None, 0)}
+        for step in self.lesson.step:
+            answers[step.id] = step, len(step.ask.answers) if isinstance(step.ask, Choice) else 0
+        for k, asked in enumerate(self.lesson.question):
+            answers |= {f"{kind} {k}": (None, len(asked.answers)) for kind in ("before", "after")}
+        return answers
 
     def _right(self, kind: str) -> int:
         count = 0

@@ -3,24 +3,24 @@
 Each is checked whole, so that a fault is told by file, line and field before anybody is taught.
 """
 
+import math
 import re
+import stat
+import zlib
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import msgspec
-import numpy as np
 from viewimit.assets import ROOT
 
-from viewimit.servo import SERVOS
-from viewimit.settings import Settings
-from viewimit.simulation.scene import extended, load_scene
-
-from .figures import FIGURES
-from .format import CHANGEABLE, MOST_WORDS, Choice, Do, Lesson, Number, Place, Pose, Step
-from .measures import MEASURES, named_in
-from .works import WORKS
+from .checks import faults
+from .format import Lesson
+from .trial import faults_in_session
 
 FOLDER = ROOT / "lessons"
+MOST_BYTES = 200_000
 _HEAD = re.compile(r"^\s*\[+\s*([^\]]+?)\s*\]+\s*(#.*)?$")
 _PATH = re.compile(r"\.?([A-Za-z_]\w*)|\[(\d+)\]")
 
@@ -31,21 +31,64 @@ def shipped() -> dict[str, Lesson]:
     return {path.stem.split("-", 1)[1]: load(path) for path in sorted(FOLDER.glob("*.toml"))}
 
 
-def load(path: Path) -> Lesson:
-    """Raises ValueError that names file, line and field; OSError for a file that cannot be read."""
-    text = path.read_text("utf-8")
+def own(paths: Iterable[Path]) -> dict[str, Lesson]:
+    """A lecturer's, each tried out. A name tells what is in the file, too: what was answered to another is no answer
+    here. Raises as `load` does."""
+    lessons = {}
+    for path in paths:
+        lesson = load(path, tried=True)
+        stem = re.sub(r"[^a-z0-9]+", "-", path.stem.lower())[:16].strip("-")
+        lessons[f"{stem}-{zlib.crc32(msgspec.msgpack.encode(lesson)):08x}"] = lesson
+    return lessons
+
+
+def load(path: Path, tried: bool = False) -> Lesson:
+    """tried: in a session as well, which takes a moment. Raises ValueError that names file, line and field; OSError for
+    a file that cannot be read."""
+    text = _text_of(path)
     try:
-        fields = msgspec.toml.decode(text.encode())
-    except msgspec.DecodeError as error:
+        fields = msgspec.toml.decode(text)
+    except RecursionError:
+        raise ValueError(f"{path}: brackets within brackets, too many of them") from None
+    except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
+    for where in _not_finite(fields):
+        raise ValueError(_located(path, text, where, "must be a finite number"))
     try:
         lesson = msgspec.convert(fields, Lesson)
     except msgspec.ValidationError as error:
         what, _, where = str(error).partition(" - at `$")
         raise ValueError(_located(path, text, where.rstrip("`"), what)) from None
-    for where, what in _faults(lesson):
-        raise ValueError(_located(path, text, where, what))
+    for check in (faults, faults_in_session) if tried else (faults,):
+        for where, what in check(lesson):
+            raise ValueError(_located(path, text, where, what))
     return lesson
+
+
+def _text_of(path: Path) -> str:
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise ValueError(f"{path}: is no file")
+    with path.open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise ValueError(f"{path}: is larger than {MOST_BYTES // 1000} kB, which no lesson is")
+    try:
+        return data.decode()
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise ValueError(f"{path}, line {line}: is not written in UTF-8") from None
+
+
+def _not_finite(value: Any, where: str = "") -> Iterator[str]:
+    """Where there are numbers that are none."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield where
+    elif isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _not_finite(inner, f"{where}.{name}")
+    elif isinstance(value, list):
+        for k, inner in enumerate(value):
+            yield from _not_finite(inner, f"{where}[{k}]")
 
 
 def _located(path: Path, text: str, where: str, what: str) -> str:
@@ -85,98 +128,3 @@ def _table(name: str, is_array: bool, counts: dict[tuple, int]) -> list:
         if tuple(keys) in counts:
             keys.append(counts[tuple(keys)])
     return keys
-
-
-def _faults(lesson: Lesson):
-    """(field, what is wrong) of what types cannot tell."""
-    ids: set[str] = set()
-    if not lesson.step:
-        yield "", "a lesson needs a [[step]]"
-    for k, question in enumerate(lesson.question):
-        if not len(question.answers) == len(question.answers_after) >= 2:
-            yield f".question[{k}].answers_after", "needs as many answers as before, two or more"
-    for k, step in enumerate(lesson.step):
-        at = f".step[{k}]"
-        for where, what in _faults_of_step(step, ids, {**lesson.settings, **step.settings}):
-            yield at + where, what
-        ids.add(step.id)
-
-
-def _faults_of_step(step: Step, before: set[str], settings: dict):
-    if step.id in before:
-        yield ".id", f"{step.id!r} is another step's"
-    words = len(re.sub(r"[*{}]", "", step.text).split())
-    if words > MOST_WORDS:
-        yield ".text", f"{words} words; at most {MOST_WORDS} are read"
-    try:
-        wanted = msgspec.convert(settings, Settings)
-    except (msgspec.ValidationError, ValueError) as error:
-        yield ".settings", str(error)
-        return
-    if step.scene:
-        yield from _faults_of_scene(step, wanted)
-    for place in ("main", "side"):
-        for i, figure in enumerate(getattr(step, place)):
-            if figure.figure not in FIGURES:
-                yield f".{place}[{i}].figure", f"no figure {figure.figure!r}; there are {', '.join(FIGURES)}"
-                continue
-            layers = FIGURES[figure.figure].layers
-            for name in ("show", "reveal", "hide"):
-                unknown = set(getattr(figure, name)) - set(layers)
-                if unknown:
-                    yield f".{place}[{i}].{name}", f"no layer {min(unknown)!r}; there are {', '.join(layers)}"
-    if step.carry is not None and step.carry not in before:
-        yield ".carry", f"no step {step.carry!r} before this one"
-    for work in step.works:
-        if work not in WORKS:
-            yield ".works", f"no work {work!r}; there are {', '.join(WORKS)}"
-    for servo in step.race:
-        if servo not in SERVOS:
-            yield ".race", f"no servo {servo!r}; there are {', '.join(SERVOS)}"
-    for name, said in (("say", step.say), ("after", step.after), ("text", step.text)):
-        for measure in named_in(said):
-            if measure not in MEASURES:
-                yield f".{name}", f"no measure {measure!r}; there are {', '.join(MEASURES)}"
-    if step.told is not None:
-        for measure in (step.told.measure, *named_in(step.told.note)):
-            if measure not in MEASURES:
-                yield ".told", f"no measure {measure!r}; there are {', '.join(MEASURES)}"
-    for slider in step.sliders:
-        if not slider.low <= slider.start <= slider.high:
-            yield ".sliders", f"{slider.name}: start must be from low to high"
-    yield from _faults_of_ask(step)
-
-
-def _faults_of_scene(step: Step, settings: Settings):
-    unknown = set(step.scene) - set(CHANGEABLE)
-    if unknown:
-        yield f".scene.{min(unknown)}", f"cannot be changed in a step; {', '.join(CHANGEABLE)} can"
-        return
-    try:
-        extended(load_scene(settings.scene, settings.robot, settings.joints), step.scene)
-    except (msgspec.ValidationError, ValueError) as error:
-        yield ".scene", str(error)
-
-
-def _faults_of_ask(step: Step):
-    ask = step.ask
-    if isinstance(ask, Choice):
-        if not 2 <= len(ask.answers) <= 4:
-            yield ".ask.answers", f"two to four are needed, not {len(ask.answers)}"
-        right = sum(answer.right for answer in ask.answers)
-        if (ask.right is None) != (right == 1):
-            yield ".ask.answers", "one of them must be right = true, or `right` a measure that tells which"
-    known = [getattr(ask, name) for name in ("truth", "measure", "right", "line") if getattr(ask, name, None)]
-    for measure in known:
-        if measure not in MEASURES:
-            yield ".ask", f"no measure {measure!r}; there are {', '.join(MEASURES)}"
-    if isinstance(ask, Place) and ask.figure not in {figure.figure for figure in step.main}:
-        yield ".ask.figure", f"{ask.figure!r} is none of the step's main figures"
-    if isinstance(ask, Do) and (ask.below is None) == (ask.above is None):
-        yield ".ask", "needs below or above"
-    if isinstance(ask, Number) and not ask.low < ask.high:
-        yield ".ask.low", f"must be less than high, {ask.high:g}"
-    if isinstance(ask, Number) and (ask.factor is None) == (ask.within is None):
-        yield ".ask", "needs factor or within"
-    if isinstance(ask, Pose) and not np.isfinite(ask.near):
-        yield ".ask.near", "must be a number of degrees"

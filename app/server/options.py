@@ -1,9 +1,11 @@
 """What a server is started with, as each of its processes gets it."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from viewimit.settings import Settings
 
+from ..lessons.format import Lesson
 from .limits.connection_limits import Limits
 
 PENDING = 200  # connections of a process without a seat, such as page loads
@@ -14,7 +16,8 @@ PAGE_CONNECTIONS = 12  # that a browser or two open at once
 class ServerOptions:
     """settings: what each session begins with; store: where sessions are kept, as `open_store` has it; max_clients:
     tabs at a time; origins: of pages elsewhere that may connect; workers: processes that share the visitors;
-    max_per_address: tabs of one address at a time, None: as many as there are."""
+    max_per_address: tabs of one address at a time, None: as many as there are; lessons: shown before those that are
+    shipped, by name."""
 
     settings: Settings = Settings()
     store: str | None = None
@@ -22,6 +25,7 @@ class ServerOptions:
     origins: tuple[str, ...] = ()
     workers: int = 1
     max_per_address: int | None = None
+    lessons: Mapping[str, Lesson] = field(default_factory=dict)
 
     def clients_of(self, worker: int) -> int:
         """How many of the tabs one of the processes takes."""

@@ -12,7 +12,6 @@ from functools import cache, partial
 
 import viser
 
-from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
@@ -21,6 +20,7 @@ from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
+from ..lessons.source import shipped
 from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
@@ -56,7 +56,7 @@ def serving(
         viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
-    app = App(server, options.settings, scheduler, autosave, access.touches, max(MOST_SESSIONS // options.workers, 1))
+    app = App(server, options, scheduler, autosave, access.touches)
     access.guard(server)
     try:
         yield server.get_port()
@@ -69,32 +69,32 @@ def serving(
 class App:
     """Pages by client id. viser's threads connect and disconnect, its event loop draws.
 
-    touches: where the pages' links lead; pictured: how many sessions at a time may look with pictures.
+    touches: where the pages' links lead.
     """
 
     def __init__(
         self,
         server: viser.ViserServer,
-        settings: Settings,
+        options: ServerOptions,
         scheduler: Scheduler,
         autosave: Autosave,
         touches: Touches,
-        pictured: int = MOST_SESSIONS,
     ):
-        self._server, self._settings, self._scheduler, self._autosave = server, settings, scheduler, autosave
+        self._server, self._settings, self._scheduler, self._autosave = server, options.settings, scheduler, autosave
         self._touches = touches
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
-        self._keys = SessionKeys(server, autosave, settings, self._retire)
+        self._keys = SessionKeys(server, autosave, options.settings, self._retire)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._collecting = threading.Lock()
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
-        camera = CameraProcess(pictured)
-        self.services = Services(LandscapeWorker(), ExperimentWorker(), camera, scheduler.shedding, share)
+        camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
+        workers = LandscapeWorker(), ExperimentWorker(), camera
+        self.services = Services(*workers, scheduler.shedding, share, {**options.lessons, **shipped()})
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
         for arm in ALWAYS_SEEN:
-            share(load_scene(settings.scene, settings.robot).robot, arm)
+            share(load_scene(options.settings.scene, options.settings.robot).robot, arm)
         server.on_client_connect(self._connect)
         server.on_client_disconnect(self._disconnect)
         self._scheduler.start(server.get_event_loop())

@@ -126,8 +126,11 @@ document.addEventListener("input", event => {
   const slider = event.target;
   if (!slider.matches("[data-turn]")) return;
   const shown = slider.nextElementSibling;
-  if (shown) shown.textContent = shown.textContent.replace(/^[−\d.]+/,
-    String(Number(valueOf(slider).toPrecision(3))).replace("-", "−"));
+  if (shown) {
+    shown.textContent = shown.textContent.replace(/^[−\d.]+/,
+      String(Number(valueOf(slider).toPrecision(3))).replace("-", "−"));
+    slider.setAttribute("aria-valuetext", shown.textContent);
+  }
   if (slider.dataset.live !== undefined && !sent.has(slider.dataset.turn)) turned(slider, 220);
 });
 document.addEventListener("change", event => {
@@ -135,9 +138,17 @@ document.addEventListener("change", event => {
   if (event.target.matches("[data-go]") && event.target.checkValidity()) tell(event.target.dataset.go + event.target.value);
 });
 window.addEventListener("keydown", event => {
-  if (!guide() || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const here = event.target, offer = document.querySelector(".vi-offer a");
+  if (event.key === " " && here.matches("a[role=button]")) {
+    event.preventDefault();
+    event.stopPropagation();
+    return here.click();
+  }
+  if (!guide() && offer && event.key === "Enter" && here === document.body) return offer.click();
+  if (!guide()) return;
   event.stopPropagation();  // the page's own keys are out of reach
-  const here = event.target, place = here.closest && here.closest("[data-place]");
+  const place = here.closest && here.closest("[data-place]");
   const follow = selector => {
     const found = document.querySelector(`.vi-guide ${selector}`);
     const link = found && found.closest("a");
@@ -145,18 +156,40 @@ window.addEventListener("keydown", event => {
   };
   if (place && moveMark(place, event)) return event.preventDefault();
   if (event.key === "Escape") return follow(".vi-guide-leave a");
-  if (here.matches("input")) return;
+  if (here.matches("input:not([type=range])")) return;
   if (/^[1-9]$/.test(event.key)) return follow(`.vi-options a:nth-child(${event.key})`);
   if (event.key === "Enter" && !here.matches("a")) return follow(".vi-guide-main");
 }, true);
 
-// What is drawn anew keeps the focus: the same link, or the figure that is marked
+// What is drawn anew keeps focus and scrolling; another screen is begun at its heading. What has become known is spoken,
+// and nothing else
+const spoken = document.createElement("div");
+spoken.className = "vi-spoken";
+spoken.setAttribute("aria-live", "polite");
+let drawn = null, screenOf = "", scrolled = {};
 document.addEventListener("focusin", event => {
   const here = event.target;
   if (here.closest(".vi-guide")) focused = here.id ? `#${here.id}` : `a[href$="${(here.getAttribute("href") || "").slice(-24)}"]`;
 });
+document.addEventListener("scroll", event => {
+  const part = event.target.classList;
+  if (part && part.contains("vi-guide")) scrolled.all = event.target.scrollTop;
+  if (part && part.contains("vi-guide-card")) scrolled.card = event.target.scrollTop;
+}, true);
 new MutationObserver(() => {
-  if (!focused || document.activeElement !== document.body) return;
-  const again = guide() && document.querySelector(`.vi-guide ${focused}`);
-  if (again) again.focus({preventScroll: true});
+  const here = guide();
+  if (here === drawn) return;
+  drawn = here;
+  if (!here) return screenOf = "";
+  if (!spoken.isConnected) document.body.append(spoken);
+  if (spoken.textContent !== here.dataset.spoken) spoken.textContent = here.dataset.spoken;
+  const card = here.querySelector(".vi-guide-card"), another = here.dataset.screen !== screenOf;
+  screenOf = here.dataset.screen;
+  if (another) scrolled = {};
+  here.scrollTop = scrolled.all || 0;
+  card.scrollTop = scrolled.card || 0;
+  if (!another && (!focused || document.activeElement !== document.body)) return;
+  const onwards = here.querySelector(".vi-guide-main");
+  const again = another ? null : here.querySelector(focused) || (onwards && onwards.closest("a"));
+  (again || here.querySelector("h2")).focus({preventScroll: true});
 }).observe(document, {childList: true, subtree: true});

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from drawn import parsed
 from quiet_page import QuietPage
-from viewimit.app.control.commands.session import Undo
+from sameness import assert_same
+from viewimit.app.control.commands.session import Play, Step, Undo
 from viewimit.app.panels.guide.glossary import numbers_now
 from viewimit.app.panels.guide.help import help_html
 
@@ -111,3 +112,67 @@ def test_its_type_has_contrast_in_both_schemes(role, ground):
     for colour, behind in zip(ROLES[role], ROLES[ground]):
         low, high = sorted((luminance(colour), luminance(behind)))
         assert (high + 0.05) / (low + 0.05) >= 4.5
+
+
+def give_back_offered(page):
+    """Of which entries the cards do."""
+    return re.findall(r"#vi-word-(\w+) \.vi-give-back\{display:block\}", page.shown)
+
+
+def test_what_was_there_before_is_given_back_to_the_bit():
+    """Whatever was done meanwhile: another entry, motions, another view. And it goes on as it would have."""
+    page, twin = (QuietPage(BEST, address="/touch/0.x") for _ in range(2))
+    for one in (page, twin):
+        for control, value in (("point", "3"), ("large", "1")):
+            one.page.touch(control, value)
+        for _ in range(4):
+            one.page.put(Step())
+            one.tick(1.0)
+        one.page.touch("moment", "2")
+        one.tick(1.0)
+    model = page.page.model
+    before, view, past = page.page.memory(), model.view, model.past.everything
+    assert give_back_offered(page) == []
+    for key in ("E", "condition"):
+        page.page.touch("show", key)
+        page.tick(1.0)
+        page.tick(10.0)
+        assert give_back_offered(page) == [key]
+    model.change(noise_px=1.0)
+    page.page.touch("point", "1")
+    page.page.touch("restore", "0")
+    page.tick(1.0)
+    page.tick(10.0)
+    after = page.page.memory()
+    assert after.head == before.head and model.view == view and model.past.everything == past
+    assert_same(after.history, before.history)
+    assert give_back_offered(page) == []
+    for one in (page, twin):
+        one.page.put(Step())
+        one.tick(1.0)
+    assert_same(tuple(model.session.history), tuple(twin.page.model.session.history))
+
+
+def test_who_was_playing_plays_on():
+    page = QuietPage(address="/touch/0.x")
+    page.page.put(Play())
+    page.tick(1.0)
+    page.page.touch("show", "E")
+    page.tick(0.1)
+    page.page.touch("restore", "0")
+    page.tick(0.1)
+    assert page.page.model.player.playing and page.page.model.player.speed == 2
+
+
+def test_nothing_is_given_back_where_nothing_was_taken():
+    page = QuietPage(address="/touch/0.x")
+    page.page.touch("restore", "0")
+    page.tick(1.0)
+    assert "nothing is shown in place of what was here" in page.page.model.message.text
+    page.page.touch("show", "E")
+    page.tick(1.0)
+    page.choose("Preset", "Beyond the paper")
+    settings = page.page.model.session.settings
+    page.page.touch("restore", "0")
+    page.tick(10.0)
+    assert page.page.model.session.settings == settings and give_back_offered(page) == []

@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+from pathlib import Path
 
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
@@ -42,6 +43,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=between(int, 1, 64),
         help="processes that share the visitors (1 on this machine alone, else one a core, 4 at most)",
     )
+    parser.add_argument(
+        "--lesson",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="FILE",
+        help="a lesson of your own, offered in place of the tour; more than once for more (docs/lessons.md)",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_setting_options(parser)
     add_run_options(parser)
@@ -50,6 +59,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args)
     # the one place below the page that knows it
+    from ..app.lessons.source import own
     from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
     from ..app.server.origins import require_origin
     from ..app.sessions.stores import open_store
@@ -60,9 +70,11 @@ def run(args: argparse.Namespace) -> int:
     store = args.store or os.environ.get(STORE) or None
     with naming("--store" if args.store or not store else STORE):
         open_store(store).close()
+    with naming("--lesson"):
+        lessons = own(args.lesson)
     workers = args.workers or usual_workers(args.host)
     of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
-    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one)
+    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one, lessons)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

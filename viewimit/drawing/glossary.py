@@ -106,7 +106,7 @@ def cards(address: str | None = None) -> str:
     words = "".join(
         f'<div class="vi-word" id="vi-word-{key}" popover="auto"><input type="button" class="vi-close" value="×"'
         f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"/>{_show(address, key)}'
-        f"{_described(entry)}</div>"
+        f"{_give_back(address)}{_described(entry)}</div>"
         for key, entry in glossary().items()
     )
     return f"<style>{anchors}</style>{words}{sink() if address else ''}"
@@ -119,10 +119,10 @@ def listed(address: str | None = None) -> str:
     )
 
 
-def told_now(values: Mapping[str, float]) -> str:
+def told_now(values: Mapping[str, float], shown: str | None = None) -> str:
     """A style that says on the cards' scales what the numbers are now, by key; those that are NaN are not said. The
-    cards themselves stay as they are, and so open."""
-    rules = []
+    cards themselves stay as they are, and so open. shown: the entry whose card offers to give back what was there."""
+    rules = [] if shown is None else [f"#vi-word-{shown} .vi-give-back{{display:block}}"]
     for key, value in values.items():
         scale = glossary()[key].scale
         if scale is not None and np.isfinite(value):
@@ -138,6 +138,14 @@ def _show(address: str | None, key: str) -> str:
     entry = glossary()[key]
     words = "Show me a bad one" if entry.bad else "Show me"
     return f'<span class="vi-show">{link(address, f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'
+
+
+def _give_back(address: str | None) -> str:
+    """The link that takes it away again, unseen until it is shown."""
+    if address is None:
+        return ""
+    back = link(address, "restore/0", "Give it back: what was here before", "Give it back")
+    return f'<span class="vi-show vi-give-back">{back}</span>'
 
 
 def _described(entry: Entry) -> str:

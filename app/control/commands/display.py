@@ -116,8 +116,8 @@ class NextLarger(Command):
 
 
 class LetGo(Command):
-    """Of the help, or else of a lesson or its offer, or else of a proposed point, or of editing them, or else of an
-    imitation, the see-through arm and what is large."""
+    """Of the help, or else of a lesson, or else of a proposed point, or of editing them, or else of an imitation, the
+    see-through arm, what is large and the offer."""
 
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
@@ -125,9 +125,10 @@ class LetGo(Command):
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help:
             model.view = replace(model.view, help=False)
-        elif model.guided.course is not None or model.guided.offered:
+        elif model.guided.course is not None:
             model.guided.leave()
         elif not model.points.let_go():
+            model.guided.offered = False
             model.imitated.stop()
             model.see_through.let_go()
             model.view = replace(model.view, large=None)

@@ -91,10 +91,23 @@ class ShowWord(Command):
         entry = glossary()[self.key]
         speed = 0.0 if entry.plays else model.player.speed
         lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
-        model.begin_preset(Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)))
+        model.show_word(self.key, Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)))
         model.view = replace(model.view, help=False)
         if entry.plays:
             Play().apply(model, now)
+
+
+class GiveBack(Command):
+    """What was there before an entry of the glossary was shown."""
+
+    moves: ClassVar[bool] = True
+
+    def opens_pictures(self, model: PageModel) -> bool:
+        before = model.shown_word
+        return before is not None and before.left.camera == "rendered" != model.session.settings.camera
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.give_back()
 
 
 TOUCHES: Mapping[str, Callable[[str], Command]] = {
@@ -112,5 +125,6 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
     "show": ShowWord.parse,
+    "restore": lambda value: GiveBack(),
     "lesson": touched,
 }

@@ -49,6 +49,14 @@ class Past:
     def forget_newest(self) -> None:
         self._left.pop()
 
+    @property
+    def everything(self) -> tuple[Left, ...]:
+        return tuple(self._left)
+
+    def go_back_to(self, everything: tuple[Left, ...]) -> None:
+        """What was left behind since is forgotten."""
+        self._left = list(everything)
+
     def keep_branch(self, sessions: Sequence[Session], preset: Preset, speed: float) -> None:
         """Motions after the present one are about to be made anew."""
         if any(session.cursor < len(session.history) - 1 for session in sessions):
@@ -66,6 +74,10 @@ class Past:
                 self._keep(runs or tuple((tuple(one), cursor) for one, cursor in histories), 0, preset, speed)
         elif runs is not None:
             self._keep(runs, _cursor(sessions), preset, speed)
+
+    def present(self, sessions: Sequence[Session], preset: Preset, speed: float) -> Left:
+        """What is there now."""
+        return Left(tuple(map(_run, sessions)), _cursor(sessions), preset, speed)
 
     def _keep(self, runs: tuple[Run, ...], at: int, preset: Preset, speed: float) -> None:
         newest = self._left[-1] if self._left else None

@@ -1,8 +1,10 @@
 """Of the tour: the four images, the scene, the formula of E, the landscape, and how all went."""
 
 from collections.abc import Collection, Mapping
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from viewimit.drawing.lessons import bowl, view
 from viewimit.drawing.lessons.bowl import Way, draw_bowl
@@ -40,7 +42,13 @@ def _view(name: str) -> FigureKind:
         said = stage.step.chosen, guess, apart, small
         return draw_view(name, stage.moment, stage.bodies, layers, *said, spread, named(stage))
 
-    return FigureKind(draw, view.LAYERS, lambda stage, at: stage.window(name).unplace(at))
+    return FigureKind(draw, view.LAYERS, partial(_place_in_view, name))
+
+
+def _place_in_view(name: str, stage: Stage, at: NDArray) -> NDArray:
+    """px, within the drawing."""
+    window = stage.window(name)
+    return window.unplace(np.clip(at, 0, window.size))
 
 
 def _bowl(stage: Stage, layers: Collection[str], small: bool) -> str:

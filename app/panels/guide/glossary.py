@@ -19,11 +19,11 @@ class GlossaryPanel(Panel):
         return SLOWEST
 
     def depends_on(self, state: PageState) -> tuple:
-        return (state.present,)
+        return state.present, state.word
 
     def show(self, state: PageState) -> None:
         """Which card is open is the browser's own matter."""
-        put_html(self._now, told_now(numbers_now(state)))
+        put_html(self._now, told_now(numbers_now(state), state.word))
 
 
 def numbers_now(state: PageState) -> dict[str, float]:

@@ -1,10 +1,11 @@
 """A lesson, in place of all other panels; and where lessons are begun, the first of which is offered once."""
 
-from viewimit.drawing.over.links import link
+from viewimit.drawing.over.links import button, link
 from viewimit.drawing.svg import escape
 
 from ...control.state import PageState
-from ...lessons.card import draw_lesson, draw_sliders
+from ...lessons.card import draw_lesson
+from ...lessons.sliders import draw_sliders
 from ..panel import Layout, Panel
 from ..widgets import put_html
 
@@ -51,12 +52,12 @@ def _offers(state: PageState, address: str) -> str:
     if not state.offered:
         return listed
     name, lesson = next(iter(state.lessons.items()))
-    take = link(
+    take = button(
         address,
         f"lesson/begin,{name}",
         f"Begin: {lesson.title}",
-        '<span class="vi-button vi-filled">Take the tour</span>',
+        '<span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span>',
     )
-    no = link(address, "lesson/leave", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
-    words = f"<b>New here?</b> {lesson.minutes} minutes show what this page is."
-    return f'{listed}<div class="vi-offer" role="dialog" aria-label="The tour">{words}{take}{no}</div>'
+    no = button(address, "lesson/leave", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
+    words = f"<span><b>New here?</b> {escape(lesson.title)}, {lesson.minutes} min: {escape(lesson.about)}</span>"
+    return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(lesson.title)}">{words}{take}{no}</div>'

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from ..jobs.landscapes import LandscapeWorker
-from ..lessons.course import Course
-from ..lessons.format import Lesson
-from ..lessons.progress import Progress
-from .commands.command import Arrival
-from .queue import CommandQueue
+from ...jobs.landscapes import LandscapeWorker
+from ...lessons.course import Course
+from ...lessons.format import Lesson
+from ...lessons.progress import Progress
+from ..commands.command import Arrival
+from ..queue import CommandQueue
 
 
 class Guided:

@@ -1,0 +1,170 @@
+"""The tour in a real browser: by keyboard alone, by a finger alone, and left at once. Offered once."""
+
+import re
+
+import pytest
+from browsing import PATIENCE_MS, open_page, press, wait_for_count, wait_until_complete
+
+pytestmark = pytest.mark.browser
+
+INPUTS = "[...document.querySelectorAll('input')].map(input => [input.value, input.checked])"
+GUIDE, OFFER, MAIN = ".vi-guide", ".vi-offer", ".vi-guide a:has(.vi-guide-main)"
+OWN_FIGURES_ARE_HIDDEN = (
+    "[...document.querySelectorAll('.vi-metrics,.vi-images,.vi-images .vi-ask')]"
+    ".every(one => getComputedStyle(one).visibility === 'hidden')"
+)
+PHONE = {"width": 390, "height": 844}
+
+
+def screen(page):
+    return page.get_attribute(GUIDE, "data-screen")
+
+
+def wait_for(page, selector):
+    page.wait_for_selector(selector, timeout=PATIENCE_MS)
+
+
+def wait_for_another(page, before):
+    """Until another screen is shown, or none."""
+    page.wait_for_function(
+        "before => document.querySelector('.vi-guide')?.dataset.screen !== before", arg=before, timeout=PATIENCE_MS
+    )
+
+
+def tab_to(page, selector):
+    """By the keyboard, as far as it goes."""
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        if page.evaluate("selector => document.activeElement.matches(selector)", selector):
+            return
+    raise AssertionError(f"Tab does not come to {selector}")
+
+
+class Keys:
+    """Of a person without a pointer."""
+
+    begin = staticmethod(lambda page: page.keyboard.press("Enter"))
+    go = staticmethod(lambda page: page.keyboard.press("Enter"))
+
+    @staticmethod
+    def choose(page):
+        page.keyboard.press("1")
+
+    @staticmethod
+    def mark(page):
+        tab_to(page, "[data-place]")
+        page.keyboard.press("ArrowLeft")
+
+    @staticmethod
+    def turn(page, k):
+        """To the middle of its range."""
+        tab_to(page, f"#vi-guide-slider-{k}")
+        for key in ("Home", *["PageUp"] * 5):
+            page.keyboard.press(key)
+
+
+class Finger:
+    """Of a person with a phone."""
+
+    begin = staticmethod(lambda page: page.locator(f"{OFFER} a").first.tap())
+    go = staticmethod(lambda page: page.locator(MAIN).tap())
+
+    @staticmethod
+    def choose(page):
+        page.locator(".vi-options a").first.tap()
+
+    @staticmethod
+    def mark(page):
+        page.locator("[data-place] svg").tap(position={"x": 40, "y": 60})
+
+    @staticmethod
+    def turn(page, k):
+        page.locator(f"#vi-guide-slider-{k}").tap()
+
+
+def answer(page, hand):
+    """What the screen asks for, and show what is true."""
+    if page.locator(".vi-options a").count():
+        hand.choose(page)
+        wait_for(page, ".vi-options a[aria-pressed=true]")
+    elif page.locator("[data-place]").count():
+        hand.mark(page)
+        wait_for(page, MAIN)
+    elif page.locator(".vi-meter").count():
+        for k in (0, 1):
+            spoken = page.get_attribute(GUIDE, "data-spoken")
+            hand.turn(page, k)
+            page.wait_for_function(
+                "before => document.querySelector('.vi-guide').dataset.spoken !== before", arg=spoken,
+                timeout=PATIENCE_MS,
+            )  # fmt: skip
+        wait_for(page, ".vi-guide-say")
+    if re.fullmatch(r"(before|after) \d|end", screen(page)) is None and not page.locator(".vi-guide-say").count():
+        hand.go(page)
+        wait_for(page, ".vi-guide-say")
+
+
+def walk(page, hand):
+    """From the offer to the end. The screens that were seen."""
+    wait_for(page, OFFER)
+    hand.begin(page)
+    wait_for(page, GUIDE)
+    seen = []
+    while page.locator(GUIDE).count():
+        seen.append(screen(page))
+        answer(page, hand)
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth"), seen[-1]
+        assert page.evaluate(OWN_FIGURES_ARE_HIDDEN), seen[-1]
+        hand.go(page)
+        wait_for_another(page, seen[-1])
+    return seen
+
+
+TOUR = [
+    *("before 0", "before 1", "before 2"),
+    *("eyes", "line", "crossing", "arrows", "number", "servo", "bowl", "feel"),
+    *("after 0", "after 1", "after 2", "end"),
+]
+
+
+def test_the_tour_by_keyboard_alone(browser, server):
+    page = open_page(browser, server, "small")
+    at_first = page.evaluate(INPUTS)
+    assert walk(page, Keys) == TOUR
+    wait_for_count(page, OFFER, 0, exactly=True)
+    assert page.evaluate(INPUTS) == at_first
+    page.close()
+    assert page.problems == []
+
+
+def test_the_tour_by_a_finger_alone(browser, server):
+    page = open_page(browser, server, "small", has_touch=True, reduced_motion="reduce")
+    page.set_viewport_size(PHONE)
+    wait_for(page, OFFER)
+    offer = page.locator(OFFER).bounding_box()
+    assert offer["x"] >= 0 and offer["x"] + offer["width"] <= PHONE["width"]
+    assert walk(page, Finger) == TOUR
+    page.close()
+    assert page.problems == []
+
+
+def test_escape_leaves_and_what_is_offered_is_offered_once(browser, server):
+    page = open_page(browser, server, "small")
+    wait_for(page, OFFER)
+    at_first = page.evaluate(INPUTS)
+    press(page, "Escape")
+    wait_for_count(page, OFFER, 0, exactly=True)
+    page.reload()
+    wait_until_complete(page)
+    assert page.locator(".vi-lessons a").count() and not page.locator(OFFER).count()
+    page.locator(".vi-lessons a").first.click()
+    wait_for(page, GUIDE)
+    page.wait_for_function("document.activeElement.matches('.vi-guide h2')")  # what a reader begins with
+    page.keyboard.press("2")
+    wait_for(page, ".vi-options a[aria-pressed=true]")
+    page.wait_for_function("document.activeElement.matches('.vi-guide a:has(.vi-guide-main)')")
+    page.keyboard.press("Escape")
+    wait_for_count(page, GUIDE, 0, exactly=True)
+    assert page.evaluate(INPUTS) == at_first
+    page.close()
+    assert page.problems == []

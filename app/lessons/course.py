@@ -87,7 +87,7 @@ class Course:
 
     @property
     def _played_so_far(self) -> int | None:
-        """Motions of the races that are shown; None for all."""
+        """Motions that are shown where they are played; None for all."""
         return None if self.step is None or self.step.play is None or self.played >= PLAYED else self.played
 
     @property
@@ -185,9 +185,11 @@ class Course:
         return True
 
     def tick(self, now: float) -> None:
-        """Show one more motion of the races, where they are played."""
+        """Show one more motion, where they are played."""
         step = self.step
-        if step is None or step.play is None or self.played >= PLAYED or "races" not in self.made:
+        if step is None or step.play is None or self.played >= PLAYED or not self.given.revealed:
+            return
+        if not any(WORKS[name].played for name in self.made):
             return
         if self._next is None or now >= self._next:
             self._next = now + max(1 / step.play, LEAST_DELAY)
@@ -299,7 +301,10 @@ class Course:
                 self._work(name, partial(WORKS[name].make, task), partial(self._take, self.screen.id, name))
 
     def _take(self, screen: str, name: str, made: object) -> None:
-        if screen == self.screen.id:
+        """made: or what was raised. Raises a ValueError among these: the page says it; others are in the log."""
+        if isinstance(made, ValueError):
+            raise made
+        if screen == self.screen.id and not isinstance(made, Exception):
             self.made = {**self.made, name: made}
             self.changes += 1
 

@@ -131,10 +131,10 @@ class Step(msgspec.Struct, **FIELDS):
     fields of `Settings` by name, the rest as the lesson has them; chosen: a body point, with its rays in the scene;
     main, side: figures, large and small; nothing else is shown, and nothing is in reach but what is asked and sliders:
     what can be turned; works: what is computed for it beside what its figures show; race: servos that are run from the
-    same start; play: they are shown motion for motion, so many a second; meets: the reveal brings the learner to the
-    demonstrator's posture; deal: the learner's start is dealt at random, by a seed; carry: the id of the step whose
-    start and path go on here; ask: what is asked, nothing for a step that only shows; told, after: what the reveal
-    tells; say: the sentence that one should be able to say now."""
+    same start; play: what has motions is shown motion for motion once it is revealed, so many a second; meets: the
+    reveal brings the learner to the demonstrator's posture; deal: the learner's start is dealt at random, by a seed;
+    carry: the id of the step whose start and path go on here; ask: what is asked, nothing for a step that only shows;
+    told, after: what the reveal tells; say: the sentence that one should be able to say now."""
 
     id: str
     title: str

@@ -3,10 +3,10 @@
 from collections.abc import Collection, Mapping
 
 from ..stage import Stage
-from . import tour
+from . import carried, tour
 from .figure_kind import FigureKind
 
-FIGURES: Mapping[str, FigureKind] = {**tour.FIGURES}
+FIGURES: Mapping[str, FigureKind] = {**tour.FIGURES, **carried.FIGURES}
 
 
 def layers_of(stage: Stage, show: Collection[str], reveal: Collection[str], hide: Collection[str]) -> list[str]:

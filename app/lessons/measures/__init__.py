@@ -9,7 +9,7 @@ import numpy as np
 
 from ..format import Place, Pose
 from ..stage import Stage
-from . import tour
+from . import carried, tour
 from .measure import Measure
 
 
@@ -25,6 +25,7 @@ MEASURES: Mapping[str, Measure] = {
     "px apart": Measure(_distance, " px", 0),
     "degrees apart": Measure(_distance, "°", 0),
     **tour.MEASURES,
+    **carried.MEASURES,
 }
 
 

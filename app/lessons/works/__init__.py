@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from . import tour
+from . import carried, tour
 from .work import Work
 
-WORKS: Mapping[str, Work] = {**tour.WORKS}
+WORKS: Mapping[str, Work] = {**tour.WORKS, **carried.WORKS}

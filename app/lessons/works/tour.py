@@ -33,5 +33,5 @@ def _races(task: Task) -> tuple[Race, ...]:
 
 WORKS: Mapping[str, Work] = {
     "landscape": Work(_landscape, "turned"),
-    "races": Work(_races, "revealed"),
+    "races": Work(_races, "revealed", played=True),
 }

@@ -27,7 +27,9 @@ class Task:
 @dataclass(frozen=True)
 class Work:
     """make(task): outside the page's own thread. when: once as the step is entered, then and whenever a slider was
-    turned that changes what is seen, or once it is revealed."""
+    turned that changes what is seen, or once it is revealed; played: it has motions, which a step may show one by
+    one."""
 
     make: Callable[[Task], object]
     when: Literal["entered", "turned", "revealed"] = "entered"
+    played: bool = False

@@ -3,6 +3,7 @@ is as it was when the lesson is left."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -15,19 +16,19 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes
 from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
+from .dealing import deal, deal_start, opener
 from .figures import FIGURES
-from .format import Choice, Do, Lesson, Number, Place, Pose, Step
+from .format import Choice, Do, Lesson, Number, Place, Pose, Select, Step
 from .measures import MEASURES
-from .progress import Given, Progress
+from .progress import Given, Outcome, Progress
 from .stage import Stage
 from .works import WORKS
 from .works.work import Task
 
 MOST_PATH = 200  # motions by hand
-APART_DEG = 30.0  # of a start that is dealt from the demonstrator, its joint that is farthest
+MOST_OUTCOMES = 50  # that are kept of a step
 LEAST_DELAY, PLAYED = 0.35, 24  # s of a motion that is played; so many motions are, then all
 Work = Callable[[str, Callable[[], object], Callable[[object], None]], None]
 replace = msgspec.structs.replace
@@ -52,6 +53,7 @@ class Course:
         self.progress = replace(progress, at=int(np.clip(progress.at, 0, len(self.screens) - 1)))
         self.steps = {step.id: step for step in lesson.step}
         self.changes, self.session = 0, Session()
+        self.head: dict[str, float] = {}
         self._silhouettes: tuple[World, Silhouettes] | None = None
         self._next: float | None = None
         self._enter()
@@ -100,6 +102,8 @@ class Course:
             return given.place is not None
         if isinstance(ask, Number):
             return given.number is not None
+        if isinstance(ask, Select):
+            return len(given.selected) == len(ask.fields) and min(given.selected) >= 0
         return given.done if isinstance(ask, Do) else True
 
     def question(self) -> tuple[str, tuple[str, ...]]:
@@ -142,6 +146,17 @@ class Course:
             raise ValueError("no number is asked for here")
         self._give(number=float(np.clip(number, ask.low, ask.high)))
 
+    def select(self, k: int, value: int) -> None:
+        """One of the values of a field of settings, both counted from 0."""
+        ask = self.step.ask if self.step else None
+        if not isinstance(ask, Select) or self.given.revealed:
+            raise ValueError("nothing is to be selected here")
+        if not (0 <= k < len(ask.fields) and 0 <= value < len(ask.fields[k].values)):
+            raise ValueError(f"no value {value + 1} of field {k + 1} here")
+        selected = [*(self.given.selected or (-1,) * len(ask.fields))]
+        selected[k] = value
+        self._give(selected=tuple(selected))
+
     def turn(self, k: int, value: float) -> None:
         """One of the step's sliders; value: in its own unit."""
         step = self.step
@@ -171,7 +186,7 @@ class Course:
         step = self.step
         if step is None or not step.deal:
             raise ValueError("no start is dealt here")
-        fresh = Given(seed=self.given.seed + 1 if seed is None else seed)
+        fresh = Given(seed=self.given.seed + 1 if seed is None else seed, outcomes=self.given.outcomes)
         self.progress = replace(self.progress, given={**self.progress.given, self.screen.id: fresh})
         self._enter()
 
@@ -212,7 +227,7 @@ class Course:
         if step is None:
             self.moments = [self.session.snapshot]
             return
-        self.session.begin(self._settings(step))
+        self._begin(step)
         self.moments = [self.session.snapshot]
         given = self.given
         if step.ask is None and not given.revealed:
@@ -228,15 +243,20 @@ class Course:
             self._give(sliders=tuple(self._stands(slider.name, slider.start) for slider in step.sliders))
         self._ask_for("entered", "turned", *(["revealed"] if self.given.revealed else []))
 
-    def _settings(self, step: Step) -> Settings:
-        """Of a step; its start is dealt, or that of the step whose path goes on here."""
+    def _begin(self, step: Step) -> None:
+        """Its session: what is dealt is, and its start may be that of the step whose path goes on here."""
         settings = msgspec.convert({**self.lesson.settings, **step.settings}, Settings)
         dealt = step if step.deal else self.steps.get(step.carry or "")
-        if dealt is None or not dealt.deal:
-            return settings
+        dealt = dealt if dealt is not None and dealt.deal else None
+        seed = self.progress.given.get(dealt.id, Given()).seed if dealt else 0
+        fields, head = deal(dealt.dealt, settings, seed) if dealt and dealt.dealt else ({}, {})
+        settings = replace(settings, **fields)
+        if head != self.head:
+            self.head, self.session = head, Session(settings, opener(head))
         self.session.begin(settings)
-        seed = self.progress.given.get(dealt.id, Given()).seed
-        return replace(settings, start_deg=deal_start(self.session.scene, self.session.snapshot.theta_demo, seed))
+        if dealt:
+            start = deal_start(self.session.scene, self.session.snapshot.theta_demo, seed)
+            self.session.begin(replace(settings, start_deg=start))
 
     def _turned(self, name: str, value: float) -> None:
         kind, _, number = name.partition(" ")
@@ -295,18 +315,48 @@ class Course:
         stands = self.given.sliders or tuple(slider.start for slider in step.sliders)
         sliders = {slider.name: value for slider, value in zip(step.sliders, stands)}
         session = self.session
-        task = Task(step, session.world, self.moments[-1], session.settings, sliders, self.given.seed)
+        task = Task(
+            step,
+            session.world,
+            self.moments[-1],
+            session.settings,
+            sliders,
+            self.given.seed,
+            self.head,
+            self._selected(),
+        )
         for name in dict.fromkeys((*shown, *step.works)):
             if WORKS[name].when in when:
-                self._work(name, partial(WORKS[name].make, task), partial(self._take, self.screen.id, name))
+                self._work(name, partial(WORKS[name].make, task), partial(self._take, task, name))
 
-    def _take(self, screen: str, name: str, made: object) -> None:
+    def _selected(self) -> dict[str, object]:
+        """Fields of settings, by name."""
+        ask = self.step.ask if self.step else None
+        if not isinstance(ask, Select):
+            return {}
+        return {field.name: field.values[k].value for field, k in zip(ask.fields, self.given.selected) if k >= 0}
+
+    def _take(self, task: Task, name: str, made: object) -> None:
         """made: or what was raised. Raises a ValueError among these: the page says it; others are in the log."""
         if isinstance(made, ValueError):
             raise made
-        if screen == self.screen.id and not isinstance(made, Exception):
-            self.made = {**self.made, name: made}
-            self.changes += 1
+        if task.step is not self.step or task.seed != self.given.seed or isinstance(made, Exception):
+            return
+        self.made = {**self.made, name: made}
+        self.changes += 1
+        work = WORKS[name]
+        if work.goes_on(made):
+            task = dataclasses.replace(task, made=made)
+            self._work(name, partial(work.make, task), partial(self._take, task, name))
+        elif work.outcome is not None:
+            self._keep(work.outcome(made))
+
+    def _keep(self, numbers: tuple[float, ...]) -> None:
+        """In place of what the same came to before."""
+        given = self.given
+        now = Outcome(seed=given.seed, selected=given.selected, numbers=numbers)
+        others = [old for old in given.outcomes if (old.seed, old.selected) != (now.seed, now.selected)]
+        self._give(outcomes=(*others[1 - MOST_OUTCOMES :], now))
 
     def _right(self, kind: str) -> int:
         count = 0
@@ -315,15 +365,6 @@ class Course:
             order = _order(k, len(asked.answers), kind == "before")
             count += given.choice is not None and order[given.choice] == 0
         return count
-
-
-def deal_start(scene: Scene, theta_demo: NDArray, seed: int) -> tuple[float, ...]:
-    """Degrees: a learner's start at random, whole ones, a joint of which is far from the demonstrator's."""
-    rng, (low, high) = np.random.default_rng(seed), np.array(scene.range_deg, float).T
-    while True:
-        start = np.round(rng.uniform(low, high))
-        if np.abs(start - np.degrees(theta_demo)).max() > APART_DEG:
-            return tuple(start.tolist())
 
 
 def _screens(lesson: Lesson) -> tuple[Screen, ...]:

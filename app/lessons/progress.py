@@ -3,10 +3,19 @@
 import msgspec
 
 
+class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Of a work that keeps one. seed: of what was dealt; selected: as `Given` has it; numbers: what it came to."""
+
+    seed: int
+    selected: tuple[int, ...]
+    numbers: tuple[float, ...]
+
+
 class Given(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """To one step. choice: counted from 0; place: in the unit of its figure; path: postures, degrees, the start first;
     E: px², at each of them; sliders: where they stand; seed: of what is dealt at random; done: what was to be reached
-    has been; revealed: what is true was shown."""
+    has been; revealed: what is true was shown; selected: which value of each field, counted from 0, -1 for none yet;
+    outcomes: of all seeds up to now, the newest last."""
 
     choice: int | None = None
     place: tuple[float, float] | None = None
@@ -17,6 +26,8 @@ class Given(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     seed: int = 1
     done: bool = False
     revealed: bool = False
+    selected: tuple[int, ...] = ()
+    outcomes: tuple[Outcome, ...] = ()
 
 
 class Progress(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -14,8 +14,9 @@ from viewimit.assets import ROOT
 from viewimit.servo import SERVOS
 from viewimit.settings import Settings
 
+from .dealing import HEAD, deal
 from .figures import FIGURES
-from .format import MOST_WORDS, Choice, Do, Lesson, Number, Place, Pose, Step
+from .format import MOST_WORDS, Choice, Do, Lesson, Number, Place, Pose, Select, Step
 from .measures import MEASURES, named_in
 from .works import WORKS
 
@@ -107,10 +108,10 @@ def _faults_of_step(step: Step, before: set[str], settings: dict):
     words = len(re.sub(r"[*{}]", "", step.text).split())
     if words > MOST_WORDS:
         yield ".text", f"{words} words; at most {MOST_WORDS} are read"
-    try:
-        msgspec.convert(settings, Settings)
-    except (msgspec.ValidationError, ValueError) as error:
-        yield ".settings", str(error)
+    fault = _unsettled(settings)
+    if fault:
+        yield ".settings", fault
+        return
     for place in ("main", "side"):
         for i, figure in enumerate(getattr(step, place)):
             if figure.figure not in FIGURES:
@@ -140,11 +141,51 @@ def _faults_of_step(step: Step, before: set[str], settings: dict):
     for slider in step.sliders:
         if not slider.low <= slider.start <= slider.high:
             yield ".sliders", f"{slider.name}: start must be from low to high"
-    yield from _faults_of_ask(step)
+    yield from _faults_of_deal(step, settings)
+    yield from _faults_of_ask(step, settings)
 
 
-def _faults_of_ask(step: Step):
+def _faults_of_deal(step: Step, settings: dict):
+    if step.dealt and not step.deal:
+        yield ".dealt", "is dealt with the start only: add deal = true"
+    for i, one in enumerate(step.dealt):
+        if not (one.low <= one.high and one.step > 0):
+            yield f".dealt[{i}].low", f"must be at most high, {one.high:g}, and step more than 0"
+            return
+        if one.name in HEAD:
+            continue
+        fault = _unsettled({**settings, one.name: one.low}) or _unsettled({**settings, one.name: one.high})
+        if fault:
+            yield f".dealt[{i}].name", f"{fault}; of the head there are {', '.join(HEAD)}"
+            return
+    if step.dealt:
+        try:
+            deal(step.dealt, msgspec.convert(settings, Settings), 1)
+        except ValueError as error:
+            yield ".dealt", str(error)
+
+
+def _unsettled(settings: dict) -> str:
+    """What is wrong with settings; nothing for those that can be."""
+    try:
+        msgspec.convert(settings, Settings)
+    except (msgspec.ValidationError, ValueError) as error:
+        return str(error)
+    return ""
+
+
+def _faults_of_ask(step: Step, settings: dict):
     ask = step.ask
+    if isinstance(ask, Select):
+        if not ask.fields:
+            yield ".ask.fields", "needs a [[step.ask.fields]]"
+        for i, field in enumerate(ask.fields):
+            if len(field.values) < 2:
+                yield f".ask.fields[{i}].values", f"two or more are needed, not {len(field.values)}"
+            for value in field.values:
+                fault = _unsettled({**settings, field.name: value.value})
+                if fault:
+                    yield f".ask.fields[{i}]", fault
     if isinstance(ask, Choice):
         if not 2 <= len(ask.answers) <= 4:
             yield ".ask.answers", f"two to four are needed, not {len(ask.answers)}"

@@ -3,10 +3,10 @@
 from collections.abc import Collection, Mapping
 
 from ..stage import Stage
-from . import carried, tour
+from . import carried, rounds, tour
 from .figure_kind import FigureKind
 
-FIGURES: Mapping[str, FigureKind] = {**tour.FIGURES, **carried.FIGURES}
+FIGURES: Mapping[str, FigureKind] = {**tour.FIGURES, **carried.FIGURES, **rounds.FIGURES}
 
 
 def layers_of(stage: Stage, show: Collection[str], reveal: Collection[str], hide: Collection[str]) -> list[str]:

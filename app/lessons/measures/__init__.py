@@ -9,7 +9,7 @@ import numpy as np
 
 from ..format import Place, Pose
 from ..stage import Stage
-from . import carried, tour
+from . import carried, rounds, tour
 from .measure import Measure
 
 
@@ -26,6 +26,7 @@ MEASURES: Mapping[str, Measure] = {
     "degrees apart": Measure(_distance, "°", 0),
     **tour.MEASURES,
     **carried.MEASURES,
+    **rounds.MEASURES,
 }
 
 

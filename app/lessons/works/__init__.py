@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from . import carried, tour
+from . import carried, rounds, tour
 from .work import Work
 
-WORKS: Mapping[str, Work] = {**tour.WORKS, **carried.WORKS}
+WORKS: Mapping[str, Work] = {**tour.WORKS, **carried.WORKS, **rounds.WORKS}

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.motion import hand_circle
 from viewimit.analysis.trajectory import Trajectory, follow, hand_points
-from viewimit.session import Session
 from viewimit.simulation.camera import Cameras
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
@@ -66,7 +65,7 @@ class Carried:
 
 def _carried(task: Task) -> Carried:
     """Raises ValueError if too few points are seen to fit a geometry."""
-    session = Session(task.settings)
+    session = task.session()
     first = session.snapshot
     last = session.run(MOST_MOTIONS, patience=1)
     if first.transfer is None or last.transfer is None:

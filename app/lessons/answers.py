@@ -91,8 +91,9 @@ def _fields(stage: Stage, ask: Select, address: str | None) -> str:
             number = "" if given.revealed else f"<kbd>{key}</kbd>"
             inside = f'<span class="{kind}">{number}{inline(value.text)}</span>'
             said = f"{field.label}: {value.text}{', chosen' if j == chosen else ''}"
-            clickable = address is not None and not given.revealed
-            drawn.append(link(address, f"lesson/select,{k},{j}", said, inside) if clickable else inside)
+            if address is not None and not given.revealed:
+                inside = link(address, f"lesson/select,{k},{j}", said, inside)
+            drawn.append(inside)
         parts.append(f'<small>{inline(field.label)}</small><div class="vi-options vi-fields">{"".join(drawn)}</div>')
     return "".join(parts)
 

@@ -23,7 +23,9 @@ def _rounds(stage: Stage, layers: Collection[str], small: bool) -> str:
     )
     drawn = draw_rounds(methods, ROUNDS, MOST_MOTIONS, WITHIN_DEG)
     if stage.revealed and len(rounds.yours) < ROUNDS:
-        now = f"start {len(rounds.yours) + 1} of {ROUNDS} is being run: all take a minute or less"
+        now = (
+            f"start {len(rounds.yours) + 1} of {ROUNDS} is being run; all take 10 to 30 seconds if nothing else goes on"
+        )
         drawn += f'<p class="vi-waits">{now} …</p>'
     return f'<div class="vi-rounds-all">{drawn}</div>'
 

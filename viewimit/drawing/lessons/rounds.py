@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from .. import svg
 from ..axes import Axes, decade_ticks, log10
 
-SIZE = (480, 380)  # units
-PLOT = (46, 62, 470, 340)  # units: left, top, right, bottom
+SIZE = (480, 460)  # units
+PLOT = (46, 62, 470, 420)  # units: left, top, right, bottom
 RANGE = (0.01, 180.0)  # degrees
 
 
@@ -52,13 +52,17 @@ def draw_rounds(methods: Sequence[Method], count: int, most_motions: int, within
     ]
     parts.append(svg.text((PLOT[0] + PLOT[2]) / 2, SIZE[1] - 6, "start", "vi-2nd vi-mid"))
     parts.append(plot.level(within, "vi-goal"))
-    y = float(plot.y_px(within))
-    parts.append(svg.text(PLOT[2], y + 15, f"within {within:g}°: there", "vi-of-found vi-halo vi-end"))
+    parts.append(
+        '<path class="vi-goal" d="M300 13h30"/>' + svg.text(337, 18, f"within {within:g}°: there", "vi-of-found")
+    )
+    if not any(len(one.off_deg) for one in methods):
+        middle = (PLOT[0] + PLOT[2]) / 2, (PLOT[1] + float(plot.y_px(within))) / 2
+        parts.append(svg.text(*middle, f"both will be run from the same {count} starts", "vi-2nd vi-halo vi-mid"))
     places = [plot.place(np.arange(1.0, len(one.off_deg) + 1), np.clip(one.off_deg, *RANGE)) for one in methods]
     if len(places) == 2 and len(places[0]):
         parts.append(f'<path class="vi-round-link" d="{svg.segments(places[0], places[1])}"/>')
     for k, (one, at) in enumerate(zip(methods, places)):
-        x = 8.0 + 150 * k
+        x = 2.0 + 134 * k
         parts.append(_marks(one.role, at) + _marks(one.role, np.array([[x + 8, 13.0]])))
         parts.append(svg.text(x + 22, 18.0, one.name, f"vi-hand-name vi-way-{one.role}-words"))
     label = "Off the demonstrator at the end, by start"

@@ -7,7 +7,7 @@ import numpy as np
 from viewimit.drawing.over.links import link
 from viewimit.drawing.svg import escape
 
-from .format import Choice, Do, Number, Place
+from .format import Choice, Do, Number, Place, Select
 from .measures import MEASURES
 from .stage import Stage
 from .words import inline, shown
@@ -22,6 +22,8 @@ def draw_ask(stage: Stage, address: str | None) -> str:
     question = f"<b>{inline(ask.question)}</b>"
     if isinstance(ask, Choice):
         return f'<div class="vi-guide-ask">{question}{_answers(stage, ask, address)}</div>'
+    if isinstance(ask, Select):
+        return f'<div class="vi-guide-ask">{question}{_fields(stage, ask, address)}</div>'
     if given.revealed:
         return ""
     if isinstance(ask, Number):
@@ -78,6 +80,26 @@ def _scale(ask: Number, chosen: float | None, address: str | None) -> str:
         inside = f'<span class="{kind}">{escape(words)}</span>'
         drawn.append(inside if address is None else link(address, f"lesson/guess,{value:g}", words, inside, True, here))
     return f'<div class="vi-options vi-numbers">{"".join(drawn)}</div>'
+
+
+def _fields(stage: Stage, ask: Select, address: str | None) -> str:
+    """A list of links a field, which keys number through; once it is revealed, what was selected."""
+    given, parts, key = stage.given, [], 0
+    for k, (field, chosen) in enumerate(zip(ask.fields, given.selected or (-1,) * len(ask.fields))):
+        drawn = []
+        for j, value in enumerate(field.values):
+            key += 1
+            if given.revealed and j != chosen:
+                continue
+            kind = "vi-option" + (" vi-chosen-one" if j == chosen else "")
+            number = "" if given.revealed else f"<kbd>{key}</kbd>"
+            inside = f'<span class="{kind}">{number}{inline(value.text)}</span>'
+            said = f"{field.label}: {value.text}{', chosen' if j == chosen else ''}"
+            if address is not None and not given.revealed:
+                inside = link(address, f"lesson/select,{k},{j}", said, inside)
+            drawn.append(inside)
+        parts.append(f'<small>{inline(field.label)}</small><div class="vi-options vi-fields">{"".join(drawn)}</div>')
+    return "".join(parts)
 
 
 def _meter(stage: Stage, ask: Do) -> str:

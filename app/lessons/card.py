@@ -15,6 +15,7 @@ from .sliders import slides
 from .stage import Stage
 from .words import heading, inline
 
+AGAIN = {False: "from a new start", True: "in a new scene"}  # by whether a scene is dealt
 LEADS = {
     "before": "A guess is enough: it will be asked again at the end.",
     "after": "Asked again, in other words.",
@@ -88,18 +89,18 @@ def _body(course: Course, stage: Stage, address: str | None) -> str:
     if given.revealed:
         parts.append(draw_reveal(stage))
         if step.deal and address is not None:
-            parts.append(_button(address, "again", "Again, from a new start", "vi-wide vi-plain"))
-            parts.append(_seeds(address, given.seed))
+            parts.append(_button(address, "again", f"Again, {AGAIN[bool(step.dealt)]}", "vi-wide vi-plain"))
+            parts.append(_seeds(address, given.seed, "scene" if step.dealt else "start"))
     elif step.deal and address is not None and len(given.path) > 1:
         parts.append(_button(address, f"seed,{given.seed}", "Start again", "vi-wide vi-plain"))
     return "".join(parts)
 
 
-def _seeds(address: str, seed: int) -> str:
+def _seeds(address: str, seed: int, what: str) -> str:
     """This start's number, which others can play, and a box for theirs."""
-    to = f'aria-label="Start number" data-go="{address}/lesson/seed,"'
+    to = f'aria-label="{what.capitalize()} number" data-go="{address}/lesson/seed,"'
     box = f'<input type="number" min="1" max="9999" value="{seed}" {to}/>'
-    return f'<p class="vi-guide-seed">this was start {box} others can play the same</p>'
+    return f'<p class="vi-guide-seed">this was {what} {box} others can play the same</p>'
 
 
 def _ending(course: Course, address: str | None) -> str:

@@ -10,8 +10,9 @@ import msgspec
 from viewimit.servo import SERVOS
 from viewimit.settings import Settings
 
+from .dealing import HEAD, deal
 from .figures import FIGURES
-from .format import CHANGEABLE, MOST_WORDS, Choice, Do, Figure, Lesson, Number, Place, Pose, Slider, Step
+from .format import CHANGEABLE, MOST_WORDS, Choice, Do, Figure, Lesson, Number, Place, Pose, Select, Slider, Step
 from .measures import MEASURES, named_in
 from .reading import WORDS_A_MINUTE, reading_minutes
 from .works import WORKS
@@ -50,7 +51,7 @@ def _of_step(step: Step, before: set[str], settings: dict[str, Any]) -> Faults:
             yield ".settings.camera", "lessons look at points, not at pictures"
     except ValueError as error:
         yield ".settings", str(error)
-    yield from _of_names(".scene", step.scene, "field that a step can change", CHANGEABLE)
+    yield from _of_names(".scene", step.scene, "field that a step can change", dict.fromkeys(CHANGEABLE))
     for place in ("main", "side"):
         for i, figure in enumerate(getattr(step, place)):
             for where, what in _of_figure(figure):
@@ -65,7 +66,10 @@ def _of_step(step: Step, before: set[str], settings: dict[str, Any]) -> Faults:
     if step.play is not None and step.play <= 0:
         yield ".play", "must be above 0"
     yield from _of_sliders(step.sliders)
+    yield from _of_deal(step, settings)
     yield from _of_ask(step)
+    if isinstance(step.ask, Select):
+        yield from _of_select(step.ask, settings)
     for where, said in _said(step):
         if re.search(r"[{}]", re.sub(r"\{[^{}]*\}", "", said)):
             yield where, "has a brace without its other; what stands in braces is a measure"
@@ -96,6 +100,47 @@ def _of_sliders(sliders: tuple[Slider, ...]) -> Faults:
             yield f"{at}.low", "must be above 0 on a logarithmic scale"
         if slider.name in [other.name for other in sliders[:k]]:
             yield f"{at}.name", f"{slider.name!r} is another slider's"
+
+
+def _of_deal(step: Step, settings: dict[str, Any]) -> Faults:
+    if step.dealt and not step.deal:
+        yield ".dealt", "is dealt with the start only: add deal = true"
+    for k, one in enumerate(step.dealt):
+        if not (one.low <= one.high and one.step > 0):
+            yield f".dealt[{k}].low", f"must be at most high, {one.high:g}, and step more than 0"
+            return
+        if one.name in HEAD:
+            continue
+        why = _unsettled({**settings, one.name: one.low}) or _unsettled({**settings, one.name: one.high})
+        if why:
+            yield f".dealt[{k}].name", f"{why}; of the head there are {', '.join(HEAD)}"
+            return
+    if step.dealt and not _unsettled(settings):
+        try:
+            deal(step.dealt, msgspec.convert(settings, Settings), 1)
+        except ValueError as error:
+            yield ".dealt", str(error)
+
+
+def _of_select(ask: Select, settings: dict[str, Any]) -> Faults:
+    if not ask.fields:
+        yield ".ask.fields", "needs a [[step.ask.fields]]"
+    for k, field in enumerate(ask.fields):
+        if len(field.values) < 2:
+            yield f".ask.fields[{k}].values", f"two or more are needed, not {len(field.values)}"
+        for value in field.values:
+            why = _unsettled({**settings, field.name: value.value})
+            if why:
+                yield f".ask.fields[{k}]", why
+
+
+def _unsettled(settings: dict[str, Any]) -> str:
+    """What is wrong with settings; nothing for those that can be."""
+    try:
+        msgspec.convert(settings, Settings)
+    except ValueError as error:
+        return str(error)
+    return ""
 
 
 def _of_ask(step: Step) -> Faults:

@@ -3,6 +3,7 @@ is as it was when the lesson is left."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -15,22 +16,22 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes
 from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
+from .dealing import deal, deal_start
 from .figures import FIGURES
-from .format import Choice, Do, Lesson, Number, Place, Pose, Step
+from .format import Choice, Do, Lesson, Number, Place, Pose, Select, Step
 from .measures import MEASURES
-from .progress import Given, Progress, fitting
+from .progress import Given, Outcome, Progress, fitting
 from .scenes import SLIDERS, Staging
 from .stage import Stage
 from .works import WORKS
 from .works.work import Task
 
 MOST_PATH = 200  # motions by hand
-APART_DEG = 30.0  # of a start that is dealt from the demonstrator, its joint that is farthest
 MOST_SEED = 9999
 FARTHEST = 1e4  # units of a drawing: no figure is as large
+MOST_OUTCOMES = 50  # that are kept of a step
 LEAST_DELAY, PLAYED = 0.35, 24  # s of a motion that is played; so many motions are, then all
 Work = Callable[[str, Callable[[], object], Callable[[object], None]], None]
 replace = msgspec.structs.replace
@@ -93,7 +94,7 @@ class Course:
 
     @property
     def _played_so_far(self) -> int | None:
-        """Motions of the races that are shown; None for all."""
+        """Motions that are shown where they are played; None for all."""
         return None if self.step is None or self.step.play is None or self.played >= PLAYED else self.played
 
     @property
@@ -106,6 +107,8 @@ class Course:
             return given.place is not None
         if isinstance(ask, Number):
             return given.number is not None
+        if isinstance(ask, Select):
+            return len(given.selected) == len(ask.fields) and min(given.selected) >= 0
         return given.done if isinstance(ask, Do) else True
 
     def question(self) -> tuple[str, tuple[str, ...]]:
@@ -148,6 +151,17 @@ class Course:
             raise ValueError("no number is asked for here")
         self._give(number=float(np.clip(number, ask.low, ask.high)))
 
+    def select(self, k: int, value: int) -> None:
+        """One of the values of a field of settings, both counted from 0."""
+        ask = self.step.ask if self.step else None
+        if not isinstance(ask, Select) or self.given.revealed:
+            raise ValueError("nothing is to be selected here")
+        if not (0 <= k < len(ask.fields) and 0 <= value < len(ask.fields[k].values)):
+            raise ValueError(f"no value {value + 1} of field {k + 1} here")
+        selected = [*(self.given.selected or (-1,) * len(ask.fields))]
+        selected[k] = value
+        self._give(selected=tuple(selected))
+
     def turn(self, k: int, value: float) -> None:
         """One of the step's sliders; value: in its own unit."""
         step = self.step
@@ -180,7 +194,7 @@ class Course:
         seed = self.given.seed % MOST_SEED + 1 if seed is None else seed
         if not 1 <= seed <= MOST_SEED:
             raise ValueError(f"starts have numbers from 1 to {MOST_SEED}")
-        fresh = Given(seed=seed)
+        fresh = Given(seed=seed, outcomes=self.given.outcomes)
         self.progress = replace(self.progress, given={**self.progress.given, self.screen.id: fresh})
         self._enter()
 
@@ -194,9 +208,11 @@ class Course:
         return True
 
     def tick(self, now: float, still: bool = False) -> None:
-        """Show one more motion of the races, where they are played; still: all of them, as nothing is to move."""
+        """Show one more motion, where they are played; still: all of them, as nothing is to move."""
         step = self.step
-        if step is None or step.play is None or self.played >= PLAYED or "races" not in self.made:
+        if step is None or step.play is None or self.played >= PLAYED or not self.given.revealed:
+            return
+        if not any(WORKS[name].played for name in self.made):
             return
         if still:
             self.played = PLAYED
@@ -240,29 +256,24 @@ class Course:
         self._ask_for("entered", "turned", *(["revealed"] if self.given.revealed else []))
 
     def _begin(self, step: Step) -> None:
-        """Its session, in its scene as the sliders have it."""
+        """Its session, in its scene as it is dealt and as the sliders have it; its start may be that of the step whose
+        path goes on here."""
+        settings = msgspec.convert({**self.lesson.settings, **step.settings}, Settings)
+        dealt = step if step.deal else self.steps.get(step.carry or "")
+        dealt = dealt if dealt is not None and dealt.deal else None
+        seed = self.progress.given.get(dealt.id, Given()).seed if dealt else 0
+        fields, head = deal(dealt.dealt, settings, seed) if dealt and dealt.dealt else ({}, {})
+        settings = replace(settings, **fields)
         moved = {name: value for name, value in self._sliders(step).items() if name in SLIDERS}
-        settings, staging = self._settings(step), Staging(step.scene, moved)
+        staging = Staging(step.scene, head, moved)
         if staging == self._staging:
             self.session.begin(settings)
         else:
             self._staging, self.session = staging, Session(settings, staging.open_eyes)
+        if dealt:
+            start = deal_start(self.session.scene, self.session.snapshot.theta_demo, seed)
+            self.session.begin(replace(settings, start_deg=start))
         self.moments = [self.session.snapshot]
-
-    def _sliders(self, step: Step) -> dict[str, float]:
-        """Where they stand, by name."""
-        stands = self.given.sliders or tuple(slider.start for slider in step.sliders)
-        return {slider.name: value for slider, value in zip(step.sliders, stands)}
-
-    def _settings(self, step: Step) -> Settings:
-        """Of a step; its start is dealt, or that of the step whose path goes on here."""
-        settings = msgspec.convert({**self.lesson.settings, **step.settings}, Settings)
-        dealt = step if step.deal else self.steps.get(step.carry or "")
-        if dealt is None or not dealt.deal:
-            return settings
-        self.session.begin(settings)
-        seed = self.progress.given.get(dealt.id, Given()).seed
-        return replace(settings, start_deg=deal_start(self.session.scene, self.session.snapshot.theta_demo, seed))
 
     def _turned(self, name: str, value: float) -> None:
         kind, _, number = name.partition(" ")
@@ -321,21 +332,49 @@ class Course:
         if step is None:
             return
         shown = [name for figure in (*step.main, *step.side) for name in FIGURES[figure.figure].works]
-        session, sliders = self.session, self._sliders(step)
-        task = Task(step, session.world, self.moments[-1], session.settings, sliders, self.given.seed)
+        session = self.session
+        task = Task(
+            step, session.world, self.moments[-1], session.settings, self._sliders(step), self.given.seed,
+            self._staging, self._selected(),
+        )  # fmt: skip
         for name in dict.fromkeys((*shown, *step.works)):
             if WORKS[name].when in when:
-                self._work(name, partial(WORKS[name].make, task), partial(self._take, self._visits, name))
+                self._work(name, partial(WORKS[name].make, task), partial(self._take, task, self._visits, name))
 
-    def _take(self, visit: int, name: str, made: object) -> None:
-        """visit: of the screen and the start that it was made for."""
+    def _selected(self) -> dict[str, object]:
+        """Fields of settings, by name."""
+        ask = self.step.ask if self.step else None
+        if not isinstance(ask, Select):
+            return {}
+        return {field.name: field.values[k].value for field, k in zip(ask.fields, self.given.selected) if k >= 0}
+
+    def _take(self, task: Task, visit: int, name: str, made: object) -> None:
+        """made: or what was raised; visit: of the screen and the start that it was made for."""
         if visit != self._visits:
             return
+        self.changes += 1
         if isinstance(made, Exception):
             self.failed = (*self.failed, f"{name}: {made}")
-        else:
-            self.made = {**self.made, name: made}
-        self.changes += 1
+            return
+        self.made = {**self.made, name: made}
+        work = WORKS[name]
+        if work.goes_on(made):
+            task = dataclasses.replace(task, made=made)
+            self._work(name, partial(work.make, task), partial(self._take, task, visit, name))
+        elif work.outcome is not None:
+            self._keep(work.outcome(made))
+
+    def _keep(self, numbers: tuple[float, ...]) -> None:
+        """In place of what the same came to before."""
+        given = self.given
+        now = Outcome(seed=given.seed, selected=given.selected, numbers=numbers)
+        others = [old for old in given.outcomes if (old.seed, old.selected) != (now.seed, now.selected)]
+        self._give(outcomes=(*others[1 - MOST_OUTCOMES :], now))
+
+    def _sliders(self, step: Step) -> dict[str, float]:
+        """Where they stand, by name."""
+        stands = self.given.sliders or tuple(slider.start for slider in step.sliders)
+        return {slider.name: value for slider, value in zip(step.sliders, stands)}
 
     @property
     def _answers(self) -> dict[str, tuple[Step | None, int]]:
@@ -354,15 +393,6 @@ class Course:
             order = _order(k, len(asked.answers), kind == "before")
             count += given.choice is not None and order[given.choice] == 0
         return count
-
-
-def deal_start(scene: Scene, theta_demo: NDArray, seed: int) -> tuple[float, ...]:
-    """Degrees: a learner's start at random, whole ones, a joint of which is far from the demonstrator's."""
-    rng, (low, high) = np.random.default_rng(seed), np.array(scene.range_deg, float).T
-    while True:
-        start = np.round(rng.uniform(low, high))
-        if np.abs(start - np.degrees(theta_demo)).max() > APART_DEG:
-            return tuple(start.tolist())
 
 
 def _screens(lesson: Lesson) -> tuple[Screen, ...]:

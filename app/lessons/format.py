@@ -92,7 +92,29 @@ class Pose(msgspec.Struct, tag="pose", tag_field="kind", **FIELDS):
     far: str
 
 
-Ask = Choice | Place | Number | Do | Pose
+class Value(msgspec.Struct, **FIELDS):
+    """One that a field may have. text: its words."""
+
+    value: str | bool | int | float
+    text: str
+
+
+class Field(msgspec.Struct, **FIELDS):
+    """Of `Settings`, by name, and the values to select from."""
+
+    name: str
+    label: str
+    values: tuple[Value, ...]
+
+
+class Select(msgspec.Struct, tag="select", tag_field="kind", **FIELDS):
+    """Fields of `Settings`, a value of each to be selected: with these the step's works are made."""
+
+    question: str
+    fields: tuple[Field, ...]
+
+
+Ask = Choice | Place | Number | Do | Pose | Select
 
 
 class Slider(msgspec.Struct, **FIELDS):
@@ -108,6 +130,16 @@ class Slider(msgspec.Struct, **FIELDS):
     step: float = 1.0
     unit: str | None = None
     logarithmic: bool = False
+
+
+class Range(msgspec.Struct, **FIELDS):
+    """What is dealt at random with the start, evenly from low to high in steps. name: a field of `Settings`, or
+    `head distance`, `head baseline`, m, `head toe-in`, degrees."""
+
+    name: str
+    low: float
+    high: float
+    step: float
 
 
 class Said(msgspec.Struct, **FIELDS):
@@ -135,10 +167,10 @@ class Step(msgspec.Struct, **FIELDS):
     file, of CHANGEABLE; chosen: a body point, with its rays in the scene;
     main, side: figures, large and small; nothing else is shown, and nothing is in reach but what is asked and sliders:
     what can be turned; works: what is computed for it beside what its figures show; race: servos that are run from the
-    same start; play: they are shown motion for motion, so many a second; meets: the reveal brings the learner to the
-    demonstrator's posture; deal: the learner's start is dealt at random, by a seed; carry: the id of the step whose
-    start and path go on here; ask: what is asked, nothing for a step that only shows; told, after: what the reveal
-    tells; say: the sentence that one should be able to say now."""
+    same start; play: what has motions is shown motion for motion once it is revealed, so many a second; meets: the
+    reveal brings the learner to the demonstrator's posture; deal: the learner's start is dealt at random, by a seed;
+    dealt: and what else is; carry: the id of the step whose start and path go on here; ask: what is asked, nothing for
+    a step that only shows; told, after: what the reveal tells; say: the sentence that one should be able to say now."""
 
     id: str
     title: str
@@ -156,6 +188,7 @@ class Step(msgspec.Struct, **FIELDS):
     meets: bool = False
     carry: str | None = None
     deal: bool = False
+    dealt: tuple[Range, ...] = ()
     ask: Ask | None = None
     told: Said | None = None
     after: str = ""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from .format import Choice, Do, Lesson, Step
+from .format import Choice, Do, Lesson, Select, Step
 
 WORDS_A_MINUTE = 200
 
@@ -30,6 +30,8 @@ def _asked(step: Step) -> Iterator[str]:
     if isinstance(ask, Choice):
         yield from (answer.text for answer in ask.answers)
         yield _longest(*(answer.because for answer in ask.answers))
+    elif isinstance(ask, Select):
+        yield from (f"{field.label} {' '.join(value.text for value in field.values)}" for field in ask.fields)
     elif not isinstance(ask, Do):
         yield _longest(ask.close, ask.far)
 

@@ -14,6 +14,8 @@ from viewimit.simulation.eyes import SimulatedEyes, open_eyes
 from viewimit.simulation.scene import Eye, Head, Scene, extended
 from viewimit.simulation.world import World
 
+from .dealing import varied
+
 replace = msgspec.structs.replace
 
 
@@ -58,15 +60,18 @@ SLIDERS: Mapping[str, Callable[[Scene, int, float], Scene]] = {  # scene, layout
 
 @dataclass(frozen=True)
 class Staging:
-    """fields: of a scene file, that a step changes; sliders: of SLIDERS, where they stand."""
+    """fields: of a scene file, that a step changes; head: what is dealt of it, by the names of `HEAD`; sliders: of
+    SLIDERS, where they stand."""
 
     fields: Mapping[str, Any] = field(default_factory=dict)
+    head: Mapping[str, float] = field(default_factory=dict)
     sliders: Mapping[str, float] = field(default_factory=dict)
 
     def open_eyes(self, camera: str, scene: Scene, points: int) -> SimulatedEyes:
         """What a session looks with that takes place in the changed scene."""
         if self.fields:
             scene = extended(scene, self.fields)
+        scene = varied(scene, self.head)
         for name, value in self.sliders.items():
             scene = SLIDERS[name](scene, points, value)
         return open_eyes(camera, scene, points)

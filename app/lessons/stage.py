@@ -31,8 +31,8 @@ class Race:
 @dataclass(frozen=True, eq=False)
 class Stage:
     """session: the lesson's own; moments: what was seen since the step began, the last of them shown; given: what was
-    answered here, and by_id in all steps; made: what the step's works have come to so far, by name; played: motions of
-    races that are shown, None for all; bodies: what both arms look like."""
+    answered here, and by_id in all steps; made: what the step's works have come to so far, by name; played: motions
+    that are shown, None for all; bodies: what both arms look like."""
 
     step: Step
     session: Session

@@ -149,15 +149,15 @@ window.addEventListener("keydown", event => {
   if (!guide()) return;
   event.stopPropagation();  // the page's own keys are out of reach
   const place = here.closest && here.closest("[data-place]");
-  const follow = selector => {
-    const found = document.querySelector(`.vi-guide ${selector}`);
+  const follow = (selector, k = 0) => {
+    const found = document.querySelectorAll(`.vi-guide ${selector}`)[k];
     const link = found && found.closest("a");
     if (link) { event.preventDefault(); link.click(); }
   };
   if (place && moveMark(place, event)) return event.preventDefault();
   if (event.key === "Escape") return follow(".vi-guide-leave a");
   if (here.matches("input:not([type=range])")) return;
-  if (/^[1-9]$/.test(event.key)) return follow(`.vi-options a:nth-child(${event.key})`);
+  if (/^[1-9]$/.test(event.key)) return follow(".vi-options a", event.key - 1);
   if (event.key === "Enter" && !here.matches("a")) return follow(".vi-guide-main");
 }, true);
 

@@ -9,7 +9,7 @@ from viewimit.app.lessons.answers import right_answer
 from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.course import Course
 from viewimit.app.lessons.figures import FIGURES
-from viewimit.app.lessons.format import Choice, Do, Number, Place, Pose
+from viewimit.app.lessons.format import Choice, Do, Number, Place, Pose, Select
 from viewimit.app.lessons.measures import MEASURES, named_in
 from viewimit.app.lessons.progress import Progress
 from viewimit.app.lessons.sliders import draw_sliders
@@ -57,6 +57,9 @@ def answer(course, rightly=True):
         do(course, ask)
     elif isinstance(ask, Pose):
         pose(course, ask, rightly)
+    elif isinstance(ask, Select):
+        for k, field in enumerate(ask.fields):
+            course.select(k, 0 if rightly else len(field.values) - 1)
     if step is not None and not course.given.revealed:
         course.show()
     course.tick(0.0, still=True)  # what would be played is shown

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 
 from ..stage import Stage
-from . import crossing_angle, four_points, minimum, noise, rectification, tour, verdict
+from . import carried, crossing_angle, four_points, minimum, noise, rectification, rounds, tour, verdict
 from .figure_kind import FigureKind
 
 FIGURES: Mapping[str, FigureKind] = {
@@ -14,6 +14,8 @@ FIGURES: Mapping[str, FigureKind] = {
     **verdict.FIGURES,
     **noise.FIGURES,
     **rectification.FIGURES,
+    **carried.FIGURES,
+    **rounds.FIGURES,
 }
 
 

@@ -9,7 +9,19 @@ import numpy as np
 
 from ..format import Place, Pose
 from ..stage import Stage
-from . import crossing_angle, exchange, four_points, minimum, noise, observability, rectification, rest, tour
+from . import (
+    carried,
+    crossing_angle,
+    exchange,
+    four_points,
+    minimum,
+    noise,
+    observability,
+    rectification,
+    rest,
+    rounds,
+    tour,
+)
 from .measure import Measure
 
 
@@ -33,6 +45,8 @@ MEASURES: Mapping[str, Measure] = {
     **noise.MEASURES,
     **exchange.MEASURES,
     **rectification.MEASURES,
+    **carried.MEASURES,
+    **rounds.MEASURES,
 }
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from . import four_points, minimum, noise, rectification, tour
+from . import carried, four_points, minimum, noise, rectification, rounds, tour
 from .work import Work
 
 WORKS: Mapping[str, Work] = {
@@ -11,4 +11,6 @@ WORKS: Mapping[str, Work] = {
     **four_points.WORKS,
     **noise.WORKS,
     **rectification.WORKS,
+    **carried.WORKS,
+    **rounds.WORKS,
 }

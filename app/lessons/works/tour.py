@@ -2,10 +2,7 @@
 
 from collections.abc import Mapping
 
-import msgspec
-
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape
-from viewimit.session import Session
 
 from ..stage import Race
 from .work import Task, Work
@@ -25,7 +22,7 @@ def _races(task: Task) -> tuple[Race, ...]:
     """Each servo of the step from the same start."""
     races = []
     for servo in task.step.race:
-        session = Session(msgspec.structs.replace(task.settings, servo=servo))
+        session = task.session(servo=servo)
         session.run(MOST_MOTIONS)
         races.append(Race(servo, tuple(session.history)))
     return tuple(races)
@@ -33,5 +30,5 @@ def _races(task: Task) -> tuple[Race, ...]:
 
 WORKS: Mapping[str, Work] = {
     "landscape": Work(_landscape, "turned"),
-    "races": Work(_races, "revealed"),
+    "races": Work(_races, "revealed", played=True),
 }

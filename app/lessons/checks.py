@@ -51,7 +51,8 @@ def _of_step(step: Step, before: set[str], settings: dict[str, Any]) -> Faults:
             yield ".settings.camera", "lessons look at points, not at pictures"
     except ValueError as error:
         yield ".settings", str(error)
-    yield from _of_names(".scene", step.scene, "field that a step can change", dict.fromkeys(CHANGEABLE))
+    for name in step.scene:
+        yield from _of_names(f".scene.{name}", (name,), "field that a step can change", dict.fromkeys(CHANGEABLE))
     for place in ("main", "side"):
         for i, figure in enumerate(getattr(step, place)):
             for where, what in _of_figure(figure):

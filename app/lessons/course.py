@@ -58,7 +58,7 @@ class Course:
         given = {id: one for id, one in progress.given.items() if id in answers and fitting(one, *answers[id])}
         self.progress = replace(progress, at=at, given=given)
         self.changes, self._visits, self.played = 0, 0, 0
-        self.session, self._staging = Session(), Staging()
+        self.session, self.staging = Session(), Staging()
         self._silhouettes: tuple[World, Silhouettes] | None = None
         self._next: float | None = None
         self._enter()
@@ -266,10 +266,10 @@ class Course:
         settings = replace(settings, **fields)
         moved = {name: value for name, value in self._sliders(step).items() if name in SLIDERS}
         staging = Staging(step.scene, head, moved)
-        if staging == self._staging:
+        if staging == self.staging:
             self.session.begin(settings)
         else:
-            self._staging, self.session = staging, Session(settings, staging.open_eyes)
+            self.staging, self.session = staging, Session(settings, staging.open_eyes)
         if dealt:
             start = deal_start(self.session.scene, self.session.snapshot.theta_demo, seed)
             self.session.begin(replace(settings, start_deg=start))
@@ -335,7 +335,7 @@ class Course:
         session = self.session
         task = Task(
             step, session.world, self.moments[-1], session.settings, self._sliders(step), self.given.seed,
-            self._staging, self._selected(),
+            self.staging, self._selected(),
         )  # fmt: skip
         for name in dict.fromkeys((*shown, *step.works)):
             if WORKS[name].when in when:

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from viewimit.app.lessons.card import draw_lesson, verdict
+from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.measures.crossing_angle import crossing, lines, moved
+from viewimit.app.lessons.reveal import verdict
 from walking import course_at
 
 

@@ -4,7 +4,8 @@ import time
 
 import numpy as np
 import pytest
-from viewimit.app.lessons.card import draw_lesson, right_answer
+from viewimit.app.lessons.answers import right_answer
+from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.works.four_points import best_order, fit_any, pressed
 from walking import course_at

@@ -4,13 +4,13 @@ import re
 from pathlib import Path
 
 import pytest
-from viewimit.app.lessons.format import Choice, Do, Lesson, Number, Place, Pose, Step
+from viewimit.app.lessons.format import Choice, Do, Lesson, Number, Place, Pose, Select, Step
 from viewimit.app.lessons.source import load
 from walking import answer, begun, unfilled, words
 
 PAGE = Path(__file__).parents[2].joinpath("docs", "lessons.md").read_text("utf-8")
 EXAMPLE = re.search(r"```toml\n(.*?)```", PAGE, re.S)[1]
-KINDS = {"choice": Choice, "place": Place, "number": Number, "do": Do, "pose": Pose}
+KINDS = {"choice": Choice, "place": Place, "number": Number, "do": Do, "pose": Pose, "select": Select}
 
 
 def section(title):
@@ -42,9 +42,9 @@ def test_every_field_is_named_and_none_that_is_not(title, struct):
 def test_every_kind_of_question_is_named_with_its_fields():
     rows = dict(re.findall(r"^\| `(\w+)` \| (.*?) \|", section("What can be asked"), re.M))
     assert rows.keys() == KINDS.keys()
-    of_answers = {"text", "because"}
+    inside = {"text", "because", "name", "label", "values", "value"}  # of answers, and of fields
     for kind, struct in KINDS.items():
-        assert named(rows[kind]) - of_answers == set(struct.__struct_fields__) - {"question"}
+        assert named(rows[kind]) - inside == set(struct.__struct_fields__) - {"question"}
 
 
 def test_the_fault_that_it_shows_is_said_so(tmp_path):

@@ -4,8 +4,9 @@ import time
 
 import numpy as np
 import pytest
-from viewimit.app.lessons.card import draw_lesson, verdict
+from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.measures import MEASURES
+from viewimit.app.lessons.reveal import verdict
 from viewimit.app.lessons.scenes import at_distance, spread
 from viewimit.app.lessons.works.minimum import TIMES
 from walking import course_at

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from viewimit.app.lessons.card import right_answer, verdict
+from viewimit.app.lessons.answers import right_answer
 from viewimit.app.lessons.measures import MEASURES
+from viewimit.app.lessons.reveal import verdict
 from walking import course_at, words
 
 from viewimit.analysis.scatter import scatter

@@ -165,7 +165,7 @@ def test_the_words_name_the_page_s_own_choice():
 def test_a_slow_law_makes_no_more_motions_than_are_told():
     page = course()
     session, selected = page.session, {"transfer": "epipolar", "servo": "gradient"}
-    task = Task(page.step, session.world, page.moments[-1], session.settings, {}, 1, page.head, selected)
+    task = Task(page.step, session.world, page.moments[-1], session.settings, {}, 1, page.staging, selected)
     made = WORKS["rounds"].make(task)
     assert len(made.yours) == 1 and made.yours[0].motions <= rounds.MOST_MOTIONS
 

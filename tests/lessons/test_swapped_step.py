@@ -5,7 +5,8 @@ import re
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.lessons.card import draw_lesson, right_answer
+from viewimit.app.lessons.answers import right_answer
+from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.figures import FIGURES
 from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.measures.exchange import named, true_pairs

@@ -3,7 +3,8 @@
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.lessons.card import draw_lesson, right_answer
+from viewimit.app.lessons.answers import right_answer
+from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.figures import FIGURES
 from viewimit.app.lessons.measures import MEASURES
 from walking import course_at, words

@@ -44,7 +44,7 @@ def answer(course, rightly=True):
         right = answers.index((asked.answers if course.screen.kind == "before" else asked.answers_after)[0])
         course.choose(right if rightly else (right + 1) % len(answers))
     elif isinstance(ask, Choice):
-        right = right_answer(course.stage, ask)
+        right = right_of(course, ask)
         course.choose(right if rightly else (right + 1) % len(ask.answers))
     elif isinstance(ask, Place):
         course.place(np.array([60.0, 60.0]))
@@ -63,6 +63,16 @@ def answer(course, rightly=True):
     if step is not None and not course.given.revealed:
         course.show()
     course.tick(0.0, still=True)  # what would be played is shown
+
+
+def right_of(course, ask):
+    """The right answer; where it is computed only once something was answered, by another walk."""
+    if (known := right_answer(course.stage, ask)) >= 0:
+        return known
+    other = begun(course.lesson, course.progress.lesson, course.progress)
+    other.choose(0)
+    other.show()
+    return right_answer(other.stage, ask)
 
 
 def drawn_at(course, ask):

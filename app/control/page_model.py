@@ -160,8 +160,8 @@ class PageModel:
     def bring_back(self, left: Left) -> None:
         """As it was. Raises ValueError, with all as it is, if that cannot be any more."""
         world = self.session.world
-        for session, (moments, cursor) in zip(self._sessions, left.runs):
-            session.resume(moments, cursor)
+        for session, (moments, cursor, log) in zip(self._sessions, left.runs):
+            session.resume(moments, cursor, log)
         self.past.forget_newest()
         self.preset, self.player.speed = left.preset, left.speed
         self.player.settle()

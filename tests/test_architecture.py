@@ -35,6 +35,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "suspects",
     "prediction",
     "script",
+    "wording",
     "session",
     "replay",
     "rehearsal",

@@ -6,19 +6,20 @@ a run in lines of Python.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 
 from .settings import Settings
 
+Times = Annotated[int, msgspec.Meta(ge=1)]
 FIELDS: dict[str, Any] = {"frozen": True, "forbid_unknown_fields": True, "array_like": True}
 
 
 class Stepped(msgspec.Struct, tag="s", **FIELDS):
     """`Session.step()` so many times: motions, or none where the servo rested."""
 
-    times: int
+    times: Times
 
 
 class Posed(msgspec.Struct, tag="p", **FIELDS):
@@ -52,11 +53,11 @@ class Forgot(msgspec.Struct, tag="f", **FIELDS):
 class Looked(msgspec.Struct, tag="l", **FIELDS):
     """`Session.look()` so many times."""
 
-    times: int
+    times: Times
 
 
 Deed = Stepped | Posed | Changed | Rehearsed | Began | Forgot | Looked
-MOST_DEEDS = 4000  # of a session that are remembered
+MOST_DEEDS = 4_000  # of a session that are remembered
 
 
 class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -1,11 +1,12 @@
 # viewimit's page, for one replica behind the proxy of compose.yaml
-FROM python:3.11-slim
+FROM --platform=linux/amd64 python:3.11-slim
 WORKDIR /src
+COPY deploy/requirements.lock deploy/install.sh deploy/
 COPY pyproject.toml setup.py README.md LICENSE ./
 COPY viewimit viewimit
 COPY app app
 COPY assets assets
-RUN pip install --no-cache-dir ".[redis]" && useradd --create-home viewimit
+RUN sh deploy/install.sh && useradd --create-home viewimit
 USER viewimit
 WORKDIR /home/viewimit
 EXPOSE 8080

@@ -30,7 +30,12 @@ from .sessions.autosave import SavedSession
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
 KEPT_EVERY = 5.0  # s
+SAID_FOR = 30.0  # s: of what was lost
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
+
+
+class CannotResume(Exception):
+    """What was kept of a session does not go on."""
 
 
 class Page:
@@ -94,6 +99,10 @@ class Page:
         """What of the page is kept."""
         return self.model.memory()
 
+    def say(self, text: str) -> None:
+        """To its visitor, for a while."""
+        self.model.say(text, time.monotonic() + SAID_FOR)
+
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self.model.player.pause()
@@ -101,9 +110,9 @@ class Page:
         self.model.say(text, np.inf)
         self.panel(StatusPanel).show_message(text)
 
-    def close(self) -> bool:
-        """The page is gone. Whether its last turn has ended, so that what `memory` tells is whole."""
-        ended = self._commands.wait(LEAVES_WITHIN)
+    def close(self, within: float = LEAVES_WITHIN) -> bool:
+        """The page is gone. Whether its last turn has ended, within so many s, so that what `memory` tells is whole."""
+        ended = self._commands.wait(within)
         if ended:
             self.model.close()
         else:
@@ -116,11 +125,17 @@ class Page:
 
     def _resume(self, memory: SavedSession) -> None:
         """Show what the visitor had chosen; the loop is paused. Camera images are taken in the first turn."""
-        if memory.history[memory.head.cursor].settings.camera == "rendered":
-            self.model.begin_like(memory)
-            self.queue.put(Resume(memory))
-        else:
-            self.model.go_on(memory)
+        try:
+            if memory.history[memory.head.cursor].settings.camera == "rendered":
+                self.model.begin_like(memory)
+                self.queue.put(Resume(memory))
+            else:
+                self.model.go_on(memory)
+            self.model.require_fit()
+            self.model.poses(0.0)
+            self.model.state(0.0)
+        except Exception as error:  # a store may hold what no check foresees, which must not lock its visitor out
+            raise CannotResume(f"{type(error).__name__}: {error}") from error
         if memory.head.motion is not None:
             self.queue.put(LoadMotion.parse(memory.head.motion))
 

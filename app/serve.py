@@ -17,15 +17,17 @@ from .server.seat_counts import SeatCounts
 from .server.worker import LOG_FORMAT
 from .server.workers import working
 
-__all__ = ["ServerOptions", "serve", "usual_workers"]
+__all__ = ["ServerOptions", "serve", "usual_per_address", "usual_workers"]
 
 MOST_WORKERS = 4  # by default
+STOPS_WITHIN = 9.0  # s, and then it is ended
+log = logging.getLogger(__name__)
 
 
 def serve(
     host: str = "127.0.0.1", port: int = 8080, options: ServerOptions | None = None, open_browser: bool = False
 ) -> None:
-    """Serve the page until SIGINT or SIGTERM. port 0 takes a free one.
+    """Serve the page until SIGINT, SIGTERM, or SIGHUP, as of a terminal that is closed. port 0 takes a free one.
 
     Raises ValueError for settings that cannot be, PortInUse for a port that is taken, OSError for a store that cannot
     be used, RuntimeError if the processes of the server do not begin.
@@ -37,13 +39,16 @@ def serve(
     require_free(host, port)
     logging.basicConfig(format=LOG_FORMAT)
     stopped = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _signals():
         signal.signal(number, lambda *_: stopped.set())
+    ending = threading.Timer(STOPS_WITHIN, _end)
+    ending.daemon = True
     with contextlib.ExitStack() as stack:
+        stack.callback(ending.cancel)
         if options.workers > 1:
             listeners = listen(host, port)
             port = listeners[0].getsockname()[1]
-            stack.enter_context(working(options, listeners, stopped.set))
+            stack.enter_context(working(options, listeners, stopped))
         else:
             from .server.pages import serving  # what only hands over connections need not load viser
 
@@ -56,6 +61,20 @@ def serve(
             webbrowser.open(url)
         while not stopped.wait(0.5):  # a signal that the system hands to another thread is seen at the next turn
             pass
+        ending.start()
+
+
+def _signals() -> list[signal.Signals]:
+    """By which the server is stopped; nohup's wish not to hear of the terminal is kept."""
+    stops = [signal.SIGINT, signal.SIGTERM]
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        stops.append(signal.SIGHUP)
+    return stops
+
+
+def _end() -> None:
+    log.warning("the server does not end by itself; what visitors did last may be lost")
+    os._exit(1)
 
 
 def usual_workers(host: str) -> int:
@@ -64,6 +83,14 @@ def usual_workers(host: str) -> int:
         return 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(cores, MOST_WORKERS)
+
+
+def usual_per_address(host: str, max_clients: int) -> int:
+    """Tabs that one address may have: all where only this machine comes, on which a proxy may stand.
+
+    Else a class behind one router needs most, and a tenth is left for who comes from elsewhere.
+    """
+    return max_clients if is_loopback(host) else max_clients - max_clients // 10
 
 
 def can_hand_over() -> bool:

@@ -22,13 +22,13 @@ from viewimit.app.control.commands.experiments import (
 from viewimit.app.control.commands.method import (
     FreeJoints,
     change_disturbance,
-    change_points,
     change_seed,
     change_servo,
     change_transfer,
     switch_camera,
     switch_rectify,
 )
+from viewimit.app.control.commands.points import BestNext, ChooseLayout, EditPoints, RemovePoint, SaveScene
 from viewimit.app.control.commands.session import (
     ChoosePreset,
     ChooseSpeed,
@@ -69,7 +69,7 @@ CONTROLS = {  # what a browser's values become
     },
     "joints": FreeJoints.parse,
     "seed": change_seed,
-    "points": change_points,
+    "points": ChooseLayout.parse,
     "rectify": switch_rectify,
     "camera": switch_camera,
     "transfer": change_transfer,
@@ -102,6 +102,10 @@ BUTTONS = {
     "record": Record(),
     "replay": Replay(),
     "save motion": SaveMotion(),
+    "edit points": EditPoints(),
+    "remove point": RemovePoint(),
+    "best next": BestNext(),
+    "save scene": SaveScene(),
 }
 
 

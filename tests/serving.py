@@ -20,6 +20,7 @@ import viser
 from viewimit.app import viser_private
 from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
+from viewimit.app.server.limits.connection_limits import Limits
 from viewimit.app.server.pages import App
 from viewimit.app.server.seat_counts import SeatCounts, WorkerCounts
 from viewimit.app.sessions.autosave import HEAD, Autosave, SavedPage
@@ -31,6 +32,7 @@ from viewimit.settings import Settings
 
 STARTS_WITHIN_S = 90  # on a busy machine
 ENDS_WITHIN_S = 10
+PATIENT = Limits()
 kept_sessions = tempfile.TemporaryDirectory(prefix="viewimit-tests-")  # not the user's own
 
 
@@ -130,10 +132,10 @@ class Attended(Scheduler):
 class Here:
     """The server in this process, so that a test can break it."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, limits: Limits = PATIENT):
         counts = SeatCounts()
         self._scheduler = Attended(counts.rows[0])
-        self.access = AccessControl(40, (), counts)
+        self.access = AccessControl(limits, (), counts)
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.app = App(self.viser, Settings(), self._scheduler, Autosave(SqliteStore(folder)), self.access.touches)
@@ -192,9 +194,9 @@ def browser_of(url: str) -> str:
         return page.headers["Set-Cookie"].split(";")[0]
 
 
-def kept_of(store: str, cookie: str) -> SavedPage | None:
-    """What a server has written there, a folder or a Redis, of the first tab of this browser; None before it has."""
-    key = f"{cookie.split('=')[1]}.0"
+def kept_of(store: str, cookie: str, tab: int = 0) -> SavedPage | None:
+    """What a server has written there, a folder or a Redis, of a tab of this browser; None before it has."""
+    key = f"{cookie.split('=')[1]}.{tab}"
     if store.startswith("unix:"):
         from redis import Redis
 

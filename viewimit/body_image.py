@@ -4,7 +4,6 @@ Postures are told by how far each joint is from its lower limit, which the learn
 the same whatever posture an imitation begins in.
 """
 
-import zipfile
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .reading import read_npz
 from .servo.visit import Visit
 
 CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
@@ -22,7 +22,7 @@ FEWEST = 3
 @dataclass(frozen=True)
 class Body:
     """Which body, by what cameras: robot, by name or path; joints: numbers from 1 of those that move, span_deg: how far
-    each can turn; points, camera and undistort as in `Settings`."""
+    each can turn; points, camera and undistort as in `Settings`; layout: which points, "" for one of the scene's."""
 
     robot: str
     joints: tuple[int, ...]
@@ -30,6 +30,7 @@ class Body:
     points: int
     camera: str
     undistort: tuple[float, float]
+    layout: str = ""
 
     def require(self, other: "Body") -> None:
         """Raises ValueError for another body, with what differs."""
@@ -79,22 +80,11 @@ class BodyImage:
     def load(cls, path: Path) -> "BodyImage":
         """Raises OSError, or ValueError that names the file and what is wrong with it."""
         try:
-            return _body_image(_table(path))
+            return _body_image(read_npz(path))
         except KeyError as error:
             raise ValueError(f"{path}: no body image, {error} is missing; `viewimit rehearse` makes one") from None
         except (ValueError, TypeError) as error:
             raise ValueError(f"{path}: no body image: {error}; `viewimit rehearse` makes one") from None
-
-
-def _table(path: Path) -> dict[str, NDArray]:
-    """Raises OSError, or ValueError for what is no .npz file of arrays."""
-    try:
-        with zipfile.ZipFile(path):
-            pass  # np.load would take other files for what they are not
-        with np.load(path) as file:
-            return {name: file[name] for name in file.files}
-    except (zipfile.BadZipFile, EOFError, ValueError):
-        raise ValueError("not an .npz file of numbers") from None
 
 
 def _body_image(table: dict[str, NDArray]) -> BodyImage:
@@ -107,6 +97,7 @@ def _body_image(table: dict[str, NDArray]) -> BodyImage:
         points=int(table["points"]),
         camera=str(table["camera"]),
         undistort=_numbers(table["undistort"], float),
+        layout=str(table["layout"]) if "layout" in table else "",
     )
     noise_px, (K, m) = float(table["noise_px"]), (len(displacement), len(body.joints))
     N = own.shape[1] if own.ndim == 3 else 0

@@ -33,7 +33,7 @@ from .snapshot import AT_REST, Snapshot, exchanged
 from .views import FourViews
 
 BEGIN_ANEW = (  # what changes body or camera
-    "scene", "robot", "joints", "points", "start_deg", "undistort", "camera", "delay",
+    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay",
 )  # fmt: skip
 THERE = set(AT_REST) - {"stalled"}  # at rest where E is as small as the servo can make it
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up

@@ -18,6 +18,7 @@ USUAL_POINTS = 10
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
 
+BodyPoint = tuple[int, float, float, float]  # link, 0 = base, and x, y, z m in its frame
 D = TypeVar("D", bound=Disturbance)
 
 
@@ -30,6 +31,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     frames: how many images are averaged at each posture, of both bodies.
     scene: a name, or the path of a scene file, or of a URDF, for which a scene is made; robot: a name or the path of a
     URDF, in place of the scene's; joints: which move, in place of the scene's.
+    body_points: [link, x, y, z] each, as in a scene, in place of all of its layouts.
     undistort: (k1, k2) of the radial distortion that images are rid of, in place of the scene's.
     rectify: of RECTIFY; auto rectifies the images by what all matches of both pairs of views tell of their cameras, if
     that is needed.
@@ -41,6 +43,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     robot: str | None = None
     joints: tuple[int, ...] | None = None
     points: int = USUAL_POINTS
+    body_points: tuple[BodyPoint, ...] | None = None
     demonstrator_deg: tuple[float, ...] | None = None
     start_deg: tuple[float, ...] | None = None
     transfer: str = "epipolar"

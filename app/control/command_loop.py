@@ -4,6 +4,7 @@ What looks with camera images takes long, and would hold up everybody's pages.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 from ..jobs.camera_images import CameraLost
 from ..jobs.session_eyes import RemoteEyes
@@ -11,7 +12,7 @@ from .background import Background
 from .commands.command import Command
 from .page_model import PageModel
 from .queue import CommandQueue
-from .shedding import LoadShedding
+from .shedding import LoadShedding, TimeBudget
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
@@ -28,7 +29,8 @@ def _no_time() -> float:
 class CommandLoop:
     """tick(now) ends a turn, begins the next, or does meanwhile what need not wait.
 
-    announce_pictures(now): the first camera images are about to be waited for.
+    announce_pictures(now): the first camera images are about to be waited for; budget: of what the visitor does, whose
+    rest waits for the next ticks.
     """
 
     def __init__(
@@ -37,10 +39,11 @@ class CommandLoop:
         queue: CommandQueue,
         shedding: LoadShedding,
         announce_pictures: Callable[[float], None],
+        budget: TimeBudget | None = None,
     ):
         self._model, self._queue, self._shedding = model, queue, shedding
         self._announce_pictures = announce_pictures
-        self._background = Background()
+        self._background, self._budget = Background(), budget or TimeBudget()
         self._asked_at = 0.0
 
     @property
@@ -70,11 +73,12 @@ class CommandLoop:
         model, commands = self._model, self._queue.take()
         opens = any(command.opens_pictures(model) for command in commands)
         if not opens and model.session.settings.camera == "points":
-            self._carry_out(commands, now, self._shedding.step_budget)
+            self._apply_within_budget(commands, now)
+            self._move_on(now, self._shedding.step_budget)
             return
         first = next((k for k, command in enumerate(commands) if command.moves), len(commands))
-        for command in commands[:first]:
-            self._apply(command, now)
+        if not self._apply_within_budget(commands[:first], now, commands[first:]):
+            return
         rest = commands[first:]  # in their order: what comes after a motion may depend on it
         self._asked_at = now
         if opens:
@@ -89,6 +93,9 @@ class CommandLoop:
     def _carry_out(self, commands: list[Command], now: float, budget: Callable[[], float]) -> None:
         for command in commands:
             self._apply(command, now)
+        self._move_on(now, budget)
+
+    def _move_on(self, now: float, budget: Callable[[], float]) -> None:
         self._model.motions.tick()
         self._model.player.advance(now, budget)
         session = self._model.session
@@ -98,8 +105,16 @@ class CommandLoop:
     def _apply_meanwhile(self, now: float) -> None:
         """What need not wait for the turn that goes on."""
         if not self._background.alone:
-            for command in self._queue.take_what_need_not_wait():
-                self._apply(command, now)
+            self._apply_within_budget(self._queue.take_what_need_not_wait(), now)
+
+    def _apply_within_budget(self, commands: list[Command], now: float, rest: list[Command] | None = None) -> bool:
+        """Carry them out in their order; whether all are. Else what is left and the rest wait for the next tick."""
+        for k, command in enumerate(commands):
+            if not self._budget.left:
+                self._queue.put_back(commands[k:] + (rest or []))
+                return False
+            self._budget.spend(partial(self._apply, command, now))
+        return True
 
     def _end_turn(self, now: float) -> None:
         try:

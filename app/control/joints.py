@@ -31,7 +31,7 @@ class Freedom:
 
     def fields(self, settings: Settings, scene: Scene, joints: tuple[int, ...] | None) -> dict:
         """Settings to change. scene: with the joints that move now."""
-        after = load_scene(settings.scene, settings.robot, joints)
+        after = load_scene(settings.scene, settings.robot, joints, body_points=settings.body_points)
         layouts = sorted(map(int, scene.points))
         points = settings.points
         if joints is None:

@@ -19,7 +19,7 @@ from viewimit.drawing.images.planes import Windows
 from viewimit.embodiment.in_scene import complete
 from viewimit.rehearsal import POSTURES, begin_rehearsal
 from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.settings import BodyPoint, Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
@@ -42,6 +42,7 @@ from .moments.see_through import SeeThrough
 from .motions import Motions
 from .on_the_way import OnTheWay
 from .player import DENSE, Player
+from .points.editing import PointEditing
 from .presets import Preset, presets_from
 from .queue import CommandQueue
 from .services import Services
@@ -81,6 +82,7 @@ class PageModel:
         self.experiments = Experiments(
             services.experiments, page_id, self.session, self.motions, self._take_run_later, send
         )
+        self.points = PointEditing(self.session, self.lay_points, self._propose_point, send)
         self.landscape = OwnLandscape(page_id, services.landscapes, queue)
         self.duel_landscapes = DuelLandscapes(page_id, services.landscapes, queue)
         self.comparison = Comparison(page_id, services.landscapes, queue)
@@ -110,6 +112,13 @@ class PageModel:
             self.duel.begin_again()
         else:
             self.duel.follow()
+
+    def lay_points(self, points: tuple[BodyPoint, ...]) -> None:
+        """Begin anew with these body points on both arms. Raises ValueError, with all as it is, if they cannot be."""
+        self.player.pause()
+        with self._kept(whole=True):
+            self.session.change(body_points=points)
+        self.begin_anew()
 
     def start_at(self, angles_deg: tuple[float, ...]) -> None:
         """The learner begins anew at a posture, (m,)."""
@@ -212,6 +221,12 @@ class PageModel:
         self.view = replace(self.view, chosen=memory.head.chosen)
         self.begin_anew()
 
+    def require_fit(self) -> None:
+        """Raises ValueError if the session's moments are of another arm or other points than its scene's."""
+        session, present = self.session, self.session.snapshot
+        if present.theta.shape != session.embodiment.lower.shape or len(present.views.demo) != len(session.world.body):
+            raise ValueError("its moments are not of this scene")
+
     def begin_like(self, memory: SavedSession) -> None:
         """By points from where a session that was kept stands, until its first camera images are there."""
         self.session.begin(on_points(memory.history[memory.head.cursor].settings))
@@ -301,6 +316,7 @@ class PageModel:
             ground=self.duel_landscapes.html,
             experiments=self.experiments,
             motions=self.motions,
+            points=self.points.shown,
             message=None if self.message is None else self.message.text,
             unsaved=self.unsaved,
         )
@@ -324,6 +340,12 @@ class PageModel:
 
     def _make_motion(self, make: Callable[[], object]) -> None:
         self._services.landscapes.ask(self._page_id, make, self._take_motion_later, kind="motion")
+
+    def _propose_point(self, make: Callable[[], object]) -> None:
+        self._services.landscapes.ask(self._page_id, make, self._take_point_later, kind="point")
+
+    def _take_point_later(self, made: object) -> None:
+        self._queue.put(Arrival("point", self.points.take, made))
 
     def _take_motion_later(self, made: object) -> None:
         self._queue.put(MovingArrival("motion", self.motions.take, made))

@@ -1,32 +1,43 @@
 """What a person did and what workers have made, in order, until the page's loop takes it."""
 
 import threading
+import time
 from collections.abc import Callable, Hashable
 from typing import Any
 
 from .commands.command import Command, Refused
 
 PENDING_LIMIT = 200  # actions that wait, per page
+APART = 0.05  # s on average between two equal actions; a held key repeats itself that fast
+HELD_UP = 0.2  # s by which a network may bring one late, so that several come at once
 
 
 class CommandQueue:
-    """Any thread puts, the scheduler takes. Of one control the newest value wins, unless an action lies between.
+    """Any thread puts, the scheduler takes. Of one control the newest value wins, unless an action lies between; an
+    action that comes again and again is one, where no person is that fast.
 
     "Slider, then reset" and "reset, then slider" are two things; a hundred values of one dragged slider are one.
     """
 
-    def __init__(self):
-        self._lock = threading.Lock()
+    def __init__(self, clock: Callable[[], float] = time.monotonic):
+        self._lock, self._clock = threading.Lock(), clock
         self._waiting: list[Command] = []
+        self._last: Command | None = None  # action that was put
+        self._due = 0.0  # s, when the next one that equals it is
 
     def put(self, command: Command) -> None:
         with self._lock:
             full = len(self._waiting) >= PENDING_LIMIT
             if command.control is not None:
                 self._drop_older(command, beyond_actions=full)
-            elif full:
+            elif full or self._repeats(command):
                 return
             self._waiting.append(command)
+
+    def put_back(self, commands: list[Command]) -> None:
+        """What was taken and not carried out, before all that has come since."""
+        with self._lock:
+            self._waiting = commands + self._waiting
 
     def put_value(self, parse: Callable[[Any], Command], value: Any, sender: Hashable = None) -> None:
         """The command that a browser's value stands for: parse may raise ValueError. sender: the control it is of."""
@@ -66,6 +77,16 @@ class CommandQueue:
                 (waiting if blocked and not command.commutes else taken).append(command)
             self._waiting = waiting
         return taken
+
+    def _repeats(self, action: Command) -> bool:
+        """Whether it is the action before it once more, and too soon."""
+        now = self._clock()
+        if action != self._last:
+            self._last, self._due = action, now
+        elif now < self._due - HELD_UP:
+            return True
+        self._due = max(self._due, now) + APART
+        return False
 
     def _drop_older(self, command: Command, beyond_actions: bool) -> None:
         for k in reversed(range(len(self._waiting))):

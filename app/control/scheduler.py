@@ -14,6 +14,7 @@ from typing import Protocol
 from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
+FAULTS_EVERY = 1.0  # s between two faults of a page that are logged
 
 
 class Ticked(Protocol):
@@ -32,6 +33,7 @@ class Scheduler:
         self._heartbeat, self._on_stop = heartbeat, on_stop
         self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list[Ticked] = []
+        self._logged: dict[Ticked, float] = {}  # when a fault was, s
         self.shedding = LoadShedding(TICK)
         self._running = False
         self._task: concurrent.futures.Future | None = None
@@ -57,6 +59,7 @@ class Scheduler:
         with self._turn, self._lock:
             if page in self._pages:
                 self._pages.remove(page)
+                self._logged.pop(page, None)
 
     def _tell(self, page: Ticked, error: Exception) -> None:
         """Let a page say its own fault; one that cannot even do that is ticked no more."""
@@ -72,8 +75,15 @@ class Scheduler:
         try:
             page.tick(time.monotonic())
         except Exception as error:  # one session's fault must not stop the others; its own page says so
-            traceback.print_exc()
+            self._log(page)
             self._tell(page, error)
+
+    def _log(self, page: Ticked) -> None:
+        """The fault that is being handled, unless the page has just had another."""
+        now = time.monotonic()
+        if now - self._logged.get(page, -FAULTS_EVERY) >= FAULTS_EVERY:
+            self._logged[page] = now
+            traceback.print_exc()
 
     async def _run(self) -> None:
         next_tick = time.monotonic()

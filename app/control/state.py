@@ -23,6 +23,7 @@ from .duel import Duel
 from .experiments import Experiments
 from .moments.rehearsal import Rehearsal, rehearsal_of
 from .motions import Motions
+from .points.editing import EditedPoints
 from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
@@ -76,8 +77,8 @@ class PageState:
     shown, None for all of it. speed: motions a
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
-    message: for the visitor; unsaved: why the session is not kept, None as far as is known. Session, duel, experiments
-    and motions are those of the page: to be read only.
+    points: of the body, while they are edited. message: for the visitor; unsaved: why the session is not kept, None as
+    far as is known. Session, duel, experiments and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -108,6 +109,7 @@ class PageState:
     ground: str
     experiments: Experiments
     motions: Motions
+    points: EditedPoints
     message: str | None
     unsaved: str | None
 

@@ -16,7 +16,7 @@ def work(connection: Connection, folder: str) -> None:
         from viewimit.drawing.over.basin import draw_basin
         from viewimit.simulation.scene import load_scene
 
-        scene = load_scene(settings.scene, settings.robot, settings.joints)
+        scene = load_scene(settings.scene, settings.robot, settings.joints, body_points=settings.body_points)
         progress = Progress(connection.send, lambda found: draw_basin(scene, found))
         connection.send(("found", draw_basin(scene, find_basin(settings, progress.tell)), ()))
         connection.send(("files", b""))

@@ -20,6 +20,7 @@ from .method import MethodPanel
 from .motions import MotionsPanel
 from .panel import Panel
 from .playback import PlaybackPanel
+from .points.folder import PointsPanel
 from .status import StatusPanel
 from .views import ViewsPanel
 
@@ -31,6 +32,7 @@ PANELS: list[type[Panel]] = [
     MethodPanel,
     DisturbancesPanel,
     DisplayPanel,
+    PointsPanel,
     KeysPanel,
     GlossaryPanel,
     StatusPanel,

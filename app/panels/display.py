@@ -7,8 +7,10 @@ from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
 from ..control.commands.display import ChoosePoint, FitView, Switch
-from ..control.commands.method import change_points, switch_camera, switch_rectify
+from ..control.commands.method import switch_camera, switch_rectify
+from ..control.commands.points import ChooseLayout
 from ..control.names import NO_POINT
+from ..control.points.layouts import chosen_layout, layout_choices
 from ..control.state import PageState
 from .panel import Layout, Panel
 from .widgets import put, told
@@ -39,7 +41,7 @@ class DisplayPanel(Panel):
             self._switches = {name: gui.add_checkbox(label, state.view.on(name)) for label, name in SWITCHES}
             fit = gui.add_button("Fit view")
         queue.on_value(self._chosen, ChoosePoint.parse)
-        queue.on_value(self._points, change_points)
+        queue.on_value(self._points, ChooseLayout.parse)
         queue.on_value(self._rectify, switch_rectify)
         queue.on_value(self._camera, switch_camera)
         for name, handle in self._switches.items():
@@ -61,7 +63,7 @@ class DisplayPanel(Panel):
             self._generation = state.generation
             self._offer(state)
         put(self._chosen, NO_POINT if view.chosen is None else str(view.chosen))
-        put(self._points, self._markers or f"{settings.points} points")
+        put(self._points, self._markers or chosen_layout(settings))
         put(self._rectify, settings.rectify == "auto")
         put(self._camera, settings.camera == "rendered")
         for name, handle in self._switches.items():
@@ -79,8 +81,7 @@ class DisplayPanel(Panel):
         self._camera.disabled = why is not None
         self._why_not.content = "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>'
         self._why_not.visible = why is not None
-        layouts = [f"{layout} points" for layout in state.session.scene.points]
-        self._points.options = [self._markers] if pictured else layouts
+        self._points.options = [self._markers] if pictured else list(layout_choices(state.settings))
         self._points.disabled = pictured
         self._chosen.options = [NO_POINT, *(str(i) for i in range(count))]
 

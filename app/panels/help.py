@@ -22,6 +22,9 @@ PARAGRAPHS = (
      "tell, and beneath it what is true. A ? says what a number means."),
     ("Race two methods.", "The tab Duel sends a second, see-through learner from your learner's start, with another "
      "transfer and servo. Compare all transfers under the landscape; free all seven joints under Method."),
+    ("Mark the arms yourself.", "Edit points, or E: where you click an arm, both have a point more. The strip says what"
+     " a pixel of noise then costs at each joint, and Best next shows the place that would tell most, hollow until you"
+     " take it. Save scene keeps the points in a file for <code>viewimit imitate --scene</code>."),
     ("Look with cameras.", "Camera images, under Display, shows both arms with weight and coloured balls in rendered"
      " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
      " picture is taken on the way. Landscapes and experiments remain those of projected points."),

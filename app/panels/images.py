@@ -3,7 +3,7 @@
 from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.over.links import link
-from viewimit.drawing.over.points import LESS, MORE, point_links, point_places
+from viewimit.drawing.over.points import LESS, MORE, point_links, point_places, proposed_marks
 
 from ..control.state import LARGE, PageState
 from .panel import Layout, Panel
@@ -15,6 +15,7 @@ class ImagesPanel(Panel):
         self._address = layout.address
         with layout.upper_tab("Images"):
             self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
+            self._proposed = layout.gui.add_html("")
 
     @property
     def html(self) -> str:
@@ -24,14 +25,17 @@ class ImagesPanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         view = state.view
         shown = view.chosen, view.whole_frames, view.rectified, view.large, state.stage
-        return state.generation, state.looked, *shown, *state.pictures.values()
+        return state.generation, state.looked, state.points, *shown, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
         view, (bodies, windows) = state.view, state.arms_in_images
         if view.rectified:
             put_html(self._images, draw_rectified(state.looked, bodies))
             put_html(self._links, "" if self._address is None else _large(self._address, view.large))
+            put_html(self._proposed, "")
             return
+        marks = state.points.proposed_in
+        put_html(self._proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
         drawn = draw_images(
             state.looked,
             bodies,

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from ..control.commands.command import Command
 from ..control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp
+from ..control.commands.points import BestNext, EditPoints, RemovePoint
 from ..control.commands.session import Play, Reset, Step, Undo
 from ..control.state import PageState
 from .help import help_html
@@ -18,7 +19,9 @@ class Key:
     named in the left panel, too."""
 
     cap: str
-    hotkey: Literal["space", "arrowright", "arrowleft", "R", "N", "V", "H", "C", "M", "escape"]
+    hotkey: Literal[
+        "space", "arrowright", "arrowleft", "R", "N", "V", "H", "C", "M", "E", "B", "delete", "backspace", "escape"
+    ]
     word: str
     sentence: str
     command: Command
@@ -35,6 +38,10 @@ KEYS = (
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),
     Key("M", "M", "large", "Images large, then figures, then all as before", NextLarger()),
+    Key("E", "E", "edit points", "Edit the points of both arms, or end that", EditPoints()),
+    Key("B", "B", "best next", "Propose the point that would tell most; once more: place it", BestNext()),
+    Key("Del", "delete", "remove point", "Remove the chosen point", RemovePoint()),
+    Key("⌫", "backspace", "the same", "Remove the chosen point, by Backspace", RemovePoint()),
     Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", LetGo()),
 )
 

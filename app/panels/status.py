@@ -1,9 +1,10 @@
 """The strip over the scene: what the learner says, and beneath it what is true.
 
-What it says gives way to a message while that stays, to what is recorded or replayed, to a posture that is only looked
-at, and to that nothing is saved.
+What it says gives way to a message while that stays, to what is recorded or replayed, to points that are edited, to a
+posture that is only looked at, and to that nothing is saved.
 """
 
+from viewimit.drawing.body_points import describe_edited
 from viewimit.drawing.curves import following
 from viewimit.drawing.over.links import link, sink
 from viewimit.drawing.over.postures import describe_see_through
@@ -14,6 +15,11 @@ from .panel import Layout, Panel
 from .widgets import put_html
 
 LOOKS_BACK = 5  # motions
+CHOICES = {  # by what is said: where a link leads, and its words
+    "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
+    "editing": (("best/0", "Best next"), ("remove/0", "Remove"), ("scene/0", "Save scene"), ("dismiss/0", "Done")),
+    "proposed": (("best/0", "Take it"), ("dismiss/0", "Not this one")),
+}
 
 
 class StatusPanel(Panel):
@@ -29,19 +35,19 @@ class StatusPanel(Panel):
         return self._status.content
 
     def depends_on(self, state: PageState) -> tuple:
-        moments = state.present, state.see_through, state.imitated
+        moments = state.present, state.see_through, state.imitated, state.points
         return state.message, state.unsaved, *moments, state.playing, _busy(state)
 
     def show(self, state: PageState) -> None:
         said, self._truth = _said(state), _truth(state)
-        choices = self._choices() if said.state == "see-through" else ""
+        kind = "proposed" if said.state == "editing" and state.points.proposal is not None else said.state
+        choices = self._choices(CHOICES.get(kind, ()))
         put_html(self._status, draw_status(said, self._truth, choices))
 
-    def _choices(self) -> str:
-        """What may be done about a see-through arm."""
-        if self._address is None:
+    def _choices(self, choices: tuple[tuple[str, str], ...]) -> str:
+        """What may be done about a see-through arm, or while points are edited."""
+        if self._address is None or not choices:
             return ""
-        choices = ("start/0", "Start here"), ("dismiss/0", "Let go")
         return "".join(link(self._address, what, words, words) for what, words in choices) + "<kbd>Esc</kbd>"
 
     def show_message(self, text: str) -> None:
@@ -55,6 +61,10 @@ def _said(state: PageState) -> Said:
         return Said("message", state.message)
     if busy is not None:
         return Said(*busy)
+    points = state.points
+    if points.information is not None and not state.playing:
+        joints = session.scene.moving_joints
+        return Said("editing", describe_edited(joints, points.information, points.proposal, points.searching))
     if state.see_through is not None:
         return Said("see-through", describe_see_through(session.scene, state.see_through))
     if state.unsaved is not None:

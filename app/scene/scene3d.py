@@ -7,10 +7,13 @@ from numpy.typing import NDArray
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from viewimit.drawing.theme import rgb
+from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.ray_casting import SurfaceHit, first_hit
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
 from ..control.commands.display import ChoosePoint
+from ..control.commands.points import PlacePoint
 from ..control.queue import CommandQueue
 from ..control.state import PageState
 from . import meshes
@@ -20,6 +23,7 @@ from .hand_gizmo import HandGizmo
 from .moment import Moment
 from .nodes import Nodes
 from .picking import picked
+from .proposed import ProposedPoint
 from .view import DefaultView
 
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
@@ -49,10 +53,11 @@ class Scene3D:
         self._dark, self._fits = False, 0
         self._view = DefaultView(client)
         self._points = np.zeros((0, 3))  # m, the learner's and the demonstrator's as they are drawn
+        self._edited: Snapshot | None = None  # where the arms stand while a click places a point
 
         @client.scene.on_click()  # type: ignore[arg-type]  # which takes coroutines too
         async def _(event: SceneClickEvent) -> None:
-            self._choose_at(np.array(event.ray_origin), np.array(event.ray_direction))
+            self._take_click(np.array(event.ray_origin), np.array(event.ray_direction))
 
     def build(self, world: World) -> None:
         """Set up the scene of a world, in place of the one before."""
@@ -74,11 +79,12 @@ class Scene3D:
                 self._add_point(name, i)
         self._gizmo.furnish(self._nodes, self._dark, self._world.scene.size)
         self._moment = Moment(self._client, self._nodes, self._world, self._dark)
+        self._proposed = ProposedPoint(self._client, self._nodes, self._world)
 
     def depends_on(self, state: PageState) -> tuple:
         """What `show` shows; of snapshots their identity counts."""
         posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect
-        return state.generation, state.shown, state.view, *posed, *state.pictures.values()
+        return state.generation, state.shown, state.view, state.points, *posed, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
         """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted anew."""
@@ -92,6 +98,8 @@ class Scene3D:
             self._fits = view.fits
             self._view.fit(self._landmarks(state.present))
         self._draw(state)
+        self._edited = state.shown if state.points.on else None
+        self._proposed.show(None if state.points.proposal is None else state.points.proposal.point)
         self._standing.show_pictures(state.pictures)
         self._gizmo.show(view.gizmo, self._world, state.shown.theta_demo)
 
@@ -143,12 +151,27 @@ class Scene3D:
             shape = meshes.octahedron(self._world.scene.size * POINT_SIZE[arm])
             add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
 
-    def _choose_at(self, origin: NDArray, direction: NDArray) -> None:
-        """The point at this ray, on whichever arm."""
-        points = self._points
-        if len(points):
-            sizes = [POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2]
-            radius = self._world.scene.size * np.repeat(sizes, len(points) // 2)
-            i = picked(points, radius, origin, direction, self._client.camera.fov)
-            if i is not None:
-                self._queue.put(ChoosePoint(i % (len(points) // 2)))
+    def _take_click(self, origin: NDArray, direction: NDArray) -> None:
+        """Choose the point at this ray, on whichever arm; while points are edited, one that nothing hides, or place
+        one where the ray meets an arm."""
+        points, size = self._points, self._world.scene.size
+        if not len(points):
+            return
+        sizes = [POINT_SIZE["learner"] / 2, POINT_SIZE["demonstrator"] / 2]
+        radius = size * np.repeat(sizes, len(points) // 2)
+        hit = None if self._edited is None else self._surface_at(self._edited, origin, direction)
+        surface = np.inf if hit is None else hit.distance
+        i = picked(points, radius, origin, direction, self._client.camera.fov, surface)
+        if i is not None:
+            self._queue.put(ChoosePoint(i % (len(points) // 2)))
+        elif hit is not None:
+            x, y, z = hit.local.tolist()
+            self._queue.put(PlacePoint(hit.link, (x, y, z)))
+
+    def _surface_at(self, shown: Snapshot, origin: NDArray, direction: NDArray) -> SurfaceHit | None:
+        """Where the ray meets the nearer of both arms."""
+        world, meshes = self._world, link_meshes(self._world.scene.robot)
+        postures = {"learner": shown.theta, "demonstrator": shown.theta_demo}
+        frames = [world.link_frames(postures[name], T_world_base) for name, T_world_base in self._bases.items()]
+        hits = [first_hit(meshes, T_world_links, origin, direction) for T_world_links in frames]
+        return min((hit for hit in hits if hit is not None), key=lambda hit: hit.distance, default=None)

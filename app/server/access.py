@@ -10,8 +10,10 @@ import logging
 import socket
 from collections.abc import Callable, Iterable
 
+import viser
 from viser import ClientHandle, ViserServer
 from websockets.datastructures import Headers
+from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.typing import Origin
 
@@ -19,45 +21,51 @@ from .. import viser_private
 from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
 from .cookie import cookie_for, token_of
+from .limits.connection_limits import Limits
+from .limits.fault_lines import in_a_line, logger_of
+from .limits.pending_connections import PendingConnections
 from .origins import is_own_page
 from .page_head import with_own_head
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
+from .responses import plain_response
 from .seat_counts import SeatCounts
 from .touches import ROOT, NotTouched, Touches
 
-PING_EVERY, PONG_WITHIN = 15.0, 15.0  # s: one that does not take what is sent does not answer either
-CLOSED_WITHIN = 2.0  # s that a client is given to say goodbye
+FAULTS_A_SECOND = 1.0  # of the machinery, in the log
+VERSION = "viser-v"
+OWN_VERSION = VERSION + viser.__version__  # of the page, as its handshake says it
 log = logging.getLogger(__name__)
 
-FULL = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
+NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
 <title>viewimit: all seats are taken</title>
 <body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
-<h1>All seats are taken</h1><p>{count} tabs are open here, which is as many as there is room for. This page tries again
-every few seconds; close a tab elsewhere to make room.</p></body></html>"""
+<h1>All seats are taken</h1><p>{why}. This page tries again every few seconds; close a tab elsewhere to make room.</p>
+</body></html>"""
 
 
 class AccessControl:
-    """`serve` stands for websockets' own. max_clients: tabs at a time; origins: pages elsewhere that may connect, as
+    """`serve` stands for websockets' own. limits: of this process; origins: pages elsewhere that may connect, as
     scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
     its own. touches: where its pages' links lead.
     """
 
     def __init__(
         self,
-        max_clients: int,
+        limits: Limits,
         origins: Iterable[str],
         counts: SeatCounts,
         worker: int = 0,
         listening: socket.socket | None = None,
     ):
-        self._max_clients, self._origins = max_clients, frozenset(origins)
+        self.limits, self._origins = limits, frozenset(origins)
         self._counts, self._own, self._listening = counts, counts.rows[worker], listening
         self.touches = Touches(worker)
         self._server: ViserServer | None = None
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
-        self.opened = 0  # connections that have no seat yet
+        self.pending = PendingConnections(limits.pending, limits.pending_of_one)
         self._log = QuietLog(log, TokenBucket(LINES_A_SECOND, LINES_AT_ONCE))
+        self._faults = QuietLog(log, TokenBucket(FAULTS_A_SECOND, 1))
 
     def guard(self, server: ViserServer) -> None:
         """Whose clients pass it; nobody gets a seat before."""
@@ -68,19 +76,33 @@ class AccessControl:
         def connect(protocol, websockets_server, **limits) -> GuardedConnection:
             return GuardedConnection(self, protocol, websockets_server, **limits)
 
+        async def handle(connection: GuardedConnection) -> None:
+            if connection.subprotocol != OWN_VERSION:  # viser would print what it is told
+                theirs = (connection.subprotocol or "unknown").removeprefix(VERSION)[:40]
+                self.note(connection, f"a page of another version, {theirs}")
+                said = f"Version mismatch. Client: {theirs}, Server: {viser.__version__}"  # as viser's page knows it
+                await connection.close(CloseCode.PROTOCOL_ERROR, said)
+                return
+            await handler(connection)
+
+        loop = asyncio.get_running_loop()
+        loop.set_exception_handler(
+            lambda _, context: self._faults.warn(in_a_line(context["message"], context.get("exception")))
+        )
         place = {"host": host, "port": port} if self._listening is None else {"sock": self._listening}
         return plain(
-            handler,
+            handle,
             **place,
             **options
             | {
                 "process_request": lambda connection, request: self._answer(connection, request, process_request),
                 "create_connection": connect,
                 "max_size": MOST_MESSAGE,
-                "ping_interval": PING_EVERY,
-                "ping_timeout": PONG_WITHIN,
-                "close_timeout": CLOSED_WITHIN,
+                "ping_interval": self.limits.ping_every,
+                "ping_timeout": self.limits.pong_within,
+                "close_timeout": self.limits.closed_within,
                 "server_header": None,
+                "logger": logger_of(self._faults.warn),
             },
         )
 
@@ -101,73 +123,93 @@ class AccessControl:
 
     @property
     def full(self) -> bool:
-        return len(self.seats) >= self._max_clients
+        return len(self.seats) >= self.limits.seats
+
+    def full_for(self, address: int) -> bool:
+        """Whether as many tabs are open from there as one address may have."""
+        return self._counts.seats_of(address) >= self.limits.seats_of_one
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         """A response, or None: take the websocket. Who comes before all is ready waits."""
+        answer = await self._answer_whole(connection, request, viser_answers)
+        if answer is not None and connection.wants_no_body:
+            answer.body = b""
+        return answer
+
+    async def _answer_whole(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         await self._guarded.wait()
         if connection.transport.is_closing():  # it did not
-            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
+            return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
         path = request.path.partition("?")[0]
         if path == "/health":
             return self._tell_health()
         if path.startswith(ROOT):
             return self._touch(connection, request)
-        response = viser_answers(connection, request)
-        if response is None:
+        try:
+            answer = viser_answers(connection, request)
+        except (OSError, ValueError):  # a path that no file can have
+            answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
+        if answer is None:
             return self._refuse_seat(connection, request)
-        is_page = response.headers.get("Content-Type", "").startswith("text/html")
+        if answer.status_code == http.HTTPStatus.NOT_FOUND:
+            answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
+        is_page = answer.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
-            response = _response(
-                http.HTTPStatus.SERVICE_UNAVAILABLE, FULL.format(count=self._counts.seats), "text/html"
+            why = f"{self._counts.seats} tabs are open here, which is as many as there is room for"
+            answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
+        elif is_page and self.full_for(connection.network):
+            why = (
+                f"{self.limits.seats_of_one} tabs are open from your address, which is as many as one address may have"
             )
+            answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:
-            with_own_head(response)
+            with_own_head(answer)
             if token_of(request.headers) is None:
-                response.headers["Set-Cookie"] = cookie_for(request.headers)
-        _describe(response.headers, request.headers.get("Host", ""))
-        return response
+                answer.headers["Set-Cookie"] = cookie_for(request.headers)
+        _describe(answer.headers, request.headers.get("Host", ""))
+        return answer
 
     def _touch(self, connection: GuardedConnection, request: Request) -> Response:
+        if connection.wants_no_body:
+            return plain_response(http.HTTPStatus.METHOD_NOT_ALLOWED, "a touch is a GET", Allow="GET")
         try:
             self.touches.follow(request.path, request.headers)
         except NotTouched as refusal:
             self.note(connection, str(refusal))
-            return _response(refusal.status, refusal.status.phrase)
-        return _response(http.HTTPStatus.NO_CONTENT, "")
+            return plain_response(refusal.status, refusal.status.phrase)
+        return plain_response(http.HTTPStatus.NO_CONTENT, "")
 
     def _refuse_seat(self, connection: GuardedConnection, request: Request) -> Response | None:
         origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
             self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
-            return _response(http.HTTPStatus.FORBIDDEN, "not from there")
+            return plain_response(http.HTTPStatus.FORBIDDEN, "not from there")
         if self.full:
-            self.note(connection, f"a seat: all {self._max_clients} are taken")
-            return _response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
+            self.note(connection, f"a seat: all {self.limits.seats} are taken")
+            return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
+        if self.full_for(connection.network):
+            most = self.limits.seats_of_one
+            self.note(connection, f"a seat: its address has {most} already; --max-per-address allows more")
+            return plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, "all seats of one address are taken")
+        self.pending.discard(connection)
         self.seats.add(connection)
-        self._own.seats = len(self.seats)
+        self._own.take(connection.network)
         connection.take_seat(token_of(request.headers))
         return None
 
     def leave(self, connection: GuardedConnection) -> None:
         """It has ended."""
-        self.seats.discard(connection)
-        self._own.seats = len(self.seats)
+        self.pending.discard(connection)
+        if connection in self.seats:
+            self.seats.discard(connection)
+            self._own.leave(connection.network)
         self._own.ended += 1
 
     def _tell_health(self) -> Response:
         well = self._counts.well
         status = http.HTTPStatus.OK if well else http.HTTPStatus.SERVICE_UNAVAILABLE
         told = {"status": "ok" if well else "failing", "clients": self._counts.seats, "workers": len(self._counts.rows)}
-        return _response(status, json.dumps(told) + "\n", "application/json")
-
-
-def _response(status: http.HTTPStatus, text: str, kind: str = "text/plain") -> Response:
-    body = text.encode()
-    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body))})
-    headers["Connection"] = "close"
-    headers["Cache-Control"] = "no-store"
-    return Response(status.value, status.phrase, headers, body)
+        return plain_response(status, json.dumps(told) + "\n", "application/json")
 
 
 def _describe(headers: Headers, host: str) -> None:
@@ -176,4 +218,6 @@ def _describe(headers: Headers, host: str) -> None:
     headers["X-Content-Type-Options"] = "nosniff"
     headers["Referrer-Policy"] = "no-referrer"
     headers["Cross-Origin-Opener-Policy"] = "same-origin"
-    headers["Cache-Control"] = "no-cache"
+    for name, value in (("Cache-Control", "no-cache"), ("Connection", "close")):
+        headers.pop(name, None)  # to set one that is there would add to it
+        headers[name] = value

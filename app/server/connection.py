@@ -2,31 +2,39 @@
 
 import asyncio
 import socket
+from http import HTTPStatus
 from typing import Any, Protocol
 
 from viser import ClientHandle
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
+from websockets.protocol import State
 
 from . import message_schema
+from .limits.client_address import network_of
+from .limits.connection_limits import Limits
+from .limits.pending_connections import PendingConnections
+from .limits.unsent import Unsent
 from .message_schema import Hostile, Refused
 from .rate_limits import TokenBucket
+from .request_head import METHODS, NotAnswered, RequestHead, read_head
+from .responses import plain_response
 from .validation import PART, MessageValidator
 
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
 REFUSALS_A_SECOND, REFUSALS_AT_ONCE = 0.5, 20  # messages that are dropped, before the client is closed
-PAGE_WITHIN = 30.0  # s from the handshake to the first camera message
+LINES_OF_ONE = 1.0  # a second, that one connection brings into the log
 UNSENT = 1 << 18  # bytes that the system keeps for a client that is slow to take them
-OPEN_FILES = 200  # connections at a time that are no seats yet, such as page loads
+LOOKS = 4  # at what waits for a client, in the time in which it must take something of it
 
 
 class Host(Protocol):
-    """What a connection asks of the server that it belongs to. opened: connections of any kind; seats: of clients."""
+    """What a connection asks of the server that it belongs to."""
 
-    opened: int
-    seats: set["GuardedConnection"]
+    limits: Limits
+    pending: PendingConnections
 
     def note(self, connection: "GuardedConnection", what: str) -> None: ...
 
@@ -38,17 +46,30 @@ class Host(Protocol):
 
 
 class GuardedConnection(ServerConnection):
-    """A connection whose `recv` returns messages that were checked only. token: of its browser, None without one."""
+    """A connection whose `recv` returns messages that were checked only. token: of its browser, None without one;
+    network: where it comes from."""
 
     def __init__(self, host: Host, *args, **limits):
         super().__init__(*args, **limits)
         self._host = host
         self.token: str | None = None
+        self.network = network_of(None)
+        self._unsent = Unsent()
+        self._received = b""  # of a request that has not come as a whole
+        self._head: RequestHead | None = None
+        self._refused = False
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
+        self._lines = TokenBucket(LINES_OF_ONE, 1)
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
         self._failing: asyncio.Task | None = None
         self._starts: asyncio.TimerHandle | None = None
+        self._looks: asyncio.TimerHandle | None = None
+
+    @property
+    def wants_no_body(self) -> bool:
+        """Whether its request is for the head of an answer."""
+        return self._head is not None and not self._head.of_body
 
     @property
     def name(self) -> str:
@@ -58,21 +79,88 @@ class GuardedConnection(ServerConnection):
 
     def connection_made(self, transport) -> None:
         super().connection_made(transport)
-        self._host.opened += 1
+        self.network = network_of(self.remote_address)
         transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNSENT)
-        if self._host.opened - len(self._host.seats) > OPEN_FILES:
-            transport.abort()
+        self._host.pending.add(self, self.network, transport.abort)
+        self._look()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._host.opened -= 1
         self._host.leave(self)
-        if self._starts is not None:
-            self._starts.cancel()
+        for timer in (self._starts, self._looks):
+            if timer is not None:
+                timer.cancel()
         super().connection_lost(exc)
 
     def take_seat(self, token: str | None) -> None:
         self.token = token
-        self._starts = self.loop.call_later(PAGE_WITHIN, self._end_if_idle)
+        self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
+
+    def data_received(self, data: bytes) -> None:
+        if self._head is not None:
+            super().data_received(data)
+        elif not self._refused:
+            self._received += data
+            self._begin()
+
+    def _begin(self) -> None:
+        """Once all of a request's head has come."""
+        try:
+            self._head = read_head(self._received)
+        except NotAnswered as refusal:
+            self._refuse(refusal)
+            return
+        if self._head is not None:
+            self._received = b""
+            super().data_received(self._head.plain)
+
+    def eof_received(self) -> bool | None:  # type: ignore[override]  # asyncio takes an answer, websockets gives none
+        """Who has sent all of a request may end its side, and is answered yet; True: the connection stays."""
+        if self._refused:
+            return False  # it is closed once the answer is sent
+        if self._head is not None and not self._head.websocket and self.protocol.state is State.CONNECTING:
+            return True
+        return super().eof_received()
+
+    def _refuse(self, refusal: NotAnswered) -> None:
+        """Say why, and read no more. It is not closed at once, or what the client still sends would undo the answer."""
+        self._refused = True
+        self._host.note(self, str(refusal))
+        allow = {"Allow": METHODS} if refusal.status == HTTPStatus.METHOD_NOT_ALLOWED else {}
+        answer = plain_response(refusal.status, str(refusal) + "\n", **allow)
+        if self._received.startswith(b"HEAD "):
+            answer.body = b""
+        self._received = b""
+        self.transport.write(answer.serialize())
+        self.transport.write_eof()
+        self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
+
+    def send_data(self) -> None:
+        before = self.transport.get_write_buffer_size()
+        super().send_data()
+        self._unsent.written(before, self.transport.get_write_buffer_size())
+
+    def _look(self) -> None:
+        """Whatever goes on, who takes nothing of what waits is left: closing would wait behind it."""
+        within = self._host.limits.stalled_within
+        if self._unsent.stalled(self.transport.get_write_buffer_size()) >= within:
+            self._host.note(self, f"a client that has taken nothing for {within:g} s; closed")
+            self.transport.abort()
+            return
+        self._looks = self.loop.call_later(within / LOOKS, self._look)
+
+    async def keepalive(self) -> None:
+        """In place of websockets' own, which waits without limit until a ping is on its way."""
+        limits = self._host.limits
+        while True:
+            await asyncio.sleep(limits.ping_every)
+            try:
+                answered = await asyncio.wait_for(self.ping(), limits.written_within)
+                self.latency = await asyncio.wait_for(answered, limits.pong_within)
+            except asyncio.TimeoutError:
+                self._end(CloseCode.INTERNAL_ERROR, "silence: a ping had no answer")
+                return
+            except ConnectionClosed:
+                return
 
     def process_event(self, event) -> None:
         if self.request is not None and not self._frames.take():
@@ -93,7 +181,8 @@ class GuardedConnection(ServerConnection):
                 self._admit(raw)
                 return raw
             except Refused as refusal:
-                self._host.note(self, str(refusal))
+                if self._lines.take():
+                    self._host.note(self, str(refusal))
                 if not self._refusals.take():
                     self._end(CloseCode.POLICY_VIOLATION, "too many messages that make no sense")
             except Hostile as refusal:
@@ -117,10 +206,12 @@ class GuardedConnection(ServerConnection):
             self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def _end(self, code: CloseCode, what: str) -> None:
-        """Say it in the log and close; what comes after is not read any more."""
+        """Say it in the log and close; what comes after is not read any more, and who does not say goodbye is left."""
         if self._failing is None:
-            self._host.note(self, f"{what}; closed")
+            due = 0.0 if self._lines.take() else 1 / LINES_OF_ONE
+            self.loop.call_later(due, self._host.note, self, f"{what}; closed")
             self._failing = self.loop.create_task(self._fail(code, what))
+            self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
 
     async def _fail(self, code: CloseCode, what: str) -> None:
         try:

@@ -4,31 +4,63 @@ Only the head of a request is looked at, and left for the worker to read: nothin
 """
 
 import asyncio
+import contextlib
 import io
 import logging
 import socket
+import threading
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from http.client import HTTPException, parse_headers
 
 from .cookie import token_of
+from .limits.client_address import network_of
+from .limits.pending_connections import PendingConnections
 from .options import ServerOptions
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
+from .request_head import MOST_HEAD, is_whole
 from .seat_counts import SeatCounts
 from .touches import worker_of
 
-MOST_HEAD = 1 << 14  # bytes
 HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
 UNPLACED = 200  # connections at a time whose head has not come
 KNOWN = 10_000  # browsers
 log = logging.getLogger(__name__)
 
 
+@contextlib.contextmanager
+def dispatching(placing: "Placing", listeners: Sequence[socket.socket], to: Sequence[socket.socket]) -> Iterator[None]:
+    """Inside, a thread hands over what comes to the listeners."""
+    loop, stop, begun = asyncio.new_event_loop(), asyncio.Event(), threading.Event()
+
+    async def dispatch() -> None:
+        dispatcher = Dispatcher(placing, to)
+        accepting = [loop.create_task(dispatcher.accept(listener)) for listener in listeners]
+        begun.set()
+        await stop.wait()
+        for task in accepting:
+            task.cancel()
+
+    def run() -> None:
+        with contextlib.closing(loop):
+            loop.run_until_complete(dispatch())
+
+    thread = threading.Thread(target=run, name="viewimit-dispatcher", daemon=True)
+    thread.start()
+    begun.wait()
+    try:
+        yield
+    finally:
+        loop.call_soon_threadsafe(stop.set)
+        thread.join()
+
+
 class Placing:
     """Which worker a browser's connections go to."""
 
     def __init__(self, options: ServerOptions, counts: SeatCounts):
-        self._options, self._counts = options, counts
+        self.options, self._counts = options, counts
         self._of: OrderedDict[str, int] = OrderedDict()
         self.handed = [0] * options.workers
 
@@ -46,7 +78,7 @@ class Placing:
         return worker
 
     def _is_full(self, worker: int) -> bool:
-        return self._counts.rows[worker].seats >= self._options.clients_of(worker)
+        return self._counts.rows[worker].seats >= self.options.clients_of(worker)
 
 
 class Dispatcher:
@@ -54,7 +86,7 @@ class Dispatcher:
 
     def __init__(self, placing: Placing, to: Sequence[socket.socket]):
         self._placing, self._to = placing, to
-        self._unplaced: set[asyncio.Task] = set()
+        self._unplaced = PendingConnections(UNPLACED, placing.options.share_of_one(UNPLACED))
         self._log = QuietLog(log, TokenBucket(LINES_A_SECOND, LINES_AT_ONCE))
         for other in to:
             other.setblocking(False)
@@ -65,16 +97,17 @@ class Dispatcher:
         listener.setblocking(False)
         while True:
             try:
-                connection, _ = await loop.sock_accept(listener)
+                connection, peer = await loop.sock_accept(listener)
             except OSError:  # too many files are open, or it was gone at once
                 await asyncio.sleep(LOOK_AGAIN)
                 continue
-            if len(self._unplaced) >= UNPLACED:
-                connection.close()
-                continue
             task = loop.create_task(self._place(connection))
-            self._unplaced.add(task)
-            task.add_done_callback(self._unplaced.discard)
+            task.add_done_callback(partial(self._placed, connection))
+            self._unplaced.add(task, network_of(peer), partial(_cancel, task))
+
+    def _placed(self, connection: socket.socket, task: asyncio.Task) -> None:
+        self._unplaced.discard(task)
+        connection.close()  # of a task that was cancelled before it began
 
     async def _place(self, connection: socket.socket) -> None:
         with connection:  # the worker gets a descriptor of its own
@@ -99,12 +132,16 @@ class Dispatcher:
         self._placing.handed[worker] += 1
 
 
+def _cancel(task: asyncio.Task) -> None:
+    task.cancel()
+
+
 async def _head(connection: socket.socket) -> bytes:
     """What a client has sent, once that is all of a request's head, or all that it will send. It stays unread."""
     while True:
         await _readable(connection)
         head = connection.recv(MOST_HEAD, socket.MSG_PEEK)
-        if not head or b"\r\n\r\n" in head or len(head) == MOST_HEAD:
+        if not head or is_whole(head) or len(head) == MOST_HEAD:
             return head
         await asyncio.sleep(LOOK_AGAIN)  # it is readable already, so that nothing tells when more has come
 

@@ -118,7 +118,7 @@ def read(raw: bytes | str) -> msgspec.Struct:
         raise Hostile("text, which is no message")
     try:
         kind = _read_kind(raw).type
-    except (msgspec.DecodeError, RecursionError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise Hostile(f"a malformed message: {error}") from None
     if kind not in _READERS:
         raise Hostile(f"a message of the type {kind[:40]!r}")
@@ -126,3 +126,5 @@ def read(raw: bytes | str) -> msgspec.Struct:
         return _READERS[kind](raw)
     except msgspec.ValidationError as error:
         raise Refused(f"{kind}: {error}") from None
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise Hostile(f"a malformed {kind}: {error}") from None

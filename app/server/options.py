@@ -4,18 +4,38 @@ from dataclasses import dataclass
 
 from viewimit.settings import Settings
 
+from .limits.connection_limits import Limits
+
+PENDING = 200  # connections of a process without a seat, such as page loads
+PAGE_CONNECTIONS = 12  # that a browser or two open at once
+
 
 @dataclass(frozen=True)
 class ServerOptions:
     """settings: what each session begins with; store: where sessions are kept, as `open_store` has it; max_clients:
-    tabs at a time; origins: of pages elsewhere that may connect; workers: processes that share the visitors."""
+    tabs at a time; origins: of pages elsewhere that may connect; workers: processes that share the visitors;
+    max_per_address: tabs of one address at a time, None: as many as there are."""
 
     settings: Settings = Settings()
     store: str | None = None
     max_clients: int = 40
     origins: tuple[str, ...] = ()
     workers: int = 1
+    max_per_address: int | None = None
 
     def clients_of(self, worker: int) -> int:
         """How many of the tabs one of the processes takes."""
         return self.max_clients // self.workers + (worker < self.max_clients % self.workers)
+
+    @property
+    def seats_of_one(self) -> int:
+        """How many of the tabs one address has at most."""
+        return self.max_per_address or self.max_clients
+
+    def limits_of(self, worker: int) -> Limits:
+        """Of one of the processes."""
+        return Limits(self.clients_of(worker), self.seats_of_one, PENDING, self.share_of_one(PENDING))
+
+    def share_of_one(self, most: int) -> int:
+        """Of connections without a seat one address has the same share as of seats, and a page's own few."""
+        return min(most, max(PAGE_CONNECTIONS, most * self.seats_of_one // self.max_clients))

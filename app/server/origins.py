@@ -29,6 +29,19 @@ def is_own_page(origin: str, host: str, allowed: Collection[str]) -> bool:
     return same and name is not None and (_is_address(name) or name in own_names())
 
 
+def require_origin(text: str) -> None:
+    """Raises ValueError for what no browser sends as an origin: it begins with a scheme and ends with host or port."""
+    try:
+        page = urlsplit(text.lower())
+        known = page.scheme in PORTS and bool(page.hostname) and (page.port is None or page.port > 0)
+    except ValueError:
+        known = False
+    else:
+        known = known and page.username is None and page.path in ("", "/") and not (page.query or page.fragment)
+    if not known:
+        raise ValueError(f"{text!r} is no origin: say the scheme, host and no path, such as https://class.example.org")
+
+
 def _is_address(name: str) -> bool:
     try:
         ipaddress.ip_address(name)

@@ -6,6 +6,7 @@ import html
 import io
 import socket
 import threading
+import time
 from collections.abc import Iterator
 from functools import cache, partial
 
@@ -20,7 +21,7 @@ from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
-from ..page import Page
+from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..sessions.autosave import Autosave
@@ -49,7 +50,7 @@ def serving(
     """
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    access = AccessControl(options.clients_of(worker), options.origins, counts, worker, listening)
+    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
@@ -102,24 +103,29 @@ class App:
         """Nothing moves any more, and all that the visitors did is kept."""
         self._scheduler.stop()
         self.services.camera.stop()
+        until = time.monotonic() + LEAVES_WITHIN
         with self._retiring:
             for client_id in list(self._pages):
-                self._retire(client_id)
+                self._retire(client_id, max(until - time.monotonic(), 0.0))
             self._autosave.stop()
         self.services.experiments.stop()
         self.services.basins.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        key, resumed = self._keys.take(client)
+        place = self._keys.take(client)
+        key = place.key
         token = token_of_client(self._server, client.client_id)
         address = None if token is None else self._touches.new_address()
-        keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: None)
+        keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         try:
-            page = Page(client, self.services, self._settings, keep, resumed, address)
-        except (ValueError, OSError) as error:  # a scene or URDF of the user's that has changed meanwhile
-            client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
+            page = self._page(client, key, keep, place.memory, address)
+        except Exception as error:
             if key:
                 self._keys.leave(key)
+            if not isinstance(error, (ValueError, OSError)):
+                raise
+            # a scene or URDF of the user's that has changed meanwhile
+            client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
             return
         with self._lock:
             self._pages[client.client_id] = page, key
@@ -129,6 +135,18 @@ class App:
         if client.client_id not in self._server.get_clients():  # it closed before this callback ran
             self._retire(client.client_id)
 
+    def _page(self, client: viser.ClientHandle, key: str | None, keep, resumed, address: str | None) -> Page:
+        """What was kept goes on, or the page says why it does not."""
+        try:
+            page = Page(client, self.services, self._settings, keep, resumed, address)
+        except CannotResume as error:
+            if key is not None:
+                self._autosave.set_aside(key, str(error))
+            page = Page(client, self.services, self._settings, keep, None, address)
+        if key is not None and (why := self._autosave.lost(key)) is not None:
+            page.say(why)
+        return page
+
     def _disconnect(self, client: viser.ClientHandle) -> None:
         self._retire(client.client_id)
         if self._collecting.acquire(blocking=False):  # one for all of a class that leaves at once
@@ -137,8 +155,12 @@ class App:
             finally:
                 self._collecting.release()
 
-    def _retire(self, client_id: int) -> None:
-        """Keep what the page is, and forget it."""
+    def _retire(self, client_id: int, within: float = LEAVES_WITHIN) -> None:
+        """Keep what the page is, once its last turn has ended within so many s, and forget it."""
+        with self._lock:
+            _, key = self._pages.get(client_id, (None, None))
+        if key is not None:
+            self._autosave.leaving(key)
         with self._retiring:
             with self._lock:
                 page, key = self._pages.pop(client_id, (None, None))
@@ -149,9 +171,8 @@ class App:
             self.services.landscapes.forget(client_id)
             self.services.experiments.forget(client_id)
             self.services.basins.forget(client_id)
-            whole = page.close()
+            whole = page.close(within)
             if key is not None:
                 if whole:  # else what was handed over some seconds ago stays
                     self._autosave.keep(key, page.memory())
-                self._autosave.forget(key)
                 self._keys.leave(key)

@@ -7,14 +7,38 @@ import ctypes
 import multiprocessing
 import time
 
+import numpy as np
+
 WELL_FOR = 10.0  # s after a sign of life
+MOST_SEATS = 10_000  # of a process
 
 
 class WorkerCounts(ctypes.Structure):
     """Of one process. seats: its clients; ended: its connections of any kind that there were; seen: s, its last sign
-    of life, 0 before the first."""
+    of life, 0 before the first; addresses: of its clients, as `network_of` has them, 0 where there is none."""
 
-    _fields_ = (("seats", ctypes.c_long), ("ended", ctypes.c_long), ("seen", ctypes.c_double))
+    _fields_ = (
+        ("seats", ctypes.c_long),
+        ("ended", ctypes.c_long),
+        ("seen", ctypes.c_double),
+        ("addresses", ctypes.c_uint64 * MOST_SEATS),
+    )
+
+    def take(self, address: int) -> None:
+        """A client from there has a seat."""
+        self.addresses[self._first(0)] = address
+        self.seats += 1
+
+    def leave(self, address: int) -> None:
+        """It has it no more."""
+        self.addresses[self._first(address)] = 0
+        self.seats -= 1
+
+    def seats_of(self, address: int) -> int:
+        return int(np.count_nonzero(np.frombuffer(self.addresses, np.uint64) == address))
+
+    def _first(self, address: int) -> int:
+        return int(np.argmax(np.frombuffer(self.addresses, np.uint64) == address))
 
     @property
     def began(self) -> bool:
@@ -31,7 +55,7 @@ class WorkerCounts(ctypes.Structure):
 
     def clear(self) -> None:
         """As before the process began."""
-        self.seats, self.ended, self.seen = 0, 0, 0.0
+        ctypes.memset(ctypes.addressof(self), 0, ctypes.sizeof(self))
 
 
 class SeatCounts:
@@ -43,6 +67,10 @@ class SeatCounts:
     @property
     def seats(self) -> int:
         return sum(row.seats for row in self.rows)
+
+    def seats_of(self, address: int) -> int:
+        """Of all processes."""
+        return sum(row.seats_of(address) for row in self.rows)
 
     @property
     def well(self) -> bool:

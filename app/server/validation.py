@@ -140,9 +140,14 @@ class Uploads:
             self._drop(transfer)
 
 
+def _shown(value) -> str:
+    """For the log. What is nested may be so deep that nothing can write it."""
+    return repr(value)[:42] if isinstance(value, (str, int, float, type(None))) else f"a {type(value).__name__}"
+
+
 def _check_number(widget, value) -> None:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise Refused(f"{str(value)[:40]!r}, which is no number")
+        raise Refused(f"{_shown(value)}, which is no number")
     low = -math.inf if widget.min is None else widget.min
     high = math.inf if widget.max is None else widget.max
     slack = SLACK * max(1.0, abs(value))
@@ -152,17 +157,17 @@ def _check_number(widget, value) -> None:
 
 def _check_option(widget, value) -> None:
     if not isinstance(value, str) or value not in widget.options:
-        raise Refused(f"{str(value)[:40]!r}, which is none of the options")
+        raise Refused(f"{_shown(value)}, which is none of the options")
 
 
 def _check_switch(widget, value) -> None:
     if not isinstance(value, bool):
-        raise Refused(f"{str(value)[:40]!r}, which is neither true nor false")
+        raise Refused(f"{_shown(value)}, which is neither true nor false")
 
 
 def _check_text(widget, value) -> None:
     if not isinstance(value, str) or len(value) > MOST_TEXT:
-        raise Refused(f"{str(value)[:40]!r}…, which is no text of at most {MOST_TEXT} characters")
+        raise Refused(f"{_shown(value)}, which is no text of at most {MOST_TEXT} characters")
 
 
 _CHECKS: dict[type, Callable] = {

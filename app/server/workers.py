@@ -1,33 +1,37 @@
 """Several processes behind one port: Python computes on one core a process, and a class needs two."""
 
-import asyncio
 import contextlib
 import logging
 import multiprocessing
+import multiprocessing.connection
+import signal
 import socket
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
-from .dispatcher import Dispatcher, Placing
+from .dispatcher import Placing, dispatching
 from .options import ServerOptions
 from .seat_counts import SeatCounts
 from .worker import work
 
-READY_WITHIN = 60.0  # s
-SAVED_WITHIN = 20.0  # s that a worker is given to keep its sessions
+READY_WITHIN, SILENT_FOR = 60.0, 20.0  # s that a worker has to begin, and afterwards for each sign of life
+LOOK_EVERY = 0.25  # s
+SAVED_WITHIN = 7.0  # s that workers are given to keep their sessions
+TOLD_TOO = 1.0  # s between signals to a worker and to this process that were sent as one
 MOST_ENDS, ENDS_WITHIN = 5, 60.0  # of workers, s: more are no accident
 log = logging.getLogger(__name__)
 
 
 @contextlib.contextmanager
-def working(options: ServerOptions, listeners: Sequence[socket.socket], failed: Callable[[], None]) -> Iterator[None]:
+def working(options: ServerOptions, listeners: Sequence[socket.socket], stopped: threading.Event) -> Iterator[None]:
     """Inside, workers serve what comes to the listeners; in the end they have kept all sessions.
 
-    failed(): it is of no use to go on. Raises RuntimeError, then in the end, if workers end again and again.
+    stopped: no process is begun any more; set here when it is of no use to go on. Raises RuntimeError, then in the
+    end, if workers end again and again.
     """
-    workers = Workers(options, listeners, failed)
+    workers = Workers(options, listeners, stopped)
     try:
         workers.wait_until_ready()
         yield
@@ -37,33 +41,35 @@ def working(options: ServerOptions, listeners: Sequence[socket.socket], failed: 
 
 
 class Workers:
-    """Processes that share the visitors, in the order of the rows of the counts; one that ends is begun again.
+    """Processes that share the visitors, in the order of the rows of the counts; one that ends, or gives no sign of
+    life, is replaced.
 
     The sockets through which connections are handed over outlive them: who comes meanwhile waits for the next one.
     """
 
-    def __init__(self, options: ServerOptions, listeners: Sequence[socket.socket], failed: Callable[[], None]):
-        self._options, self._listeners, self._failed = options, listeners, failed
+    def __init__(self, options: ServerOptions, listeners: Sequence[socket.socket], stopped: threading.Event):
+        self._options, self._listeners, self._stopped = options, listeners, stopped
         self._port = listeners[0].getsockname()[1]
         self._counts = SeatCounts(options.workers)
         self._placing = Placing(options, self._counts)
         self._pairs = [socket.socketpair() for _ in range(options.workers)]
         self._ends: deque[float] = deque(maxlen=MOST_ENDS)
-        self._stopping = self._hopeless = False
+        self._hopeless = False
+        self._signs = [Signs() for _ in range(options.workers)]
         self._processes = [self._begin(k) for k in range(options.workers)]
-        self._dispatching, self._stop_dispatching = threading.Event(), asyncio.Event()
-        run = lambda: asyncio.run(self._dispatch())
-        self._thread = threading.Thread(target=run, name="viewimit-dispatcher", daemon=True)
+        self._dispatching = contextlib.ExitStack()
+        self._dispatching.enter_context(dispatching(self._placing, listeners, [ours for ours, _ in self._pairs]))
+        self._thread = threading.Thread(target=self._supervise, name="viewimit-supervisor", daemon=True)
         self._thread.start()
-        self._dispatching.wait()
 
     def wait_until_ready(self) -> None:
         until = time.monotonic() + READY_WITHIN
         while not all(row.began for row in self._counts.rows):
             self.require_hope()
+            if self._stopped.wait(0.02):
+                return
             if time.monotonic() > until:
                 raise RuntimeError(f"the server's processes take more than {READY_WITHIN:g} s to begin")
-            time.sleep(0.02)
 
     def require_hope(self) -> None:
         if self._hopeless:
@@ -71,8 +77,8 @@ class Workers:
 
     def stop(self) -> None:
         """Each keeps its sessions and ends."""
-        self._stopping = True
-        self._loop.call_soon_threadsafe(self._stop_dispatching.set)
+        self._stopped.set()
+        self._dispatching.close()
         self._thread.join()
         for process in self._processes:
             process.terminate()
@@ -89,6 +95,7 @@ class Workers:
     def _begin(self, worker: int) -> multiprocessing.process.BaseProcess:
         row = self._counts.rows[worker]
         row.clear()
+        self._signs[worker] = Signs()
         self._placing.handed[worker] = 0
         process = multiprocessing.get_context("spawn").Process(
             target=work,
@@ -98,33 +105,51 @@ class Workers:
         process.start()
         return process
 
-    async def _dispatch(self) -> None:
-        self._loop = asyncio.get_running_loop()
-        dispatcher = Dispatcher(self._placing, [ours for ours, _ in self._pairs])
-        accepting = [self._loop.create_task(dispatcher.accept(listener)) for listener in self._listeners]
-        for worker in range(len(self._processes)):
-            self._watch(worker)
-        self._dispatching.set()
-        await self._stop_dispatching.wait()
-        for task in accepting:
-            task.cancel()
+    def _supervise(self) -> None:
+        while not self._stopped.is_set():
+            sentinels = [process.sentinel for process in self._processes]
+            ended = multiprocessing.connection.wait(sentinels, LOOK_EVERY)
+            for worker, sentinel in enumerate(sentinels):
+                if sentinel in ended:
+                    self._replace(worker)
+                else:
+                    self._end_if_silent(worker)
 
-    def _watch(self, worker: int) -> None:
-        self._loop.add_reader(self._processes[worker].sentinel, self._ended, worker)
+    def _end_if_silent(self, worker: int) -> None:
+        """It can be asked nothing any more: neither to keep its sessions nor to end."""
+        row = self._counts.rows[worker]
+        most = SILENT_FOR if row.began else READY_WITHIN
+        if self._signs[worker].silent_for(row.seen) > most:
+            log.warning("a process of the server has given no sign of life for %g s: it is ended", most)
+            self._processes[worker].kill()
+            self._signs[worker] = Signs()
 
-    def _ended(self, worker: int) -> None:
+    def _replace(self, worker: int) -> None:
         """Begin a process again that has ended by itself; its visitors' pages come back by themselves."""
         process = self._processes[worker]
-        self._loop.remove_reader(process.sentinel)
         process.join()
-        if self._stopping:
+        told = process.exitcode in (0, -signal.SIGTERM)  # perhaps with this one, by whoever stops all
+        if self._stopped.wait(TOLD_TOO if told else 0):
             return
         now = time.monotonic()
-        if self._hopeless or (len(self._ends) == MOST_ENDS and now - self._ends[0] < ENDS_WITHIN):
+        if len(self._ends) == MOST_ENDS and now - self._ends[0] < ENDS_WITHIN:
             self._hopeless = True
-            self._failed()
+            self._stopped.set()
             return
         self._ends.append(now)
         log.warning("a process of the server has ended (%s); another takes its place", process.exitcode)
         self._processes[worker] = self._begin(worker)
-        self._watch(worker)
+
+
+class Signs:
+    """How long a process has given none, of the time in which this one was awake itself."""
+
+    def __init__(self):
+        self._seen, self._looked, self._silent = 0.0, time.monotonic(), 0.0
+
+    def silent_for(self, seen: float) -> float:
+        """s. seen: when the last sign came; 0 before the first."""
+        now = time.monotonic()
+        self._silent = self._silent + min(now - self._looked, 2 * LOOK_EVERY) if seen == self._seen else 0.0
+        self._seen, self._looked = seen, now
+        return self._silent

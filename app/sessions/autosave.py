@@ -1,96 +1,138 @@
-"""Sessions are kept beside the scheduler: it hands over what a page is, one thread writes what of it is new."""
+"""Sessions are kept beside the scheduler: it hands over what a page is, one thread writes what of it is new.
+
+A store may hang, refuse or hold anything: nobody waits for it longer than ANSWERS_WITHIN, or STOPS_WITHIN at the end.
+"""
 
 import logging
 import secrets
 import threading
 import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as NotYet
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import msgspec
 
-from viewimit import __version__
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 
 from . import codec
-from .store import Store
+from .saved import CHUNK, HEAD, MOST_BYTES, SavedPage, SavedSession, chunks, decoded
+from .store import RENEW_EVERY, Store
 
-CHUNK = 32  # motions a part
-TOUCH_EVERY = 60.0  # s
-HEAD = "head"
+ANSWERS_WITHIN = 2.0  # s that a visitor waits for the store
+STOPS_WITHIN = 6.0  # s for what is left to be written
+TAKEN = "another tab has taken this session"
 log = logging.getLogger(__name__)
 
-
-class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it."""
-
-    version: str = __version__
-    begun: Settings
-    cursor: int
-    length: int
-    preset: str
-    speed: float
-    chosen: int | None
-    show: dict[str, bool]
-    dark: bool | None
-    motion: bytes | None
-
-
-@dataclass(frozen=True, eq=False)
-class SavedSession:
-    """All that is kept of a page, at one moment."""
-
-    head: SavedPage
-    history: tuple[Snapshot, ...]
+__all__ = ["CHUNK", "HEAD", "Autosave", "SavedPage", "SavedSession"]
+T = TypeVar("T")
 
 
 @dataclass(eq=False)
 class _Written:
-    """What the store has of a session."""
+    """What the store has of a session, and by whose lease. there(): whether its page still is; renewed: whether the
+    lease is kept up; taken: another has it; sizes: bytes of its parts; claimed: this writer's is what is kept; unread:
+    nobody knows what it has; lost: why what was kept is not gone on with."""
 
     writer: str
+    there: Callable[[], bool] = lambda: True
     head: SavedPage | None = None
     history: tuple[Snapshot, ...] = ()
-    seen: float = field(default_factory=time.monotonic)
+    renewed: bool = True
+    taken: bool = False
+    sizes: dict[str, int] = field(default_factory=dict)
+    claimed: bool = False
+    unread: bool = False
+    lost: str | None = None
+
+    @property
+    def memory(self) -> SavedSession | None:
+        """What the store has; None if that is nothing."""
+        return None if self.head is None else SavedSession(self.head, self.history)
+
+    def forget(self) -> None:
+        """All of it has to be written."""
+        self.head, self.history, self.sizes = None, (), {}
+
+
+class Held(Exception):
+    """The session is leased to another page."""
 
 
 class Autosave:
-    """`keep` returns at once; `claim` and `flush` wait for what was handed over before.
+    """`keep` and `forget` return at once; `claim` and `flush` wait for what was handed over before, at most `within` s.
+    Leases are renewed from `claim` to `forget`.
 
     `problem` says why a session is not kept, to be told to its visitor; None while it is.
     """
 
-    def __init__(self, store: Store):
-        self._store = store
+    def __init__(self, store: Store, within: float = ANSWERS_WITHIN, most_bytes: int = MOST_BYTES):
+        self._store, self._within, self._most_bytes = store, within, most_bytes
         self._changed = threading.Condition()
         self._waiting: dict[str, SavedSession] = {}
         self._busy: str | None = None  # key that is being written
         self._written: dict[str, _Written] = {}
+        self._leaving: set[str] = set()  # keys whose page is gone, and that are still to be written
+        self._going: set[str] = set()  # whose leases are given back just now
         self._problems: dict[str, str] = {}
-        self._stopped = False
+        self._stopped = self._unrenewed = False
         self._thread = threading.Thread(target=self._run, name="viewimit-autosave", daemon=True)
         self._thread.start()
 
-    def claim(self, key: str, begun: Settings) -> SavedSession | None:
-        """The session of this key, if it was begun with these settings; whoever had it before writes no more."""
-        self.flush(key)
-        written = _Written(secrets.token_hex(8))
+    def held(self, keys: Iterable[str]) -> dict[str, float]:
+        """Which sessions are leased, by whomever, and for how many s yet. Raises OSError."""
+        keys = list(keys)
         try:
-            parts = self._store.claim(key, written.writer)
-            memory = _decoded(parts, begun)
-        except (OSError, ValueError) as error:
-            log.warning("a session cannot be resumed: %s", error)
-            memory = None
-        if memory is not None:
-            written.head, written.history = memory.head, memory.history
+            return _answer(lambda: self._store.held(keys), time.monotonic() + self._within)
+        except NotYet:
+            raise OSError(f"the store of sessions gave no answer within {self._within:g} s") from None
+
+    def claim(self, key: str, begun: Settings, there: Callable[[], bool] = lambda: True) -> SavedSession | None:
+        """Lease the session of this key → what it is, if it was begun with these settings; who has it here loses it.
+
+        there(): asked before each renewal, whether its page still is; from the thread that writes, so it must be short.
+        What cannot be read is set aside, and `lost` says why. Raises Held if another process has it.
+        """
+        until = time.monotonic() + self._within
+        self.flush(key)
         with self._changed:
+            self._changed.wait_for(lambda: key not in self._going, max(until - time.monotonic(), 0.0))
+            self._leaving.discard(key)
+            written = self._written.get(key)
+            if written is not None and not written.taken and written.claimed:
+                written.there, written.renewed = there, True  # its lease goes on
+                memory = self._waiting.get(key, written.memory)  # which the store may not have taken in time
+                if memory is not None and memory.head.begun == begun:
+                    return memory
+        written = _Written(secrets.token_hex(8) if written is None else written.writer, there)
+        memory = self._read(key, written, begun, until)
+        with self._changed:
+            self._waiting.pop(key, None)
             self._written[key] = written
         return memory
 
-    def keep(self, key: str, memory: SavedSession) -> str | None:
-        """Write what is new in it, soon; nothing is taken any more once it is stopped. → `problem`, up to now."""
+    def lost(self, key: str) -> str | None:
+        """Why its visitor does not go on with what was kept, to be told; None if they do, or nothing was."""
         with self._changed:
-            if not self._stopped:
+            written = self._written.get(key)
+            return None if written is None else written.lost
+
+    def set_aside(self, key: str, why: str) -> None:
+        """What was claimed is of no use: it is kept apart, and the key begins anew."""
+        log.warning("a session cannot be resumed: %s", why)
+        with self._changed:
+            written = self._written[key]
+        self._set_aside(key, written, why, time.monotonic() + self._within)
+
+    def keep(self, key: str, memory: SavedSession) -> str | None:
+        """Write what is new in it, soon; nothing is taken any more once it is stopped, or once another page has the
+        session. → `problem`, up to now."""
+        with self._changed:
+            written = self._written.get(key)
+            if not self._stopped and not (written is not None and written.taken):
                 self._waiting[key] = memory
                 self._changed.notify_all()
             return self._problems.get(key)
@@ -100,64 +142,184 @@ class Autosave:
         with self._changed:
             return self._problems.get(key)
 
+    def leaving(self, key: str) -> None:
+        """The page goes: its lease is renewed no more, but ends only with the last that is to be kept."""
+        with self._changed:
+            if key in self._written:
+                self._written[key].renewed = False
+
     def forget(self, key: str) -> None:
-        """The page is gone; what was kept stays for half an hour."""
-        self.flush(key)
+        """The page is gone: once what was handed over is written, its lease is given back, and nothing is known of it
+        here. What was kept stays for half an hour, for whoever claims it."""
         with self._changed:
-            self._written.pop(key, None)
             self._problems.pop(key, None)
+            if key in self._written:
+                self._leaving.add(key)
+                self._changed.notify_all()
 
-    def flush(self, key: str) -> None:
-        """Wait until what was handed over is written."""
+    def flush(self, key: str) -> bool:
+        """Wait until what was handed over is written. False if the store does not take it in time."""
         with self._changed:
-            self._changed.wait_for(lambda: key not in self._waiting and self._busy != key)
+            return self._changed.wait_for(lambda: key not in self._waiting and self._busy != key, self._within)
 
-    def stop(self) -> None:
-        """Write all, and close the store."""
+    def stop(self, within: float = STOPS_WITHIN) -> None:
+        """Write all, as far as that goes within so many s, and close the store."""
         with self._changed:
             self._stopped = True
             self._changed.notify_all()
-        self._thread.join()
-        self._store.close()
+        self._thread.join(within)
+        if not self._thread.is_alive():
+            self._store.close()
+            return
+        with self._changed:
+            left = len(self._waiting) + (self._busy is not None)
+            self._waiting.clear()
+        log.warning("the store does not answer: what %d visitors did last is not kept", left)
+
+    def _read(self, key: str, written: _Written, begun: Settings, until: float) -> SavedSession | None:
+        """What the store has, and that it is known here; None if there is nothing to go on with."""
+        try:
+            parts = _answer(lambda: self._claimed(key, written), until)
+            memory = decoded(parts, begun)
+        except (OSError, NotYet) as error:
+            why = str(error) or f"no answer within {self._within:g} s"
+            log.warning("a session cannot be resumed: %s", why)
+            written.unread = True
+            written.lost = f"What you left cannot be read now: {why}. Reload the page to try again."
+            return None
+        except ValueError as error:
+            log.warning("a session cannot be resumed: %s", error)
+            self._set_aside(key, written, str(error), until)
+            return None
+        if memory is not None:
+            written.head, written.history = memory.head, memory.history
+            written.sizes = {name: len(data) for name, data in parts.items()}
+        return memory
+
+    def _claimed(self, key: str, written: _Written) -> dict[str, bytes]:
+        """What is there can be gone on with even if it cannot be written."""
+        try:
+            parts = self._store.claim(key, written.writer)
+        except OSError as error:
+            log.warning("a session is resumed, but not kept: %s", error)
+            return self._store.read(key)
+        if parts is None:
+            raise Held
+        written.claimed = True
+        return parts
+
+    def _set_aside(self, key: str, written: _Written, why: str, until: float) -> None:
+        written.forget()
+        written.lost = f"What you left cannot be gone on with, so this begins anew: {why}."
+        try:
+            _answer(lambda: self._store.set_aside(key), until)
+        except (OSError, NotYet) as error:
+            log.warning("a session that cannot be resumed is not set aside: %s", error or "no answer")
 
     def _run(self) -> None:
-        touched = time.monotonic()
+        due = time.monotonic()
         while True:
+            memory = written = None
             with self._changed:
                 self._busy = None
                 self._changed.notify_all()
-                self._changed.wait_for(lambda: self._waiting or self._stopped, TOUCH_EVERY)
-                if not self._waiting and self._stopped:
-                    return
+                self._changed.wait_for(self._has_to_do, max(due - time.monotonic(), 0.0))
+                ends = self._stopped and not self._waiting
+                if ends:
+                    self._leaving.update(self._written)
                 if self._waiting:
                     self._busy = next(iter(self._waiting))
                     memory, written = self._waiting.pop(self._busy), self._written.get(self._busy)
-                keys = list(self._written)
-            if self._busy is not None and written is not None:
+            if self._busy is not None and memory is not None and written is not None:
                 self._try_to_write(self._busy, memory, written)
-            if time.monotonic() - touched > TOUCH_EVERY:
-                touched = time.monotonic()
-                try:
-                    self._store.touch(keys)
-                except OSError as error:
-                    log.warning("sessions are not kept alive: %s", error)
+            self._leave()
+            if ends:
+                return
+            if time.monotonic() >= due:
+                self._renew()
+                due = time.monotonic() + RENEW_EVERY
+
+    def _has_to_do(self) -> bool:
+        return bool(self._waiting or self._stopped or self._leaving)
+
+    def _leave(self) -> None:
+        """Know nothing any more of pages that are gone and written, and give their leases back."""
+        with self._changed:
+            self._going = {key for key in self._leaving if key not in self._waiting}
+            self._leaving -= self._going
+            gone = {key: self._written.pop(key, None) for key in self._going}
+            for key in gone:
+                self._problems.pop(key, None)
+        for key, written in gone.items():
+            try:
+                if written is not None and written.claimed:
+                    self._store.release(key, written.writer)
+            except Exception as error:  # as in writing
+                log.warning("a session is free only after a while: %s", error)
+        with self._changed:
+            self._going = set()
+            self._changed.notify_all()
+
+    def _renew(self) -> None:
+        with self._changed:
+            all_written = {
+                key: written for key, written in self._written.items() if written.renewed and written.claimed
+            }
+        all_written = {key: written for key, written in all_written.items() if written.there()}
+        try:
+            lost = self._store.renew({key: written.writer for key, written in all_written.items()})
+        except Exception as error:  # as in writing
+            if not self._unrenewed:  # one line until it answers again
+                log.warning("sessions are not kept alive: %s", error)
+            self._unrenewed = True
+            return
+        self._unrenewed = False
+        for key in lost:
+            self._lose(key, all_written[key])
+
+    def _lose(self, key: str, written: _Written) -> None:
+        """Another page has the session: this one writes it no more, and says so."""
+        with self._changed:
+            if self._written.get(key) is not written or written.taken:
+                return
+            written.renewed, written.taken = False, True
+            self._waiting.pop(key, None)
+            self._problems[key] = TAKEN
+        log.warning("a session is not kept: %s", TAKEN)
 
     def _try_to_write(self, key: str, memory: SavedSession, written: _Written) -> None:
         """What fails is said, and tried again with what is handed over next."""
         problem = None
         try:
-            self._write(key, memory, written)
+            if not self._write(key, memory, written):
+                self._lose(key, written)
+                return
         # a full disk, a Redis that is down; a state that nobody said how to store
         except (OSError, TypeError) as error:
             problem = str(error)
             log.warning("a session is not kept: %s", error)
+        except Exception as error:  # this thread writes for everybody: what it did not foresee must not end it
+            problem = f"{type(error).__name__}: {error}"
+            log.exception("a session is not kept")
         with self._changed:
             if problem is None:
                 self._problems.pop(key, None)
             else:
                 self._problems[key] = problem
 
-    def _write(self, key: str, memory: SavedSession, written: _Written) -> None:
+    def _write(self, key: str, memory: SavedSession, written: _Written) -> bool:
+        """False if the session is another's."""
+        there = self._store.names(key)
+        if written.unread:
+            if there:
+                raise OSError("what you left before is kept in its place; reload the page to go on with that")
+            written.unread = False
+        if not written.claimed:
+            if self._store.claim(key, written.writer) is None:
+                return False
+            written.claimed = True
+        if not there >= written.sizes.keys():  # removed to make room, or with its whole database
+            written.forget()
         parts = {}
         history, before = memory.history, written.history
         for first in range(0, len(history), CHUNK):
@@ -166,35 +328,32 @@ class Autosave:
                 parts[str(first // CHUNK)] = codec.encode(chunk)
         if memory.head != written.head:
             parts[HEAD] = msgspec.msgpack.encode(memory.head)
-        gone = [str(k) for k in range(_chunks(len(history)), _chunks(len(before)))]
+        gone = there - {HEAD, *(str(k) for k in range(chunks(len(history))))}
         if not parts and not gone:
-            return
-        if self._store.save(key, written.writer, parts, gone):
-            written.head, written.history = memory.head, history
+            return True
+        sizes = {**written.sizes, **{name: len(data) for name, data in parts.items()}}
+        sizes = {name: size for name, size in sizes.items() if name not in gone}
+        if sum(sizes.values()) > self._most_bytes:
+            raise OSError(f"it takes more than {self._most_bytes / 2**20:g} MB")
+        if not self._store.save(key, written.writer, parts, gone):
+            return False
+        written.head, written.history, written.sizes = memory.head, history, sizes
+        return True
 
 
-def _decoded(parts: dict[str, bytes], begun: Settings) -> SavedSession | None:
-    """None without a session that goes on from these settings. Raises ValueError for parts that do not fit."""
-    if HEAD not in parts:
-        return None
-    try:
-        head = msgspec.msgpack.decode(parts[HEAD], type=SavedPage)
-    except msgspec.MsgspecError as error:
-        raise ValueError(f"it is of another version: {error}") from None
-    if head.version != __version__ or head.begun != begun:
-        return None
-    names = [str(k) for k in range(_chunks(head.length))]
-    if not parts.keys() >= set(names):
-        raise ValueError("a part of it is missing")
-    history = tuple(moment for name in names for moment in codec.decode(parts[name]))
-    if len(history) != head.length or not 0 <= head.cursor < head.length:
-        raise ValueError("its parts are of different moments")
-    return SavedSession(head, history)
+def _answer(ask: Callable[[], T], until: float) -> T:
+    """What it returns or raises, or NotYet if that takes until then; it is not waited for any more, even at the end."""
+    answer: Future[T] = Future()
+
+    def run() -> None:
+        try:
+            answer.set_result(ask())
+        except BaseException as error:
+            answer.set_exception(error)
+
+    threading.Thread(target=run, name="viewimit-store", daemon=True).start()
+    return answer.result(max(until - time.monotonic(), 0.0))
 
 
 def _same(one: Snapshot, other: Snapshot) -> bool:
     return one is other or one.keeps_the_same(other)
-
-
-def _chunks(length: int) -> int:
-    return -(-length // CHUNK)

@@ -6,6 +6,7 @@ says it is `stored` as.
 """
 
 import dataclasses
+import re
 from collections.abc import Sequence
 
 import msgspec
@@ -22,9 +23,12 @@ from viewimit.transfer import TRANSFERS
 from viewimit.transfer.rectified import RectifiedTransfer
 from viewimit.views import FourViews
 
-MOST_BYTES = 256 << 20  # of a part, unpacked
+from .kinds import require_fields
+
+MOST_BYTES = 8 << 20  # of a part, unpacked
 SCALARS = (type(None), bool, int, float, str)
 KINDS = "biuf"  # of arrays: numbers and truth values, no objects
+DTYPE = re.compile(f"[<>|][{KINDS}][0-9]{{1,2}}")
 OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, BodyImage, Body, Visit)
 ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
 
@@ -37,21 +41,42 @@ def encode(snapshots: Sequence[Snapshot]) -> bytes:
         packed = msgspec.msgpack.encode((packer.objects, values))
     except (OverflowError, msgspec.MsgspecError) as error:  # an integer beyond 64 bits, say
         raise TypeError(f"cannot keep it: {error}") from None
+    if len(packed) > MOST_BYTES:
+        raise TypeError(f"{len(snapshots)} of its moments take more than {MOST_BYTES >> 20} MB")
     return zstandard.compress(packed, 3)
 
 
 def decode(data: bytes) -> list[Snapshot]:
     """Raises ValueError for what `encode` has not made."""
+    return parsed(unpacked(data))
+
+
+def unpacked(data: bytes, most: int = MOST_BYTES) -> bytes:
+    """Raises ValueError for what is not packed, or takes more than so many bytes: no more are ever made of it."""
     try:
-        unpacked = zstandard.ZstdDecompressor().decompress(data, max_output_size=MOST_BYTES)
-        listed, values = msgspec.msgpack.decode(unpacked)
+        with zstandard.ZstdDecompressor(max_window_size=MOST_BYTES).stream_reader(data) as reader:
+            found = reader.read(most + 1)
+    except zstandard.ZstdError as error:
+        raise ValueError(f"no history of this version: {error!r}") from None
+    if len(found) > most:
+        raise ValueError(f"it unpacks to more than {most} bytes")
+    return found
+
+
+def parsed(plain: bytes) -> list[Snapshot]:
+    """Of what `unpacked` gives. Raises ValueError for what `encode` has not packed."""
+    try:
+        listed, values = msgspec.msgpack.decode(plain)
         objects: list = []
         classes = _classes()
         for one in listed:
             objects.append(_object(one, objects, classes))
-        return [_value(one, objects) for one in values]
-    except (zstandard.ZstdError, msgspec.MsgspecError, KeyError, IndexError, TypeError) as error:
+        moments = [_value(one, objects) for one in values]
+    except (msgspec.MsgspecError, LookupError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise ValueError(f"no history of this version: {error!r}") from None
+    if not all(isinstance(one, Snapshot) for one in moments):
+        raise ValueError("no history of this version: what is in it are no moments")
+    return moments
 
 
 class _Packer:
@@ -84,7 +109,12 @@ class _Packer:
             return [SETTINGS, msgspec.to_builtins(one)]
         if self._classes.get(type(one).__name__) is not type(one):
             raise TypeError(f"cannot keep a {type(one).__name__}")
-        return [type(one).__name__, {name: self.value(item) for name, item in _fields(one).items()}]
+        fields = _fields(one)
+        try:
+            require_fields(type(one), fields)
+        except ValueError as error:  # which nobody could go on with
+            raise TypeError(f"cannot keep it: {error}") from None
+        return [type(one).__name__, {name: self.value(item) for name, item in fields.items()}]
 
 
 def _classes() -> dict[str, type]:
@@ -117,11 +147,11 @@ def _object(listed: list, objects: list, classes: dict[str, type]):
     if kind == SETTINGS:
         return msgspec.convert(content[0], Settings)
     fields = {name: _value(item, objects) for name, item in content[0].items()}
+    require_fields(classes[kind], fields)
     return classes[kind](**fields)
 
 
 def _dtype(name: str) -> np.dtype:
-    dtype = np.dtype(name)
-    if dtype.kind not in KINDS:
-        raise ValueError(f"an array of {dtype}")
-    return dtype
+    if not DTYPE.fullmatch(name):
+        raise ValueError(f"an array of {name[:40]}")
+    return np.dtype(name)

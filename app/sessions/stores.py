@@ -17,7 +17,13 @@ def open_store(where: str | None = None) -> Store:
         from .redis_store import RedisStore
 
         return RedisStore(where)
-    return SqliteStore(state_folder() if where is None else Path(where))
+    if where is not None:
+        return SqliteStore(Path(where))
+    try:
+        return SqliteStore(state_folder())
+    except (OSError, RuntimeError) as error:  # RuntimeError: nobody knows a home
+        what = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else error
+        raise OSError(f"{what}; say a folder that can be written, --store DIR") from None
 
 
 def state_folder() -> Path:

@@ -1,8 +1,9 @@
 """One task for all pages: each ticks, one that fails does not stop the others."""
 
 import threading
+import time
 
-from viewimit.app.control.scheduler import Scheduler
+from viewimit.app.control.scheduler import FAULTS_EVERY, Scheduler
 from viewimit.app.jobs.landscapes import LandscapeWorker
 from waiting import stays, wait_until
 
@@ -40,6 +41,17 @@ def test_a_failing_page_is_told_and_the_others_go_on(capsys, event_loop):
     stays(lambda: good.ticks == ticks, 0.15)
     assert str(fault) == "broken" and len(good.threads) == 1
     assert "RuntimeError: broken" in capsys.readouterr().err
+
+
+def test_a_page_that_fails_at_every_tick_fills_no_log(capsys, event_loop):
+    scheduler, bad = Scheduler(no_heartbeat), Counting(RuntimeError("broken"))
+    scheduler.add(bad)
+    began = time.monotonic()
+    scheduler.start(event_loop)
+    wait_until(lambda: bad.ticks >= 30)
+    seconds = time.monotonic() - began
+    scheduler.stop()
+    assert 1 <= capsys.readouterr().err.count("RuntimeError: broken") <= 1 + seconds / FAULTS_EVERY
 
 
 def test_the_newest_request_for_a_landscape_wins():

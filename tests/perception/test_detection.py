@@ -66,7 +66,7 @@ def test_what_is_beside_the_middle_is_another_body():
 
 
 def test_files_that_are_no_pictures_are_named(tmp_path):
-    with pytest.raises(FileNotFoundError, match="no such file"):
+    with pytest.raises(FileNotFoundError, match="No such file"):
         next(pictures(tmp_path / "l.png"))
     for name in ("l.png", "l.mp4"):
         (tmp_path / name).write_text("no picture")

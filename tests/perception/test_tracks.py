@@ -189,7 +189,7 @@ def test_a_picture_says_its_view_by_name_or_option(ask, tmp_path):
     status, _, err = ask("detect", tmp_path / "front.png", "--out", tmp_path / "a.csv")
     assert status == 2 and "does not end in a view" in err
     status, _, err = ask("detect", "--L", tmp_path / "front.png", "--out", tmp_path / "a.csv")
-    assert status == 2 and "--L" in err and "no such file" in err
+    assert status == 2 and "--L" in err and "No such file" in err
 
 
 def test_pictures_become_points_and_an_evaluation(ask, ask_json, tmp_path):

@@ -1,14 +1,22 @@
 """Past one machine: two replicas behind the proxy of deploy/nginx.conf, one of which is killed under its class."""
 
 import base64
+import contextlib
 import getpass
+import os
+import re
 import shutil
 import socket
 import ssl
 import subprocess
+import threading
 import time
+import urllib.error
 import urllib.request
+from http.client import HTTPSConnection
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from protocol import Client
@@ -18,8 +26,19 @@ from websockets.exceptions import InvalidStatus
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 LOGIN = "student:chalk"
+AUTHORIZATION = f"Basic {base64.b64encode(LOGIN.encode()).decode()}"
 TRUSTING = ssl.create_default_context()
 TRUSTING.check_hostname, TRUSTING.verify_mode = False, ssl.CERT_NONE  # the certificate is made by the test
+
+
+def found(program: str) -> str | None:
+    return shutil.which(program, path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
+
+
+def require(*programs: str) -> None:
+    for program in programs:
+        if not found(program):
+            pytest.skip(f"no {program}")
 
 
 def free_port() -> int:
@@ -28,23 +47,73 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+def run(*command) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def certify(folder: Path) -> None:
+    run("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost",
+        "-keyout", folder / "key.pem", "-out", folder / "certificate.pem")  # fmt: skip
+
+
+class Replica(BaseHTTPRequestHandler):
+    """Answers, but closes the connection on whoever asks for /closed."""
+
+    def do_GET(self) -> None:
+        if self.path != "/closed":
+            self.send_response(200)
+            self.send_header("Content-Length", "0")
+            self.end_headers()
+
+    do_HEAD = do_GET
+
+    def log_message(self, *_) -> None:
+        pass
+
+
+class Replicas(contextlib.ExitStack):
+    """Of the proxy's, where it alone is tried. asked: sends requests on one connection → their status."""
+
+    def __init__(self, folder: Path, count: int):
+        super().__init__()
+        self._servers = [self.enter_context(ThreadingHTTPServer(("127.0.0.1", 0), Replica)) for _ in range(count)]
+        for server in self._servers:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            self.callback(server.shutdown)
+        places = [SimpleNamespace(url=f"http://127.0.0.1:{server.server_address[1]}") for server in self._servers]
+        self.proxy = Proxy(folder, free_port(), places)
+        self.callback(self.proxy.stop)
+
+    def asked(self, method: str, path: str, times: int = 1) -> list[int]:
+        connection = HTTPSConnection("127.0.0.1", self.proxy.port, context=TRUSTING, timeout=20)
+        found = []
+        for _ in range(times):
+            connection.request(method, path, headers={"Authorization": AUTHORIZATION})
+            with connection.getresponse() as answer:
+                answer.read()
+                found.append(answer.status)
+        connection.close()
+        return found
+
+
 class Proxy:
     """nginx with the configuration that is shipped: other ports, and replicas of this machine."""
 
     def __init__(self, folder: Path, port: int, replicas: list[Server]):
-        program = shutil.which("nginx", path="/usr/sbin:/usr/local/sbin:/usr/bin:/usr/local/bin")
+        program = found("nginx")
         self.port = port
         shipped = (DEPLOY / "nginx.conf").read_text()
         text = shipped.replace("listen 80;", f"listen 127.0.0.1:{free_port()};")
         text = text.replace("listen 443 ssl;", f"listen 127.0.0.1:{self.port} ssl;")
         assert text.count("127.0.0.1") == 2
         (folder / "nginx.conf").write_text(text)
-        lines = [f"server {r.url.removeprefix('http://')} max_fails=1 fail_timeout=5s;" for r in replicas]
-        (folder / "replicas.conf").write_text("\n".join(lines))
-        self._run("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost",
-                  "-keyout", folder / "key.pem", "-out", folder / "certificate.pem")  # fmt: skip
+        line = (DEPLOY / "replicas.conf").read_text()
+        (folder / "replicas.conf").write_text(
+            "\n".join(line.replace("viewimit:8080", r.url.removeprefix("http://")) for r in replicas)
+        )
+        certify(folder)
         user, password = LOGIN.split(":")
-        (folder / "users").write_text(f"{user}:{self._run('openssl', 'passwd', '-apr1', password)}")
+        (folder / "users").write_text(f"{user}:{run('openssl', 'passwd', '-apr1', password)}")
         command = [program, "-p", folder, "-c", folder / "nginx.conf", "-e", folder / "error.log"]
         settings = f"daemon off; pid {folder}/nginx.pid; user {getpass.getuser()};"  # who may read the folder
         self.process = subprocess.Popen([*command, "-g", settings], stderr=subprocess.DEVNULL)
@@ -54,14 +123,10 @@ class Proxy:
         self.process.terminate()
         self.process.wait(10)
 
-    @staticmethod
-    def _run(*command) -> str:
-        return subprocess.run(command, check=True, capture_output=True, text=True).stdout
-
     def browser(self) -> str:
         """The cookie of a browser that opens the page."""
         request = urllib.request.Request(self.url)
-        request.add_header("Authorization", f"Basic {base64.b64encode(LOGIN.encode()).decode()}")
+        request.add_header("Authorization", AUTHORIZATION)
         with urllib.request.urlopen(request, context=TRUSTING) as page:
             assert "Secure" in page.headers["Set-Cookie"]
             return page.headers["Set-Cookie"].split(";")[0]
@@ -72,9 +137,7 @@ class Proxy:
 
 @pytest.fixture
 def deployed(tmp_path, redis_url):
-    for program in ("nginx", "openssl"):
-        if not shutil.which(program, path="/usr/sbin:/usr/local/sbin:/usr/bin:/usr/local/bin"):
-            pytest.skip(f"no {program}")
+    require("nginx", "openssl")
     replicas: list[Server] = []
     port = free_port()
     origin = f"https://127.0.0.1:{port}"
@@ -125,6 +188,84 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, redis
         else:
             assert client.value("History") == motions[k]
     assert second.seated == len(clients)
+
+
+def test_no_replica_is_taken_out_by_requests_on_which_it_closes(tmp_path):
+    require("nginx", "openssl")
+    with Replicas(tmp_path, 2) as replicas:
+        wait_until(lambda: _answers(replicas.proxy))
+        for _ in range(4):
+            assert replicas.asked("HEAD", "/closed") == [502]
+            assert replicas.asked("GET", "/") == [200]
+
+
+def test_the_proxy_takes_no_other_methods_and_no_flood_but_a_class_at_once(tmp_path):
+    require("nginx", "openssl")
+    with Replicas(tmp_path, 1) as replicas:
+        wait_until(lambda: _answers(replicas.proxy))
+        for method in ("POST", "OPTIONS", "DELETE"):
+            assert replicas.asked(method, "/") == [405]
+        assert set(replicas.asked("GET", "/", 120)) == {200}
+        assert 429 in replicas.asked("GET", "/", 1000)
+
+
+class Balancer:
+    """HAProxy with the configuration that is shipped: other ports, and one replica of this machine."""
+
+    def __init__(self, folder: Path, port: int, replica: Server):
+        certify(folder)
+        (folder / "certificate.pem").write_text(
+            (folder / "certificate.pem").read_text() + (folder / "key.pem").read_text()
+        )
+        user, password = LOGIN.split(":")
+        (folder / "users.cfg").write_text(f"userlist people\n  user {user} insecure-password {password}\n")
+        text = (DEPLOY / "haproxy.cfg").read_text().replace("bind :80\n", f"bind 127.0.0.1:{free_port()}\n")
+        text = text.replace("bind :443 ", f"bind 127.0.0.1:{port} ")
+        text = text.replace("server-template replica 8 viewimit:8080", f"server one {replica.url[7:]}")
+        text = text.replace(" init-addr none resolvers docker", "").replace("inter 2s", "inter 200ms")
+        text = text.replace("global\n", "global\n  stats socket unix@state.sock\n")
+        (folder / "haproxy.cfg").write_text(text)
+        self.port, self.url, self._state = port, f"https://127.0.0.1:{port}", folder / "state.sock"
+        command = [found("haproxy"), "-db", "-f", "haproxy.cfg", "-f", "users.cfg"]
+        self.process = subprocess.Popen(command, cwd=folder)
+
+    def stop(self) -> None:
+        self.process.terminate()
+        self.process.wait(10)
+
+    @property
+    def checked(self) -> dict[str, str]:
+        """What the health check has found of the replica."""
+        with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as asked:
+            asked.connect(str(self._state))
+            asked.sendall(b"show stat\n")
+            head, *rows = asked.makefile().read().strip("# \n").split("\n")
+            stats = [dict(zip(head.split(","), row.split(","))) for row in rows]
+            return next(row for row in stats if row["svname"] == "one")
+        return {}
+
+
+def test_haproxy_finds_a_replica_well_by_its_own_check_and_brings_a_class_to_it(tmp_path):
+    require("haproxy", "openssl")
+    port = free_port()
+    url = f"https://127.0.0.1:{port}"
+    replica = Server("--origin", url)
+    balancer = Balancer(tmp_path, port, replica)
+    wait_until(lambda: balancer.checked.get("check_status") == "L7OK")
+    assert balancer.checked["check_code"] == "200" and balancer.checked["status"] == "UP"
+    request = urllib.request.Request(url, headers={"Authorization": AUTHORIZATION})
+    with urllib.request.urlopen(request, context=TRUSTING) as page:
+        cookie = "; ".join(given.split(";")[0] for given in page.headers.get_all("Set-Cookie"))
+    assert re.search(r"replica=\w{16}", cookie) and "viewimit" in cookie
+    with Client(url, origin=url, cookie=cookie, login=LOGIN, ssl=TRUSTING) as student:
+        student.ready()
+    with pytest.raises(urllib.error.HTTPError, match="405"):
+        urllib.request.urlopen(urllib.request.Request(url, b"", {"Authorization": AUTHORIZATION}), context=TRUSTING)
+    with pytest.raises(InvalidStatus, match="401"):
+        Client(url, origin=url, ssl=TRUSTING)
+    assert replica.stop() == 0
+    wait_until(lambda: balancer.checked["status"] == "DOWN")
+    balancer.stop()
 
 
 def _answers(proxy: Proxy) -> bool:

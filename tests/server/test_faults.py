@@ -1,16 +1,22 @@
 """Faults of networks, browsers and sessions: who comes back finds everything as it was, and nobody else is harmed."""
 
+import contextlib
 import os
 import re
 import signal
+import subprocess
+import sys
+import threading
 import time
 
 import pytest
 from browsing import PAUSE
 from drawn import learners_bars
 from protocol import Client
-from serving import Here, Relay, Server, browser_of, kept_of
-from viewimit.app.server import access, connection
+from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of
+from viewimit.app.control.command_loop import CommandLoop
+from viewimit.app.page import LEAVES_WITHIN
+from viewimit.app.server.limits.connection_limits import Limits
 from waiting import stays, wait_until
 
 from viewimit.session import Session
@@ -134,6 +140,47 @@ def test_a_server_that_is_stopped_and_started_again_has_lost_nothing(tmp_path):
     server.stop()
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
+    options = "--store", str(tmp_path / "state"), "--workers", workers
+    server = Server(*options)
+    cookie = browser_of(server.url)
+    with Client(server.url, cookie=cookie).ready() as client:
+        work(client)
+        seen = what_a_visitor_sees(client)
+        for pid in reversed(processes_of(server.process.pid)):  # a terminal tells them all
+            os.kill(pid, signal.SIGHUP)
+        assert server.process.wait(ENDS_WITHIN_S) == 0
+        assert "another takes its place" not in server.log
+    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
+    comes_back(server.url, cookie, seen)
+    server.stop()
+
+
+def test_turns_that_do_not_end_hold_a_stop_up_once_not_each(tmp_path, monkeypatch):
+    here, never = Here(tmp_path), threading.Event()
+    with contextlib.ExitStack() as stack:
+        for _ in range(4):
+            stack.enter_context(Client(here.url, cookie=browser_of(here.url)).ready())
+        monkeypatch.setattr(CommandLoop, "wait", lambda _, seconds=None: never.wait(seconds))
+        began = time.monotonic()
+        here.stop()
+        assert time.monotonic() - began < LEAVES_WITHIN + 4
+        never.set()
+
+
+def test_a_server_that_cannot_end_by_itself_is_ended(tmp_path):
+    hangs = "import time; from viewimit.app.server import pages; pages.App.stop = lambda app: time.sleep(60)"
+    serves = f"import sys; {hangs}; from viewimit.cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-I", "-c", serves, "serve", "--port", "0", "--store", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        assert "listening" in server.stdout.readline()
+        server.terminate()
+        assert server.wait(ENDS_WITHIN_S) == 1
+        assert "does not end by itself" in server.stderr.read()
+
+
 def test_a_server_that_is_killed_has_lost_seconds_at_most(tmp_path):
     options = "--store", str(tmp_path / "state")
     server = Server(*options)
@@ -175,10 +222,8 @@ def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(her
     assert "RuntimeError: the arm fell off" in capfd.readouterr().err
 
 
-def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, monkeypatch):
-    monkeypatch.setattr(access, "PING_EVERY", 1.0)
-    monkeypatch.setattr(access, "PONG_WITHIN", 1.0)
-    here = Here(tmp_path)
+def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path):
+    here = Here(tmp_path, Limits(ping_every=1.0, pong_within=1.0))
     relay = Relay(here.url)
     with Client(relay.url).ready() as slow, Client(here.url).ready() as other:
         for client in (slow, other):
@@ -193,9 +238,8 @@ def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path, mon
     here.stop()
 
 
-def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(connection, "PAGE_WITHIN", 0.3)
-    here = Here(tmp_path)
+def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path):
+    here = Here(tmp_path, Limits(page_within=0.3))
     with Client(here.url, view=False) as nobody, Client(here.url) as somebody:
         assert nobody.closed()[0] == 1008
         assert somebody.closed(0.5) is None

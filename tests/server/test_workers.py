@@ -1,6 +1,7 @@
 """Several processes behind one port: a browser stays with its own, and what becomes of it when one ends."""
 
 import asyncio
+import multiprocessing
 import os
 import signal
 import socket
@@ -18,7 +19,7 @@ from viewimit.app.server.address import listen
 from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
 from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
-from viewimit.app.server.workers import working
+from viewimit.app.server.workers import LOOK_EVERY, Signs, working
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
@@ -153,16 +154,18 @@ def test_who_sends_no_head_is_closed_and_holds_nobody_up(dispatching, monkeypatc
             silent.recv(10)
 
 
-def test_of_connections_that_send_nothing_only_so_many_are_open(dispatching, monkeypatch):
+def test_of_connections_that_send_nothing_only_so_many_are_open_and_the_oldest_make_room(monkeypatch):
     monkeypatch.setattr(dispatcher_module, "UNPLACED", 3)
+    dispatching = Dispatching()
     waiting = [socket.create_connection(dispatching.place) for _ in range(5)]
     for client in waiting:
         client.settimeout(5)
-    assert [client.recv(10) for client in waiting[3:]] == [b"", b""]
-    waiting[0].sendall(HEAD.format(token("dora")).encode())
+    assert [client.recv(10) for client in waiting[:2]] == [b"", b""]
+    waiting[4].sendall(HEAD.format(token("dora")).encode())
     dispatching.handed(0).close()
     for client in waiting:
         client.close()
+    dispatching.stop()
 
 
 def workers_of(server: Server) -> list[int]:
@@ -257,9 +260,57 @@ def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd, monke
     (tmp_path / "a file").touch()
     options = ServerOptions(store=str(tmp_path / "a file" / "state"), workers=2)
     with pytest.raises(RuntimeError, match="end again and again"):
-        with working(options, listen("127.0.0.1", 0), lambda: None):
+        with working(options, listen("127.0.0.1", 0), threading.Event()):
             pass
     assert capfd.readouterr().err.count("NotADirectoryError") >= 3
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
+def test_a_worker_that_gives_no_sign_of_life_is_ended_and_replaced(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(workers_module, "SILENT_FOR", 2.0)
+    stopped, begun = threading.Event(), lambda: {child.pid for child in multiprocessing.active_children()}
+    others = begun()
+    with working(ServerOptions(store=str(tmp_path), workers=2), listen("127.0.0.1", 0), stopped):
+        first = begun() - others
+        silent = min(first)
+        os.kill(silent, signal.SIGSTOP)
+        wait_until(lambda: silent not in begun() and len(begun() - others) == 2, 30)
+        assert len(first & begun()) == 1, "the other one goes on"
+        assert "no sign of life for 2 s: it is ended" in caplog.text and "another takes its place" in caplog.text
+        stopped.set()
+    assert not begun() - others
+
+
+def test_who_was_asleep_itself_does_not_take_others_for_silent(monkeypatch):
+    now = 1000.0
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    signs = Signs()
+    assert signs.silent_for(999.0) == 0.0
+    now += 3600  # a laptop that was shut, a terminal's Ctrl+Z
+    assert signs.silent_for(999.0) <= 2 * LOOK_EVERY
+    for _ in range(100):
+        now += LOOK_EVERY
+        signs.silent_for(999.0)
+    assert 100 * LOOK_EVERY <= signs.silent_for(999.0) <= 102 * LOOK_EVERY
+    assert signs.silent_for(now) == 0.0
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
+def test_a_signal_to_all_processes_begins_none_again(tmp_path):
+    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
+    for pid in workers_of(server):
+        os.kill(pid, signal.SIGTERM)
+    wait_until(lambda: not workers_of(server))
+    assert server.stop() == 0
+    assert "another takes its place" not in server.log
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
+def test_a_stop_takes_ten_seconds_at_most(tmp_path):
+    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
+    os.kill(workers_of(server)[0], signal.SIGSTOP)
+    with server.says("a process of the server does not end"):
+        assert server.stop() == 0  # which waits no longer
 
 
 @pytest.mark.browser

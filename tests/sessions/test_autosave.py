@@ -113,6 +113,15 @@ class CountingStore:
     def claim(self, key, writer):
         return dict(self.parts)
 
+    def read(self, key):
+        return dict(self.parts)
+
+    def names(self, key):
+        return set(self.parts)
+
+    def set_aside(self, key):
+        self.parts.clear()
+
     def save(self, key, writer, parts, gone=()):
         self.parts |= parts
         self.writes.update(parts.keys())
@@ -120,7 +129,13 @@ class CountingStore:
             self.parts.pop(name, None)
         return True
 
-    def touch(self, keys):
+    def held(self, keys):
+        return {}
+
+    def renew(self, leases):
+        return set()
+
+    def release(self, key, writer):
         pass
 
     def close(self):

@@ -4,12 +4,16 @@ import contextlib
 import os
 import sqlite3
 import sys
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from viewimit.app.sessions import sqlite_store
 from viewimit.app.sessions.sqlite_store import SqliteStore
-from viewimit.app.sessions.store import KEPT_S
+from viewimit.app.sessions.store import KEPT_S, LEASE_S
 from viewimit.app.sessions.stores import open_store, state_folder
+from waiting import stays, wait_until
 
 
 @pytest.fixture(params=["file", "redis"])
@@ -28,10 +32,30 @@ def key(request):
     return request.node.name
 
 
+@pytest.fixture
+def two_processes(where):
+    with contextlib.closing(open_store(where)) as here, contextlib.closing(open_store(where)) as there:
+        yield here, there
+
+
+@pytest.fixture
+def short_leases(monkeypatch):
+    monkeypatch.setattr(sqlite_store, "LEASE_S", 0.2)
+    monkeypatch.setattr("viewimit.app.sessions.redis_store.LEASE_MS", 200)
+
+
+def parts_of(store, key):
+    """What is there, for whoever claims it."""
+    found = store.claim(key, "a reader")
+    store.release(key, "a reader")
+    return found
+
+
 def test_what_was_saved_is_there(store, key):
     assert store.claim(key, "a") == {}
     assert store.save(key, "a", {"head": b"\x00\xff", "0": b"x" * 100_000})
     assert store.save(key, "a", {"0": b"y", "1": b"z"})
+    store.release(key, "a")
     assert store.claim(key, "b") == {"head": b"\x00\xff", "0": b"y", "1": b"z"}
     assert store.claim(f"{key} of another", "b") == {}
 
@@ -39,17 +63,91 @@ def test_what_was_saved_is_there(store, key):
 def test_parts_can_go(store, key):
     store.save(key, "a", {"0": b"0", "1": b"1", "2": b"2"})
     store.save(key, "a", {"0": b"new"}, gone=["1", "2", "3"])
-    assert store.claim(key, "a") == {"0": b"new"}
+    assert parts_of(store, key) == {"0": b"new"}
 
 
-def test_the_last_who_claimed_it_writes_alone(where, key):
-    with contextlib.closing(open_store(where)) as here, contextlib.closing(open_store(where)) as there:
-        here.claim(key, "old")
-        assert here.save(key, "old", {"0": b"old"})
-        assert there.claim(key, "new") == {"0": b"old"}
-        assert there.save(key, "new", {"0": b"new"})
-        assert not here.save(key, "old", {"0": b"late"})
-        assert there.claim(key, "newer") == {"0": b"new"}
+def test_a_session_is_leased_to_one_until_it_is_given_back(two_processes, key):
+    here, there = two_processes
+    assert here.claim(key, "one") == {}
+    assert there.claim(key, "two") is None and here.claim(key, "three") is None
+    assert set(there.held([key, f"{key} of another"])) == {key} and 0 < there.held([key])[key] <= LEASE_S
+    assert here.save(key, "one", {"0": b"one"}) and not there.save(key, "two", {"0": b"two"})
+    there.release(key, "two")  # which is not its to give
+    assert there.claim(key, "two") is None
+    here.release(key, "one")
+    assert there.held([key]) == {} and there.claim(key, "two") == {"0": b"one"}
+    assert not here.save(key, "one", {"0": b"late"}) and here.renew({key: "one"}) == {key}
+    here.release(key, "one")
+    assert there.renew({key: "two"}) == set() and here.claim(key, "one") is None
+
+
+def test_of_many_who_claim_a_session_at_once_one_gets_it(where, key):
+    stores = [open_store(where) for _ in range(4)]
+    begin = threading.Barrier(len(stores))
+
+    def claim(turn, k):
+        begin.wait()
+        return stores[k].claim(f"{key}{turn}", str(k))
+
+    with ThreadPoolExecutor(len(stores)) as pool:
+        for turn in range(10):
+            claimed = list(pool.map(claim, [turn] * len(stores), range(len(stores))))
+            assert claimed.count({}) == 1 and claimed.count(None) == 3
+    for store in stores:
+        store.close()
+
+
+def test_a_lease_that_nobody_renews_comes_free_and_its_holder_writes_no_more(two_processes, key, short_leases):
+    here, there = two_processes
+    here.claim(key, "silent")
+    here.save(key, "silent", {"0": b"before"})
+    wait_until(lambda: there.claim(key, "next") == {"0": b"before"}, 2)
+    assert not here.save(key, "silent", {"0": b"after"}) and here.renew({key: "silent"}) == {key}
+    assert there.save(key, "next", {"0": b"next"})
+
+
+def test_a_lease_that_is_renewed_does_not_end_and_one_that_nobody_has_taken_goes_on(two_processes, key, short_leases):
+    here, there = two_processes
+    here.claim(key, "a")
+
+    def is_renewed():
+        assert here.renew({key: "a"}) == set()
+        return there.claim(key, "b") is None
+
+    stays(is_renewed, 0.5)
+    wait_until(lambda: not there.held([key]), 2)
+    assert here.renew({key: "a"}) == set() and there.claim(key, "b") is None
+
+
+def test_a_renewal_shows_in_the_time_that_is_left(two_processes, key):
+    here, there = two_processes
+    here.claim(key, "a")
+    first = there.held([key])[key]
+    wait_until(lambda: there.held([key])[key] < first - 0.01)
+    second = there.held([key])[key]
+    here.renew({key: "a"})
+    assert there.held([key])[key] > second
+
+
+def test_a_clock_that_is_set_back_does_not_prolong_a_lease(tmp_path):
+    now = [1e6]
+    store = SqliteStore(tmp_path, clock=lambda: now[0])
+    store.claim("key", "a")
+    now[0] -= 3600
+    assert store.held(["key"]) == {} and store.claim("key", "b") == {}
+    store.close()
+
+
+def test_a_file_of_the_version_before_is_read(tmp_path):
+    with contextlib.closing(sqlite3.connect(tmp_path / "sessions.sqlite")) as file:
+        file.execute("CREATE TABLE session (key TEXT PRIMARY KEY, writer TEXT, seen REAL)")
+        file.execute("CREATE TABLE part (key TEXT REFERENCES session ON DELETE CASCADE, name TEXT, data BLOB, "
+                     "PRIMARY KEY (key, name)) WITHOUT ROWID")  # fmt: skip
+        file.execute("INSERT INTO session VALUES ('key', 'old', ?)", (time.time(),))
+        file.execute("INSERT INTO part VALUES ('key', 'head', x'ff')")
+        file.commit()
+    with contextlib.closing(SqliteStore(tmp_path)) as store:
+        assert store.claim("key", "a") == {"head": b"\xff"} and store.claim("key", "b") is None
 
 
 def test_a_file_forgets_what_gave_no_sign_of_life(tmp_path):
@@ -58,12 +156,12 @@ def test_a_file_forgets_what_gave_no_sign_of_life(tmp_path):
     for key in ("left", "open"):
         store.save(key, "a", {"0": b"x"})
     now[0] = KEPT_S - 1
-    store.touch(["open"])
-    assert store.claim("left", "a")  # which is a sign of life
+    assert store.renew({"open": "a"}) == set()
+    assert parts_of(store, "left")  # which is a sign of life
     now[0] = KEPT_S + 1
     store.save("left alone", "a", {"0": b"x"})
     now[0] = 2 * KEPT_S
-    assert store.claim("open", "a") == {} and store.claim("left", "a") == {} and store.claim("left alone", "a")
+    assert parts_of(store, "open") == {} and parts_of(store, "left") == {} and parts_of(store, "left alone")
     store.close()
     SqliteStore(tmp_path, clock=lambda: now[0]).close()
     with contextlib.closing(sqlite3.connect(tmp_path / "sessions.sqlite")) as file:

@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ..reading import MEGABYTE, read_bytes
 from ..simulation.kinematics import hand_jacobian, hand_position, pose_for_hand
 from ..simulation.scene import Scene
 from ..simulation.world import World
@@ -14,6 +15,7 @@ FRAMES, STEP_S = 120, 0.05
 SWING_DEG = 15.0  # of the sinusoid, each joint
 RADIUS_M = 0.08  # of the circle of the hand
 MOST_FRAMES = 5_000
+MOST_BYTES = 16 * MEGABYTE  # of a file
 FORMAT = "viewimit motion 1"
 
 
@@ -77,7 +79,7 @@ def save(path: str | Path, saved: Motion) -> None:
 def load(path: str | Path, scene: Scene) -> Motion:
     """Of a JSON file. Raises OSError, or ValueError that names the file and what is wrong with it."""
     try:
-        return decode(Path(path).read_bytes(), scene)
+        return decode(read_bytes(Path(path), MOST_BYTES), scene)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 

@@ -1,9 +1,12 @@
 """viewimit serve: the page."""
 
 import argparse
+import os
 import sys
 
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
+
+STORE = "VIEWIMIT_STORE"  # environment variable, in place of --store
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -15,6 +18,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
     parser.add_argument("--max-clients", type=between(int, 1, 10_000), default=40, help="tabs at a time (%(default)s)")
     parser.add_argument(
+        "--max-per-address",
+        type=between(int, 1, 10_000),
+        metavar="N",
+        help="tabs at a time from one address (all but a tenth of --max-clients, so that a class behind one router has "
+        "room; less where every machine has an address of its own; behind a proxy elsewhere, as --max-clients)",
+    )
+    parser.add_argument(
         "--origin",
         action="append",
         default=[],
@@ -24,7 +34,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--store",
         metavar="DIR|URL",
-        help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT",
+        help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT; an "
+        f"address with a password is better said by the environment variable {STORE}, which other users do not see",
     )
     parser.add_argument(
         "--workers",
@@ -38,13 +49,20 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args)
-    from ..app.serve import ServerOptions, serve, usual_workers  # the one place below the page that knows it
+    # the one place below the page that knows it
+    from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
+    from ..app.server.origins import require_origin
     from ..app.sessions.stores import open_store
 
-    with naming("--store"):
-        open_store(args.store).close()
+    with naming("--origin"):
+        for origin in args.origin:
+            require_origin(origin)
+    store = args.store or os.environ.get(STORE) or None
+    with naming("--store" if args.store or not store else STORE):
+        open_store(store).close()
     workers = args.workers or usual_workers(args.host)
-    options = ServerOptions(settings, args.store, args.max_clients, tuple(args.origin), workers)
+    of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
+    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

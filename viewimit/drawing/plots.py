@@ -72,7 +72,8 @@ def described(settings: Settings) -> str:
     angles = settings.demonstrator_deg or ()  # none: the scene's own
     posture = ", ".join(svg.number(angle, 1 if len(angles) <= 3 else 0) + "°" for angle in angles)
     scene = settings.scene.replace("\\", "/").rsplit("/", 1)[-1]
-    said = f"{settings.transfer} transfer · {scene}, {settings.points} points"
+    points = f"{settings.points} points{'' if settings.body_points is None else ' by hand'}"
+    said = f"{settings.transfer} transfer · {scene}, {points}"
     said = f"Demonstrator ({posture}) · {said}" if posture else said[0].upper() + said[1:]
     disturbed = [found.caption.format(amount) for found, amount in settings.amounts(Disturbance) if amount]
     return " · ".join([said, ", ".join(disturbed)] if disturbed else [said])

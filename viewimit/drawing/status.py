@@ -40,8 +40,9 @@ TITLES = {
     "recording": "Recording",
     "replaying": "Replaying",
     "see-through": "See-through arm",
+    "editing": "Editing points",
 }
-BY_PAGE = {"message", "recording", "replaying", "see-through"}  # which the learner knows nothing of
+BY_PAGE = {"message", "recording", "replaying", "see-through", "editing"}  # which the learner knows nothing of
 DOT = (
     '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/>'
     '<circle cx="11" cy="11" r="6" fill="var(--{0})"/>'
@@ -76,6 +77,7 @@ SHAPES = {
     "recording": DOT.format("stopped"),
     "replaying": PLAY,
     "see-through": AIM,
+    "editing": RING.format("chosen"),
 }
 BETWEEN = (
     '<path d="M6 11h10" stroke="var(--residual)" stroke-width="2.4"/>'

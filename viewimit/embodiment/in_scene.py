@@ -1,6 +1,7 @@
 """A learner in a simulated scene: its limits are the scene's, and the truth is known to viewers."""
 
-from collections.abc import Callable
+import hashlib
+from collections.abc import Callable, Sequence
 
 import msgspec
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..body_image import Body
 from ..looking import Observer
-from ..settings import USUAL_POINTS, Settings
+from ..settings import USUAL_POINTS, BodyPoint, Settings
 from ..simulation.eyes import SimulatedEyes
 from ..simulation.scene import Scene, load_scene
 from .protocol import Beginning
@@ -42,6 +43,7 @@ class InScene:
             points=settings.points,
             camera=settings.camera,
             undistort=scene.head.undistort,
+            layout="" if settings.body_points is None else _digest(settings.body_points),
         )
 
     def demonstrator(self, settings: Settings) -> NDArray:
@@ -60,6 +62,10 @@ class InScene:
         return Observer(self.eyes, theta_rest)
 
 
+def _digest(points: Sequence[BodyPoint]) -> str:
+    return hashlib.sha256(repr([tuple(point) for point in points]).encode()).hexdigest()[:12]
+
+
 class SceneOpener:
     """See `protocol.Opener`. open_eyes(camera, scene, points): what the learner looks with and moves by; the same ones
     serve until any of these changes."""
@@ -69,7 +75,7 @@ class SceneOpener:
         self._opened: tuple[tuple[str, Scene, int], InScene] | None = None
 
     def __call__(self, settings: Settings) -> Beginning:
-        scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort)
+        scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
         wanted = settings.camera, scene, settings.points
         if self._opened is None or self._opened[0] != wanted:
@@ -84,12 +90,14 @@ def complete(settings: Settings) -> Settings:
 
     Raises ValueError as `Session` does.
     """
-    return _complete(settings, load_scene(settings.scene, settings.robot, settings.joints))[0]
+    scene = load_scene(settings.scene, settings.robot, settings.joints, body_points=settings.body_points)
+    return _complete(settings, scene)[0]
 
 
 def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDArray]:
     """And the postures of the demonstrator and of the learner's start, (m,) rad."""
-    points = scene.layout_near(USUAL_POINTS) if settings.points == USUAL_POINTS else settings.points
+    anyway = settings.points == USUAL_POINTS or settings.body_points is not None
+    points = scene.layout_near(USUAL_POINTS) if anyway else settings.points
     start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
     demo = _demonstrator(settings, scene)
     start = scene.require_posture(np.radians(start_deg), "learner's start")

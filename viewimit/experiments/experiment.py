@@ -48,7 +48,8 @@ class Experiment:
     def figure(self, found: Result) -> str:
         """Of a result, or of what is there of it so far."""
         settings = found.settings
-        return self._drawn(load_scene(settings.scene, settings.robot, settings.joints), found)
+        scene = load_scene(settings.scene, settings.robot, settings.joints, body_points=settings.body_points)
+        return self._drawn(scene, found)
 
     def empty_figure(self, scene: Scene) -> str:
         """Frames and axes, and one sentence that says what the experiment shows."""

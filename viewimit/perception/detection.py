@@ -5,7 +5,8 @@ own, whatever falls on it of a white light, and stays where the paint is mixed w
 tells how much of the pixel the paint covers. Light that has a colour itself shifts it.
 """
 
-import errno
+import struct
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,8 +14,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+
+from ..reading import MEGABYTE, require_file
 
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+MOST_BYTES = 65_536 * MEGABYTE  # of a video
+MOST_PIXELS = 25_000_000  # of a picture, a dozen floats each
 LEAST_CHROMA = 24.0  # of 255: paler is grey
 LEAST_AREA_PX = 6.0
 HUE_SHARE = 0.5  # of the way to the next marker's hue, at most
@@ -71,21 +77,42 @@ def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
 
 def pictures(path: Path) -> Iterator[NDArray]:
     """(height, width, 3) uint8 red, green, blue: a picture, or the frames of a video. Raises ValueError, OSError."""
-    if not path.is_file():
-        raise FileNotFoundError(errno.ENOENT, "no such file", str(path))
+    require_file(path, MOST_BYTES)
     if path.suffix.lower() in PICTURES:
+        _require_size(path)
         picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
         if picture is None:
             raise ValueError(f"{path}: not a picture that OpenCV reads")
         yield cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
         return
     video, count = cv2.VideoCapture(str(path)), 0
+    _require_pixels(path, int(video.get(cv2.CAP_PROP_FRAME_WIDTH)), int(video.get(cv2.CAP_PROP_FRAME_HEIGHT)))
     while (read := video.read())[0]:
         count += 1
         yield cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)
     video.release()
     if count == 0:
         raise ValueError(f"{path}: not a picture or video that OpenCV reads")
+
+
+def _require_size(path: Path) -> None:
+    """Before a picture is unpacked. Raises ValueError."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Pillow's own bound is another
+            with Image.open(path) as picture:
+                size = picture.size
+    except Image.DecompressionBombError:
+        raise ValueError(f"{path}: a picture of more than {MOST_PIXELS / 1e6:g} megapixels: make it smaller") from None
+    except (OSError, ValueError, SyntaxError, TypeError, struct.error):
+        raise ValueError(f"{path}: not a picture that OpenCV reads") from None
+    _require_pixels(path, *size)
+
+
+def _require_pixels(path: Path, width: int, height: int) -> None:
+    if width * height > MOST_PIXELS:
+        size = f"{width * height / 1e6:.0f} megapixels, more than {MOST_PIXELS / 1e6:g}"
+        raise ValueError(f"{path}: a picture of {size}: make it smaller")
 
 
 def _coloured_part(picture: NDArray, middle: float) -> tuple[tuple[int, int], tuple[NDArray, NDArray]]:

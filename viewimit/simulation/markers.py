@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
+from ..reading import parse_toml, read_toml
 from .robot import BodyPoints
 
 THIRDS = np.radians([0.0, 120.0, 240.0])
@@ -52,7 +53,7 @@ def load_markers(name: str | Path) -> Markers:
         names = ", ".join(marker_names())
         raise ValueError(f"no markers {str(name)!r}; there are {names}, or the path of a .toml file")
     try:
-        markers = msgspec.toml.decode(path.read_bytes(), type=Markers)
+        markers = parse_toml(read_toml(path), Markers)
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from None
     if not markers.radius > 0 or not np.isfinite(np.array(markers.balls, float)).all():

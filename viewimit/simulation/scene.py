@@ -1,5 +1,6 @@
 """Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.distortion import Radial
+from ..reading import parse_toml, read_toml
+from ..settings import BodyPoint
 from .camera import StereoHead
 from .lens import Lens
 from .robot import BodyPoints, Robot
@@ -23,6 +26,10 @@ Vector = tuple[float, float, float]
 ROUNDING_DEG = 0.01  # URDFs round π
 MOST_TOE_IN_DEG = 45.0
 SCENE_JOINTS = 2  # for as many, a scene is made about those that move
+MOST_EXTENDED = 16  # scenes that one builds on
+MOST_NUMBER = 1e6  # of anything in a scene: m, px or degrees
+LEAST_LENGTH = 1e-6  # m, px: what is less is nothing
+MOST_IMAGE_PX = 10_000  # an edge
 
 
 class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -86,7 +93,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     head: Head
     demonstrator: Base
     learner: Base
-    points: dict[str, tuple[tuple[int, float, float, float], ...]]
+    points: dict[str, tuple[BodyPoint, ...]]
     size: float = 1.0
 
     @property
@@ -151,13 +158,15 @@ def load_scene(
     robot: str | Path | None = None,
     joints: tuple[int, ...] | None = None,
     undistort: tuple[float, float] | None = None,
+    body_points: Sequence[BodyPoint] | None = None,
 ) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
     scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
-    robot's limits and start at rest. undistort: (k1, k2) in place of the head's.
+    robot's limits and start at rest. undistort: (k1, k2) in place of the head's. body_points: the only layout, in place
+    of the scene's.
     Raises ValueError that names the file and the field.
     """
     require_urdf(name)
@@ -172,11 +181,13 @@ def load_scene(
         load_robot(robot)  # its own faults are not the scene's
     try:
         fields = fields if is_reference(name) else _read(path)
-        scene = msgspec.convert(fields, Scene)
+        scene = _converted(fields)
         robot = str(robot) if robot is not None else scene.robot if is_reference(name) else _beside(path, scene.robot)
         scene = msgspec.structs.replace(scene, robot=robot)
         if undistort is not None:
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
+        if body_points is not None:
+            scene = msgspec.structs.replace(scene, points={str(len(body_points)): tuple(body_points)})
         _check(scene)
         scene = scene if joints is None else _freed(scene, joints)
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
@@ -190,10 +201,15 @@ def _check_head(head: Head) -> None:
         raise ValueError(f"head.toe_in_deg must be between 0 and {MOST_TOE_IN_DEG:g}, got {head.toe_in_deg:g}")
     if head.verged and head.toe_in_deg:
         raise ValueError("head: cameras that are verged look at the gaze point: leave toe_in_deg out")
+    for what, length in (("baseline", head.baseline), ("focal", head.focal)):
+        if not length >= LEAST_LENGTH:
+            raise ValueError(f"head.{what} must be more than 0, got {length:g}")
+    if not all(1 <= edge <= MOST_IMAGE_PX for edge in head.image):
+        raise ValueError(f"head.image must be 1 to {MOST_IMAGE_PX} px wide and high, got {list(head.image)}")
     corners = np.array([[x, y] for x in (0, head.image[0]) for y in (0, head.image[1])], float)
     for name, eye in (("left", head.left), ("right", head.right)):
         lens = head.lens(eye)
-        if min(lens.focal) <= 0:
+        if not min(lens.focal) >= LEAST_LENGTH:
             raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
         if not lens.shows(corners):
             told = f"{eye.distortion}, undistorted by {head.undistort}," if lens.undone.bends else f"{eye.distortion}"
@@ -224,21 +240,38 @@ def made_scene(name: str | Path, joints: tuple[int, ...] | None = None) -> "Deri
     return derive(parse_reference(name), joints if joints and len(joints) <= SCENE_JOINTS else None)
 
 
-def _read(path: Path) -> dict:
-    fields = dict(_decoded(path.read_bytes()))
+def _converted(fields: dict) -> Scene:
+    try:
+        return msgspec.convert(fields, Scene)
+    except RecursionError:
+        raise ValueError("it nests too deeply") from None
+
+
+def _read(path: Path, above: tuple[Path, ...] = ()) -> dict:
+    """above: scenes that build on this one."""
+    fields = dict(_decoded(read_toml(path)))
     if "extends" not in fields:
         return fields
+    above = (*above, path.resolve())
     parent = fields.pop("extends")
     beside, shipped = (folder / f"{parent}.toml" for folder in (path.parent, ROOT / "scenes"))
     if not (beside.is_file() or shipped.is_file()):
         raise ValueError(f"extends {parent!r}, but there is no {beside}, nor a shipped scene of that name")
-    return _merge(_read(beside if beside.is_file() else shipped), fields)
+    below = beside if beside.is_file() else shipped
+    if below.resolve() in above:
+        raise ValueError(f"extends {parent!r}, which builds on it: a scene cannot build on itself")
+    if len(above) > MOST_EXTENDED:
+        raise ValueError(f"extends {parent!r}: more than {MOST_EXTENDED} scenes build on each other")
+    return _merge(_read(below, above), fields)
 
 
 @lru_cache(16)  # every run of a study begins with it
 def _decoded(content: bytes) -> dict:
-    fields = msgspec.toml.decode(content)
-    _require_finite(fields)
+    fields = parse_toml(content)
+    try:
+        _require_finite(fields)
+    except RecursionError:
+        raise ValueError("it nests too deeply") from None
     return fields
 
 
@@ -248,9 +281,11 @@ def _beside(path: Path, robot: str) -> str:
 
 
 def _require_finite(value, name: str = "") -> None:
-    """TOML can say nan and inf."""
-    if isinstance(value, float) and not np.isfinite(value):
-        raise ValueError(f"{name} is {value}, not a finite number")
+    """TOML can say nan, inf, and more than anybody can compute with."""
+    if isinstance(value, (int, float)) and not abs(value) <= MOST_NUMBER:
+        finite = isinstance(value, int) or np.isfinite(value)
+        wanted = f"within ±{MOST_NUMBER:g}" if finite else "a finite number"
+        raise ValueError(f"{name} is {str(value)[:20]}, not {wanted}")
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, item in items:
         _require_finite(item, f"{name}.{key}".lstrip("."))
@@ -324,5 +359,7 @@ def _check(scene: Scene) -> None:
             raise ValueError(f"points.{count} has {len(layout)} points")
         if any(not 0 <= link <= n for link, *_ in layout):
             raise ValueError(f"points.{count}: links are 0 … {n}")
+        if not np.isfinite(np.array(layout, float)).all():
+            raise ValueError(f"points.{count}: not all numbers are finite")
     scene.require_posture(np.radians(scene.posture_deg)[scene.moving], "demonstrator's")
     scene.require_posture(np.radians(scene.start_deg), "learner's start")

@@ -114,14 +114,15 @@ class NextLarger(Command):
 
 
 class LetGo(Command):
-    """Of the help, or else of an imitation, the see-through arm and what is large."""
+    """Of the help, or else of a proposed point, or of editing them, or else of an imitation, the see-through arm and
+    what is large."""
 
     commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help:
             model.view = replace(model.view, help=False)
-        else:
+        elif not model.points.let_go():
             model.imitated.stop()
             model.see_through.let_go()
             model.view = replace(model.view, large=None)

@@ -52,11 +52,6 @@ def change_seed(value: object) -> Change:
     return Change("seed", round(number(value)))
 
 
-def change_points(value: object) -> Change:
-    """value: as "16 points" """
-    return Change("points", round(number(words(value, "layout").split(" ")[0])))
-
-
 def switch_rectify(value: object) -> Change:
     return Change("rectify", "auto" if switch(value) else "off")
 

@@ -63,7 +63,9 @@ class Undo(Command):
             model.player.undo(now)
         else:
             model.bring_back(left)
-            model.say(f"Back is what was here before: {left.preset.name}, {motions(left.motions)}.", now + BACK_STAYS)
+            points = f", {len(model.session.world.body)} points" if model.points.on else ""
+            what = f"{left.preset.name}, {motions(left.motions)}{points}"
+            model.say(f"Back is what was here before: {what}.", now + BACK_STAYS)
 
 
 class Reset(Command):

@@ -16,6 +16,7 @@ from ..page_model import PageModel
 from ..presets import Preset
 from .command import Command
 from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
+from .points import BestNext, RemovePoint, SaveScene
 from .session import Play, Scrub, StartAt
 
 
@@ -103,6 +104,9 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "posture": TouchPosture.parse,
     "construction": lambda value: BuildUp(),
     "large": Enlarge.parse,
+    "best": lambda value: BestNext(),
+    "remove": lambda value: RemovePoint(),
+    "scene": lambda value: SaveScene(),
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,

@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ...views import FourViews
 from .. import svg
 from ..images.planes import SIZES, Windows, placed
 from ..metrics import LEGEND_SIZE, METRICS_SIZE
@@ -15,6 +16,7 @@ MORE, LESS = "M1-4h3v3M-1 4h-3v-3M4-4l-3 3M-4 4l3-3", "M4-1h-3v-3M-4 1h3v3M1-1l3
 HIT, HALO = 12, 11  # px, radii
 LEAST = 1.5  # px, radius within which the nearest of crowded points is hit
 FIRST_LARGE = 2  # of what can be enlarged, the images follow two panels
+PROPOSED = 4.5  # px, radius
 NAME = 4  # px from a point's centre down to the foot of its number
 
 
@@ -38,6 +40,19 @@ def point_links(address: str, count: int, whole: bool) -> str:
         f'<div class="vi-over vi-links"><div class="vi-panel"><div class="{kind}" role="group"'
         f' aria-label="Points to choose">{"".join(planes)}</div></div></div>{sink()}'
     )
+
+
+def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
+    """Rings over the four images where a single point would be, which nobody has placed yet."""
+    images = np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).transpose(1, 0, 2)
+    places, planes = placed(images, windows[whole], "lrLR"), []
+    for view, size in SIZES[whole].items():
+        x, y = places["lrLR".index(view), 0].tolist()
+        ring = f'<circle class="vi-proposed" cx="{x:.1f}" cy="{y:.1f}" r="{PROPOSED}"/>' if views.usable[0] else ""
+        planes.append(_drawing(f"vi-at-{view}", size, ring))
+    planes += ['<p class="vi-how"></p>', _drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
+    kind = f"vi-images{' vi-whole' if whole else ''}"
+    return f'<div class="vi-over"><div class="vi-panel"><div class="{kind}">{"".join(planes)}</div></div></div>'
 
 
 def _drawing(kind: str, size: tuple[int, int], inside: str = "") -> str:

@@ -10,13 +10,13 @@ axis is of points, where that is not known otherwise.
 import tokenize
 import zipfile
 import zlib
-from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .track import CERTAIN, Track
+from ...reading import MOST_ARRAYS, TooLarge, read_npz, require_file
+from .track import CERTAIN, Track, require_cells
 
 TRACKS = ("pred_tracks", "tracks", "points")
 NAMES = ("names", "point_names", "node_names")
@@ -25,6 +25,7 @@ POINTS_FIRST = ("visibles", "occluded", "occlusions")  # TAPIR's
 HIDDEN = ("occluded", "occlusions")
 DAMAGED = (
     zipfile.BadZipFile, zlib.error, tokenize.TokenError, EOFError, NotImplementedError, OSError, ValueError, TypeError,
+    MemoryError, RecursionError, SyntaxError,
 )  # fmt: skip
 SAVE = "numpy.savez(file, pred_tracks=…, pred_visibility=…, names=[…])"
 
@@ -40,6 +41,7 @@ def read_arrays(path: Path) -> Track:
     tracks, names = _unbatched(found[key], 3), next((found[name] for name in NAMES if name in found), None)
     if tracks.ndim != 3 or tracks.shape[-1] != 2 or not np.issubdtype(tracks.dtype, np.number):
         raise ValueError(f"{path}: {key} has shape {found[key].shape}: needs (frames, points, 2) px; save as {SAVE}")
+    require_cells(str(path), *tracks.shape[:2])
     sight = next((name for name in (*FRAMES_FIRST, *POINTS_FIRST) if name in found), None)
     if _points_first(path, found[key], key, sight, None if names is None else len(names)):
         tracks = tracks.swapaxes(0, 1)
@@ -57,9 +59,11 @@ def read_arrays(path: Path) -> Track:
 
 
 def _loaded(path: Path) -> dict[str, NDArray]:
-    path.stat()  # raises OSError that names the file
+    require_file(path, MOST_ARRAYS)
     try:
         found = _arrays(path)
+    except TooLarge:
+        raise
     except DAMAGED:
         raise ValueError(f"{path}: not an array of numbers that numpy has saved; save as {SAVE}") from None
     beside = path.with_suffix(".txt")
@@ -71,8 +75,7 @@ def _loaded(path: Path) -> dict[str, NDArray]:
 
 def _arrays(path: Path) -> dict[str, NDArray]:
     """Raises any of DAMAGED."""
-    with path.open("rb") as raw, np.load(raw) if path.suffix.lower() == ".npz" else nullcontext() as file:
-        return {"tracks": np.load(raw)} if file is None else {name: file[name] for name in file.files}
+    return read_npz(path) if path.suffix.lower() == ".npz" else {"tracks": np.load(path)}
 
 
 def _unbatched(values: NDArray, dims: int) -> NDArray:

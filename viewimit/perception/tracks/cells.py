@@ -8,10 +8,14 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TextIO
 
+from ...reading import MEGABYTE, require_file
 from .track import MOST_PX
 
 MOST_FRAME = 2**53
+MOST_LINE = 1 << 20  # characters
+MOST_BYTES = 1024 * MEGABYTE  # rows are kept in a few bytes each
 SEPARATORS = ",;\t"
 
 
@@ -19,6 +23,7 @@ class Table:
     """path: of a text file. Raises OSError, and ValueError for what is no text in UTF-8 or no table."""
 
     def __init__(self, path: Path):
+        require_file(path, MOST_BYTES)
         self.path = path
         self._separator = self._sniffed()
         self._decimal: str | None = None  # , or . as first met where both may be meant
@@ -27,7 +32,7 @@ class Table:
         """Line numbers from 1 and cells, empty lines left out."""
         try:
             with self.path.open(newline="", encoding="utf-8-sig") as file:
-                reader = csv.reader(file, strict=True, delimiter=self._separator)
+                reader = csv.reader(self._text(file), strict=True, delimiter=self._separator)
                 for cells in reader:
                     if cells and (cells[0] or any(map(str.strip, cells))):
                         yield reader.line_num, cells
@@ -35,6 +40,13 @@ class Table:
             raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
         except csv.Error as error:
             raise ValueError(f"{self.path}: line {reader.line_num}: {error}") from None
+
+    def _text(self, file: TextIO) -> Iterator[str]:
+        """Its lines. Raises ValueError for one that has no end."""
+        for number, line in enumerate(iter(lambda: file.readline(MOST_LINE), ""), 1):
+            if len(line) == MOST_LINE:
+                raise ValueError(f"{self.path}: line {number} has more than {MOST_LINE:,} characters: no table")
+            yield line
 
     def require_count(self, line: int, cells: list[str], columns: int) -> None:
         if len(cells) != columns:
@@ -83,7 +95,7 @@ class Table:
         """The separator that the first line has most of."""
         try:
             with self.path.open(encoding="utf-8-sig") as file:
-                first = next((line for line in file if line.strip()), "")
+                first = next((line for line in self._text(file) if line.strip()), "")
         except UnicodeDecodeError:
             raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
         if not first:

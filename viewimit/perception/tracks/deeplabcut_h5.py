@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .deeplabcut import Heading, frame_of, track_of
 from .hdf5 import text
+from .hdf5 import values as values_of
 from .track import Track
 
 CSV = "export it as CSV: pandas.read_hdf(…).to_csv(…), or deeplabcut.analyze_videos(…, save_as_csv=True)"
@@ -41,7 +42,7 @@ def _of_table(path: Path, group: Any) -> tuple[list, list, NDArray]:
     table = group["table"]
     blocks = sorted((name for name in table.dtype.names if name.startswith("values_block_")), key=lambda n: int(n[13:]))
     headings = [one for block in blocks for one in _unpickled(path, table.attrs[f"{block}_kind"])]
-    rows = table[()]
+    rows = values_of(table)
     values = np.concatenate([_numbers(path, rows[block]).reshape(len(rows), -1) for block in blocks], 1)
     return rows["index"].tolist(), headings, values
 
@@ -50,9 +51,9 @@ def _of_fixed(path: Path, group: Any) -> tuple[list, list, NDArray]:
     headings, values = [], []
     for block in range(int(group.attrs["nblocks"])):
         headings += _levels(group, f"block{block}_items")
-        values.append(_numbers(path, group[f"block{block}_values"][()]))
+        values.append(_numbers(path, values_of(group[f"block{block}_values"])))
     regular = text(group.attrs["axis1_variety"]) == "regular"
-    index = group["axis1"][()].tolist() if regular else _levels(group, "axis1")
+    index = values_of(group["axis1"]).tolist() if regular else _levels(group, "axis1")
     return index, headings, np.concatenate(values, 1)
 
 
@@ -60,7 +61,7 @@ def _levels(group: Any, of: str) -> list[tuple]:
     """A MultiIndex."""
     columns = []
     for level in range(int(group.attrs[f"{of}_nlevels"])):
-        names, labels = group[f"{of}_level{level}"][()], group[f"{of}_label{level}"][()]
+        names, labels = values_of(group[f"{of}_level{level}"]), values_of(group[f"{of}_label{level}"])
         columns.append([names[label] for label in labels])
     return list(zip(*columns))
 
@@ -72,6 +73,8 @@ def _numbers(path: Path, values: Any) -> NDArray:
 
 
 def _heading(path: Path, one: Sequence) -> Heading:
+    if not all(isinstance(name, (str, bytes, int, float, np.generic)) for name in one):
+        raise ValueError(f"{path}: its headings are no names; {CSV}")
     names = [text(name) for name in one]
     if len(names) not in (3, 4):
         raise ValueError(

@@ -6,7 +6,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-DAMAGED = (OSError, RuntimeError, ValueError, TypeError, IndexError, AttributeError, OverflowError, ZeroDivisionError)
+from numpy.typing import NDArray
+
+from ...reading import MEGABYTE, MOST_ARRAYS, require_file
+
+MOST_BYTES = 1024 * MEGABYTE  # of a file, which may hold pictures beside its tracks
+DAMAGED = (
+    MemoryError, RecursionError, OSError, RuntimeError, ValueError, TypeError, IndexError, AttributeError,
+    OverflowError, ZeroDivisionError,
+)  # fmt: skip
 
 
 @contextmanager
@@ -17,8 +25,8 @@ def opened(path: Path) -> Iterator[Any]:
         raise ValueError(f"{path}: HDF5 files need h5py: pip install 'viewimit[hdf5]', or export the tracks as CSV")
     import h5py
 
-    path.stat()  # raises OSError that names the file
-    if not path.is_file() or not h5py.is_hdf5(path):
+    require_file(path, MOST_BYTES)
+    if not h5py.is_hdf5(path):
         raise ValueError(f"{path}: not an HDF5 file")
     try:
         with h5py.File(path, "r") as file:
@@ -29,6 +37,14 @@ def opened(path: Path) -> Iterator[Any]:
         if isinstance(error, ValueError) and str(error).startswith(f"{path}:"):
             raise
         raise ValueError(f"{path}: damaged, or no file of its kind: {error}; export it again, or as CSV") from None
+
+
+def values(dataset: Any) -> NDArray:
+    """All of a dataset. Raises ValueError for one that says to be larger than tracks are: its chunks may be empty."""
+    size = int(dataset.size or 0) * dataset.dtype.itemsize
+    if size > MOST_ARRAYS:
+        raise ValueError(f"{dataset.name} has {size / MEGABYTE:,.0f} MB, more than {MOST_ARRAYS / MEGABYTE:g}")
+    return dataset[()]
 
 
 def text(value: Any) -> str:

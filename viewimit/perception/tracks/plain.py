@@ -38,7 +38,7 @@ def read_plain(path: Path) -> Track:
             sure = table.number(line, heading[at["confidence"]], cells[at["confidence"]], empty=CERTAIN)
         rows.add(line, frame, point, x, y, sure)
     rows.require_once(str(path))
-    return rows.track()
+    return rows.track(str(path))
 
 
 def _columns(path: Path, line: int, heading: list[str]) -> dict[str, int]:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from .cells import Table
 from .deeplabcut import choose
 from .hdf5 import text
-from .track import CERTAIN, Rows, Track
+from .hdf5 import values as values_of
+from .track import CERTAIN, Rows, Track, require_cells
 
 FRAME, TRACK, X, Y, SCORE = "frame_idx", "track", ".x", ".y", ".score"
 MATLAB = ("track", "xy", "node", "frame")
@@ -49,15 +50,15 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
         rows.require_once(str(path))
     except ValueError as error:
         raise ValueError(f"{error}: instances without a track; track them in SLEAP first") from None
-    return rows.track()
+    return rows.track(str(path))
 
 
 def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
     """file: open. Raises ValueError that names the file, KeyError for what is missing."""
     dims = _dims(path, file["tracks"])
-    tracks = file["tracks"][()].transpose([dims.index(name) for name in ("track", "frame", "node", "xy")])
-    nodes = [text(name) for name in file["node_names"][()]] if "node_names" in file else list(range(tracks.shape[2]))
-    names = [text(name) for name in file["track_names"][()]] if "track_names" in file else []
+    tracks = values_of(file["tracks"]).transpose([dims.index(name) for name in ("track", "frame", "node", "xy")])
+    nodes = _names(file, "node_names") or list(map(str, range(tracks.shape[2])))
+    names = _names(file, "track_names")
     names = names or [f"track_{k}" for k in range(len(tracks))]
     if tracks.shape[-1] != 2 or len(nodes) != tracks.shape[2] or len(names) != len(tracks):
         raise ValueError(
@@ -68,9 +69,14 @@ def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
     scores = np.full(tracks.shape[:3], np.nan)
     if "point_scores" in file:
         flat = [name for name in dims if name != "xy"]
-        scores = file["point_scores"][()].transpose([flat.index(name) for name in ("track", "frame", "node")])
+        scores = values_of(file["point_scores"]).transpose([flat.index(name) for name in ("track", "frame", "node")])
     confidence = np.where(np.isnan(scores[k]), CERTAIN, scores[k])  # labelled by hand
-    return Track(np.arange(tracks.shape[1]), tuple(map(str, nodes)), tracks[k].astype(float), confidence)
+    return Track(np.arange(tracks.shape[1]), tuple(nodes), tracks[k].astype(float), confidence)
+
+
+def _names(file: Any, key: str) -> list[str]:
+    """None without a list of that name."""
+    return [text(name) for name in values_of(file[key])] if key in file else []
 
 
 def _dims(path: Path, tracks: Any) -> tuple[str, ...]:
@@ -88,8 +94,8 @@ def read_slp(path: Path, file: Any, individual: str | None) -> Track:
     if len(metadata["skeletons"]) != 1:
         raise ValueError(f"{path}: {len(metadata['skeletons'])} skeletons; export the one by SLEAP as analysis HDF5")
     nodes = [metadata["nodes"][node["id"]]["name"] for node in metadata["skeletons"][0]["nodes"]]
-    names = [json.loads(text(one))[1] for one in file["tracks_json"][()]]
-    frames, instances = file["frames"][()], file["instances"][()]
+    names = [json.loads(text(one))[1] for one in values_of(file["tracks_json"])]
+    frames, instances = values_of(file["frames"]), values_of(file["instances"])
     if len(np.unique(frames["video"])) > 1:
         raise ValueError(
             f"{path}: {len(np.unique(frames['video']))} videos; export each by SLEAP as analysis HDF5 or CSV"
@@ -98,9 +104,12 @@ def read_slp(path: Path, file: Any, individual: str | None) -> Track:
     chosen = choose(str(path), [names[k] for k in used], individual)
     track = names.index(chosen) if chosen else -1
     numbers = np.unique(frames["frame_idx"]).astype(int)
+    require_cells(str(path), len(numbers), len(nodes))
+    if (frames["instance_id_end"].astype(float) - frames["instance_id_start"]).clip(0).sum() > len(instances):
+        raise ValueError(f"{path}: damaged: an instance is of several frames; export it by SLEAP again")
     image = np.full((len(numbers), len(nodes), 2), np.nan)
     confidence, kinds = np.zeros(image.shape[:2]), np.full(len(numbers), -1)
-    points = {kind: file["points" if kind == BY_HAND else "pred_points"][()] for kind in (0, 1)}
+    points = {kind: values_of(file["points" if kind == BY_HAND else "pred_points"]) for kind in (0, 1)}
     for frame in frames:
         t = int(np.searchsorted(numbers, frame["frame_idx"]))
         for one in instances[int(frame["instance_id_start"]) : int(frame["instance_id_end"])]:

@@ -2,6 +2,7 @@
 
 import math
 from array import array
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from ...views import VIEWS, FourViews
 
 MOST_PX = 1e6  # beyond which no picture goes
+MOST_CELLS = 5_000_000  # frames times points
 CERTAIN = 1.0  # where no confidence is given
 Row = tuple[int, str, float, float, float]  # frame, point, x, y, confidence
 
@@ -27,7 +29,7 @@ class Track:
 
     def require_pixels(self, where: str) -> "Track":
         """Itself. Raises ValueError for no points at all, the same name twice, or numbers that are no pixels."""
-        twice = [name for name in self.points if self.points.count(name) > 1]
+        twice = [name for name, count in Counter(self.points).items() if count > 1]
         if twice:
             raise ValueError(f"{where}: two points are named {twice[0]!r}: they are matched by name, so rename one")
         if not np.isfinite(self.image).all(-1).any():
@@ -66,6 +68,14 @@ class TrackedPoints:
         return FourViews.from_images(*(np.where(sure[view][..., None], self.image[view], np.nan) for view in VIEWS))
 
 
+def require_cells(where: str, frames: int, points: int) -> None:
+    """Raises ValueError for more than are kept in memory."""
+    if frames * points > MOST_CELLS:
+        raise ValueError(
+            f"{where}: {frames:,} frames times {points:,} points are more than {MOST_CELLS:,}: take fewer of either"
+        )
+
+
 class Rows:
     """The rows of one view as they are read, a few bytes each."""
 
@@ -97,12 +107,14 @@ class Rows:
             f"{where}: line {line[k + 1]}: point {name} of frame {self.frame[at]}{of} stands in line {line[k]} too"
         )
 
-    def track(self) -> Track:
+    def track(self, where: str) -> Track:
+        """Raises ValueError for more frames and points than are kept in memory."""
         frames, at = np.unique(np.array(self.frame), return_inverse=True)
+        require_cells(where, len(frames), len(self._points))
         image = np.full((len(frames), len(self._points), 2), np.nan)
         confidence = np.zeros(image.shape[:2])
-        where = at, np.array(self.point)
-        image[where], confidence[where] = np.array(self.xy).reshape(-1, 2), np.array(self.sure)
+        cells = at, np.array(self.point)
+        image[cells], confidence[cells] = np.array(self.xy).reshape(-1, 2), np.array(self.sure)
         return Track(frames, tuple(self._points), image, confidence)
 
 
@@ -112,6 +124,7 @@ def together(tracks: Mapping[str, Track]) -> TrackedPoints:
     several = [view for view in VIEWS if len(tracks[view].frames) > 1]
     frames = np.unique(np.concatenate([tracks[view].frames for view in several or VIEWS[:1]]))
     names = _ordered(list(dict.fromkeys(name for view in VIEWS for name in tracks[view].points)))
+    require_cells("all views together", len(frames), len(names))
     column = {name: k for k, name in enumerate(names)}
     image = {view: np.full((len(frames), len(names), 2), np.nan) for view in VIEWS}
     confidence = {view: np.zeros((len(frames), len(names))) for view in VIEWS}

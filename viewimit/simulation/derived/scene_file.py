@@ -1,12 +1,16 @@
 """A scene as a file that a person edits: what each line means stands above it."""
 
+import dataclasses
 import json
 from collections.abc import Iterator
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from ..robot import Robot
+from ..scene import Eye, Scene, load_robot
+from ..urdf.reference import is_reference, parse_reference
 
 BEFORE = {
     "robot": "The URDF, from this file. After # may stand base=LINK&tip=LINK: where the arm begins and ends",
@@ -28,6 +32,15 @@ def scene_file(fields: dict, robot: Robot, heading: str) -> str:
     return "\n".join([f"# {heading}", *_lines(fields, robot)]) + "\n"
 
 
+def saved_scene(scene: Scene, heading: str) -> str:
+    """TOML of a scene as it is, for a file anywhere: a URDF is named by its whole path."""
+    fields = msgspec.to_builtins(scene)
+    if is_reference(scene.robot):
+        found = parse_reference(scene.robot)
+        fields["robot"] = str(dataclasses.replace(found, path=found.path.resolve()))
+    return scene_file(fields, load_robot(scene.robot), heading)
+
+
 def _lines(fields: dict, robot: Robot) -> Iterator[str]:
     tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
     for name, value in fields.items():
@@ -46,8 +59,17 @@ def _lines(fields: dict, robot: Robot) -> Iterator[str]:
                 yield f"{key} = ["
                 yield from (f"  {_toml(point)},  # {_link(robot, point[0])}" for point in value)
                 yield "]"
-            elif not isinstance(value, dict) and USUAL.get(key) != (list(value) if isinstance(value, tuple) else value):
+            elif isinstance(value, dict):
+                yield from _eye(f"{name}.{key}", value)
+            elif USUAL.get(key) != (list(value) if isinstance(value, tuple) else value):
                 yield f"{key} = {_toml(value)}"
+
+
+def _eye(name: str, fields: dict) -> Iterator[str]:
+    """What a camera of the head has for itself; in the order of `Head`, after all that both have."""
+    said = {key: value for key, value in fields.items() if value is not None and tuple(value) != Eye().distortion}
+    if said:
+        yield from ("", f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in said.items()))
 
 
 def _comment(name: str) -> list[str]:

@@ -3,6 +3,9 @@
 import re
 from pathlib import Path
 
+from ...reading import MEGABYTE, require_file
+
+MOST_BYTES = 32 * MEGABYTE
 MOST_LOOKED_AT = 4000  # bytes, of a file whose name does not say what it is
 COMMANDS = {
     "xacro": "pip install xacrodoc && xacrodoc {file} -o {out}",
@@ -30,9 +33,10 @@ def require_urdf(name: str | Path) -> None:
 def _kind_of_xml(path: Path) -> str:
     """MJCF, which has that name, unless its root element says otherwise."""
     try:
+        require_file(path, MOST_BYTES)
         with path.open("rb") as file:
             start = file.read(MOST_LOOKED_AT)
-    except OSError:
+    except (OSError, ValueError):
         return "MJCF"
     root = re.search(rb"<([a-zA-Z]+)[\s>]", re.sub(rb"<!--.*?-->", b"", start, flags=re.DOTALL))
     return ROOTS.get(root[1], "MJCF") if root else "MJCF"

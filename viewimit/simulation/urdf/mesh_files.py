@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from ...reading import read_bytes
 from .packages import NotFound
 
 FORMATS = ("stl", "obj", "dae", "glb", "ply", "off")
-MOST_BYTES = 100_000_000
+MOST_BYTES = 50_000_000
+MOST_LENGTH = 1e6  # in the units of the file
 
 
 def load_mesh(path: Path) -> trimesh.Trimesh:
@@ -18,9 +20,10 @@ def load_mesh(path: Path) -> trimesh.Trimesh:
     kind = path.suffix.lower().lstrip(".")
     if kind not in FORMATS:
         raise NotFound(f"{path.name} is not read: convert it to one of {', '.join(FORMATS)}")
-    if path.stat().st_size > MOST_BYTES:
-        raise NotFound(f"{path.name} has more than {MOST_BYTES // 1_000_000} MB: simplify it")
-    content = path.read_bytes()
+    try:
+        content = read_bytes(path, MOST_BYTES)
+    except (OSError, ValueError) as error:
+        raise NotFound(f"{error}: simplify it, or leave it out") from None
     if kind == "dae" and (b"<!DOCTYPE" in content or b"<!ENTITY" in content):
         raise NotFound(f"{path.name} defines entities, and is not read: take them out")
     if kind == "dae" and content.startswith(b"PK"):
@@ -32,6 +35,8 @@ def load_mesh(path: Path) -> trimesh.Trimesh:
         raise NotFound(f"{path.name} does not load: {error or type(error).__name__}".splitlines()[0]) from None
     if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
         raise NotFound(f"{path.name} has no triangles")
+    if np.abs(mesh.vertices).max() > MOST_LENGTH:
+        raise NotFound(f"{path.name} has vertices beyond {MOST_LENGTH:g}")
     return trimesh.Trimesh(mesh.vertices * _metres(content, kind), mesh.faces, process=False)
 
 

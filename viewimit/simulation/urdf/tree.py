@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
+from ...reading import read_bytes
+from .formats import MOST_BYTES
 
 TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)
 SHAPES = {  # attributes that say their size, and what they are where they are not said
@@ -18,7 +20,11 @@ SHAPES = {  # attributes that say their size, and what they are where they are n
     "cylinder": {"radius": "0", "length": "0"},
     "sphere": {"radius": "0"},
 }
-MOST_JOINTS = 500
+MOST_JOINTS, MOST_SHAPES = 500, 5_000
+MOST_LENGTH = 1e6  # m or rad, and all other numbers but limits
+MOST_LIMIT = 1e18  # where some exporters put the limits of joints that have none
+LEAST_AXIS = 1e-9  # its length
+MOST_QUOTED = 80  # characters of what is wrong
 MARGIN = 0.2  # of its range, that a joint of the arm at rest stays away from its limits
 
 
@@ -107,7 +113,7 @@ class Tree:
 def read_tree(path: Path) -> Tree:
     """Raises ValueError that names the file, and the joint, for what cannot be read or does not parse."""
     try:
-        return _parsed(path, path.read_bytes())
+        return _parsed(path, read_bytes(path, MOST_BYTES))
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
 
@@ -120,12 +126,18 @@ def _parsed(path: Path, content: bytes) -> Tree:
         raise ValueError(f"{path}: not a URDF that parses: {error}") from None
     if root.tag != "robot":
         raise ValueError(f"{path}: not a URDF: its root element is <{root.tag}>, not <robot>")
+    count = len(root.findall("joint"))
+    if count > MOST_JOINTS:
+        raise ValueError(f"{path}: it has {count} joints, more than {MOST_JOINTS}: leave out what is no robot")
     joints = tuple(_read_joint(path, element) for element in root.findall("joint"))
     _require_tree(path, joints)
     links = root.findall("link")
     shapes: dict[str, tuple[Shape, ...]] = {}
     faults: list[str] = []
     for tag in ("visual", "collision"):
+        count = sum(len(link.findall(tag)) for link in links)
+        if count > MOST_SHAPES:
+            raise ValueError(f"{path}: its links have {count} shapes, more than {MOST_SHAPES}: simplify it")
         shapes = {link.get("name", "?"): tuple(_read_shapes(path, link, tag, faults)) for link in links}
         if any(shapes.values()):
             break
@@ -133,9 +145,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
 
 
 def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:
-    """Of a size that can be searched, and no link hangs on two joints."""
-    if len(joints) > MOST_JOINTS:
-        raise ValueError(f"{path}: it has {len(joints)} joints, more than {MOST_JOINTS}: leave out what is no robot")
+    """No link hangs on two joints."""
     above: dict[str, str] = {}
     for joint in joints:
         if joint.child in above:
@@ -161,7 +171,7 @@ def _read_joint(path: Path, element: ElementTree.Element) -> TreeJoint:
         return named
 
     axis = numbers("axis", "xyz", "1 0 0")
-    if kind in TURNING + SLIDING and not np.any(axis):
+    if kind in TURNING + SLIDING and not np.linalg.norm(axis) >= LEAST_AXIS:
         raise ValueError(f"{path}: {where}: its axis is zero")
     endless, follows = kind == "continuous", element.find("mimic")
     return TreeJoint(
@@ -215,5 +225,12 @@ def _numbers(path: Path, where: str, element: ElementTree.Element | None, attrib
         tag = "?" if element is None else element.tag
         if "$" in text:
             raise ValueError(f"{path}: {where}: <{tag} {attribute}={text!r}> is xacro: run it through xacro first")
-        raise ValueError(f"{path}: {where}: <{tag} {attribute}={text!r}> is not numbers")
+        raise ValueError(f"{path}: {where}: <{tag} {attribute}={_short(text)!r}> is not numbers")
+    most = MOST_LIMIT if element is not None and element.tag == "limit" else MOST_LENGTH
+    if element is not None and np.abs(values).max() > most:
+        raise ValueError(f"{path}: {where}: <{element.tag} {attribute}={_short(text)!r}> is beyond {most:g}")
     return values
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= MOST_QUOTED else f"{text[:MOST_QUOTED]}…"

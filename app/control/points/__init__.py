@@ -1,0 +1,1 @@
+"""Body points by hand: placed, removed and proposed on the page; layouts to choose from."""

@@ -1,0 +1,1 @@
+"""The folder Points: body points by hand."""

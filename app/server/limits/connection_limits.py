@@ -1,0 +1,25 @@
+"""How many connections a process takes, of whom, and how long each may take for what it does."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Limits:
+    """seats: tabs of this process; seats_of_one: of all processes, from one address; pending: connections of this
+    process that are no seats yet, such as page loads; pending_of_one: of those, from one address.
+
+    Times in s. page_within: from a handshake to the first view; stalled_within: in which a client takes something of
+    what waits for it; written_within: in which a ping is on its way behind what waits; closed_within: in which a client
+    that is closed says goodbye.
+    """
+
+    seats: int = 40
+    seats_of_one: int = 36
+    pending: int = 200
+    pending_of_one: int = 180
+    page_within: float = 30.0
+    stalled_within: float = 30.0
+    ping_every: float = 15.0
+    pong_within: float = 15.0
+    written_within: float = 120.0
+    closed_within: float = 2.0

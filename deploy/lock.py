@@ -1,0 +1,52 @@
+"""Writes the lock files: what pip takes for this project now, by version and SHA-256, with no address of an index.
+
+python3.11 deploy/lock.py    # CPython 3.11 on Linux x86-64, as the image has it; elsewhere pip would take other files
+"""
+
+import json
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+import tomllib
+
+HERE = Path(__file__).parent
+LOCKS = {"requirements.lock": ("redis",), "requirements-test.lock": ("redis", "test")}  # with these extras
+HEADING = "# Made by deploy/lock.py for CPython 3.11 on Linux x86-64: pip install --require-hashes -r deploy/{name}\n"
+
+
+def main() -> None:
+    here = platform.python_implementation(), sys.version_info[:2], sys.platform, platform.machine()
+    if here != ("CPython", (3, 11), "linux", "x86_64"):
+        raise SystemExit(f"lock.py: needs CPython 3.11 on Linux x86-64, this is {here}")
+    found: dict[str, str] = {}  # SHA-256 by name and version, which the next file takes over
+    for name, extras in LOCKS.items():
+        found = taken([*asked(extras), *found])
+        lines = (f"{pinned} --hash=sha256:{digest}\n" for pinned, digest in sorted(found.items()))
+        (HERE / name).write_text(HEADING.format(name=name) + "".join(lines))
+
+
+def asked(extras: tuple[str, ...]) -> list[str]:
+    """What the project needs to be built and to run, with these extras."""
+    said = tomllib.loads((HERE.parent / "pyproject.toml").read_text())
+    optional = said["project"]["optional-dependencies"]
+    more = [requirement for extra in extras for requirement in optional[extra]]
+    return [*said["build-system"]["requires"], *said["project"]["dependencies"], *more]
+
+
+def taken(requirements: list[str]) -> dict[str, str]:
+    """What pip would install: SHA-256 of the wheel by name==version. Nothing is installed."""
+    options = "--dry-run", "--ignore-installed", "--only-binary=:all:", "--quiet", "--report", "-"
+    command = [sys.executable, "-m", "pip", "install", *options, *requirements]
+    report = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+    return {
+        f"{one['metadata']['name'].lower()}=={one['metadata']['version']}": one["download_info"]["archive_info"][
+            "hashes"
+        ]["sha256"]
+        for one in report["install"]
+    }
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,303 @@
+"""Whatever stands in a file that the command line reads: a line or two, exit status 2, soon and in little memory."""
+
+import json
+import os
+import struct
+import subprocess
+import sys
+import threading
+import time
+import zipfile
+import zlib
+
+import pytest
+from viewimit.assets import ROOT
+
+from viewimit.reading import MOST_ARRAYS, parse_toml
+
+WITHIN_S, MOST_KB = 5.0, 500_000
+PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
+SCENE = (ROOT / "scenes/panda.toml").read_text()
+CSV = "frame,view,point,x,y,confidence\n"
+NPY = b"\x93NUMPY\x01\x00"
+
+
+def toml(folder, text, name="own.toml"):
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def head(**fields):
+    said = {"baseline": 0.1, "focal": 600.0, "image": [640, 240]} | fields
+    lines = [f"{key} = {json.dumps(value) if isinstance(value, list) else value}" for key, value in said.items()]
+    return 'extends = "panda"\n[head]\n' + "\n".join(lines)
+
+
+@pytest.fixture
+def refused(ask):
+    """Runs a command in this process → what it says, which is short, in time and about bad input."""
+
+    def run(*words):
+        began = time.process_time()
+        status, out, err = ask(*words)
+        assert time.process_time() - began < WITHIN_S
+        assert status == 2 and not out and err.count("\n") <= 2 and len(err) < 1_000, err
+        return err
+
+    return run
+
+
+def refused_apart(*words, home=None):
+    """The same in a process of its own, whose memory is measured."""
+    command = [sys.executable, "-I", "-m", "viewimit.cli", *map(str, words)]
+    env = {name: value for name, value in os.environ.items() if name != "VIEWIMIT_STORE"} | (home or {})
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env)
+    watch = threading.Timer(30, process.kill)  # with one that waits for a pipe
+    watch.start()
+    said = process.stdout.read()
+    _, status, used = os.wait4(process.pid, 0)
+    watch.cancel()
+    process.stdout.close()
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 2 and said.count("\n") <= 2, said
+    assert used.ru_utime + used.ru_stime < WITHIN_S and used.ru_maxrss < MOST_KB, used
+    return said
+
+
+@pytest.mark.parametrize(
+    "text, why",
+    [
+        ('extends = "own"', "build on itself"),
+        ('extends = "other"', "build on itself"),
+        ("a = " + "[" * 5_000 + "]" * 5_000, "nests too deeply"),
+        ("a" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
+        ('"a"' + ' . "b c"' * 20_000 + " = 1", "a name of more than 32 parts"),
+        ("[a" + ".a" * 20_000 + "]", "a name of more than 32 parts"),
+        ("a = " + "[" * 400 + "]" * 400, "own.toml"),
+        (head(focal=0), "head.focal must be more than 0"),
+        (head(focal=-600.0), "head.focal must be more than 0"),
+        (head(focal=1e-300), "head.focal must be more than 0"),
+        (head(baseline=0), "head.baseline must be more than 0"),
+        (head(baseline=-0.1), "head.baseline must be more than 0"),
+        (head(baseline="nan"), "not a finite number"),
+        (head(image=[0, 240]), "head.image must be 1 to"),
+        (head(image=[640, -240]), "head.image must be 1 to"),
+        (head(image=[100_000, 100_000]), "head.image must be 1 to"),
+        (head(focal="1e308"), "head.focal is 1e+308, not within"),
+        (head(position=[1e308, 0, 0]), "not within"),
+        (head(focal="9" * 400), "not within"),
+        ("a = 1\n" * 400_000, "more than 1"),
+    ],
+    ids=lambda value: str(value)[:24],
+)
+def test_scenes(tmp_path, refused, text, why):
+    toml(tmp_path, 'extends = "own"', "other.toml")
+    assert why in refused("imitate", "--scene", toml(tmp_path, text))
+
+
+def test_a_chain_of_scenes_has_an_end(tmp_path, refused):
+    for k in range(2_000):
+        toml(tmp_path, f'extends = "s{k + 1}"', f"s{k}.toml")
+    toml(tmp_path, SCENE, "s2000.toml")
+    assert "more than 16 scenes" in refused("imitate", "--scene", tmp_path / "s0.toml")
+    assert "more than 16 scenes" not in refused("imitate", "--scene", tmp_path / "s1990.toml", "--points", 11)
+
+
+def test_names_of_a_few_parts_and_lists_of_many_numbers_are_read():
+    numbers = ", ".join(["0.5"] * 1_000)
+    read = parse_toml(f"a.b.'c d'.\"e.f\".g = [{numbers}]\nh = '{'x.' * 9}'".encode())
+    assert len(read["a"]["b"]["c d"]["e.f"]["g"]) == 1_000
+
+
+@pytest.mark.parametrize(
+    "old, new, why",
+    [
+        ('xyz="0 0 0.333"', 'xyz="0 0 1e308"', "beyond 1e+06"),
+        ('rpy="0 0 0"', 'rpy="1e308 0 0"', "beyond 1e+06"),
+        ('xyz="0 0 1"', 'xyz="0 0 1e-200"', "its axis is zero"),
+        ('lower="', 'lower="-1e308" was="', "beyond 1e+18"),
+        ('xyz="0 0 1"', f'xyz="{"x" * 100_000}"', "is not numbers"),
+    ],
+    ids=lambda value: str(value)[:24],
+)
+def test_robots(tmp_path, refused, old, new, why):
+    assert old in PANDA
+    path = tmp_path / "own.urdf"
+    path.write_text(PANDA.replace(old, new))
+    assert why in refused("imitate", "--robot", path)
+
+
+def test_robots_of_too_many_parts(tmp_path, refused):
+    joint = '<joint name="{0}" type="fixed"><parent link="a"/><child link="l{0}"/></joint>'
+    shape = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
+    for name, inside in (
+        ("joints", "".join(joint.format(k) for k in range(100_000))),
+        ("shapes", f'<link name="a">{shape * 100_000}</link>'),
+    ):
+        path = tmp_path / f"{name}.urdf"
+        path.write_text(f'<robot name="r">{inside}</robot>')
+        assert f"100000 {name}, more than" in refused("imitate", "--robot", path)
+
+
+def test_meshes_that_no_arm_has_are_told_and_not_drawn(tmp_path):
+    from viewimit.simulation.urdf.mesh_files import load_mesh
+    from viewimit.simulation.urdf.packages import NotFound
+
+    path = tmp_path / "far.stl"
+    path.write_bytes(bytes(80) + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 3e38, 0, 0, 0, 3e38, 0, 0))
+    with pytest.raises(NotFound, match="vertices beyond"):
+        load_mesh(path)
+    os.mkfifo(tmp_path / "pipe.stl")
+    with pytest.raises(NotFound, match="a pipe or device"):
+        load_mesh(tmp_path / "pipe.stl")
+
+
+@pytest.mark.parametrize(
+    "rows, why",
+    [
+        ("0,l,a,1e308,0,1\n", "is no pixel"),
+        ("0,l,a,0,0,1e308\n", "is no pixel"),
+        ("9" * 400 + ",l,a,0,0,1\n", "is not a whole number"),
+        ("0,l," + "a" * 2_000_000 + ",0,0,1\n", "line 2 has more than"),
+        ("0,l," + "a" * 200_000 + ",0,0,1\n", "line 2: field larger"),
+        ("".join(f"{k},{v},p{k},0,0,1\n" for k in range(3_000) for v in "lrLR"), "3,000 frames times 3,000 points"),
+    ],
+    ids=lambda value: str(value)[:24],
+)
+def test_tables(tmp_path, refused, rows, why):
+    path = tmp_path / "own.csv"
+    path.write_text(CSV + rows)
+    assert why in refused("evaluate", path)
+
+
+def tracks_of(path):
+    return [word for view in "lrLR" for word in (f"--{view}", path)]
+
+
+def npy(shape, content=b"", descr="<f8"):
+    header = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}".encode()
+    header += b" " * (-(len(header) + 11) % 64) + b"\n"
+    return NPY + struct.pack("<H", len(header)) + header + content
+
+
+@pytest.mark.parametrize(
+    "content",
+    [npy((10**12, 9, 2)), npy((10**5, 9, 2)), npy("(" * 900 + ")" * 900), npy((2**62, 2**62)), npy((1,), b"1", "|O")],
+    ids=range(5),
+)
+@pytest.mark.parametrize("suffix", [".npy", ".npz"])
+def test_arrays_that_say_to_be_others(tmp_path, refused, content, suffix):
+    path = tmp_path / f"own{suffix}"
+    if suffix == ".npy":
+        path.write_bytes(content)
+    else:
+        with zipfile.ZipFile(path, "w") as members:
+            members.writestr("tracks.npy", content)
+    assert "not an" in refused("evaluate", *tracks_of(path))
+    assert "not an .npz file" in refused("imitate", "--body", path)
+
+
+def zeros(path, megabytes):
+    """An .npz of an array that unpacks to so much."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as members, members.open("tracks.npy", "w") as member:
+        member.write(npy((megabytes << 17,)))
+        for _ in range(megabytes):
+            member.write(bytes(1 << 20))
+    return path
+
+
+def test_arrays_that_unpack_to_much(tmp_path):
+    path = zeros(tmp_path / "bomb.npz", 500)
+    assert path.stat().st_size < 2_000_000 < MOST_ARRAYS
+    assert "it unpacks to 500 MB" in refused_apart("evaluate", *tracks_of(path))
+    assert "it unpacks to 500 MB" in refused_apart("imitate", "--body", path)
+
+
+def test_hdf5_without_content(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "own.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("tracks", (1, 2, 10, 100_000_000), "<f8", chunks=(1, 2, 10, 1_000))
+        file["node_names"] = [b"a"] * 10
+        file["track_names"] = [b"t"]
+    assert "/tracks has 15,259 MB" in refused_apart("evaluate", *tracks_of(path))
+
+
+def picture(path, width, height):
+    """A PNG, all black."""
+    row = bytes(1 + (width + 7) // 8)
+    packing = zlib.compressobj(9)
+    packed = b"".join(packing.compress(row * 100) for _ in range(height // 100)) + packing.flush()
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    header = struct.pack(">IIBBBBB", width, height, 1, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", packed) + chunk(b"IEND", b""))
+    return path
+
+
+def test_pictures_that_unpack_to_much(tmp_path):
+    pytest.importorskip("cv2")
+    path = picture(tmp_path / "a_l.png", 20_000, 19_000)
+    assert path.stat().st_size < 369_000
+    said = refused_apart("detect", path, "--out", tmp_path / "a.csv")
+    assert "380 megapixels" in said or "more than 25 megapixels" in said
+
+
+COMMANDS = {  # by the ending of what they read
+    ".toml": ("imitate", "--scene", "{}"),
+    ".urdf": ("imitate", "--robot", "{}"),
+    ".csv": ("evaluate", "{}"),
+    ".npz": ("imitate", "--body", "{}"),
+    ".npy": ("evaluate", "--l", "{}", "--r", "{}", "--L", "{}", "--R", "{}"),
+    ".h5": ("evaluate", "--l", "{}", "--r", "{}", "--L", "{}", "--R", "{}"),
+    ".png": ("detect", "--l", "{}", "--out", "/dev/null/none.csv"),
+    ".mp4": ("detect", "--l", "{}", "--out", "/dev/null/none.csv"),
+    ".json": ("reproduce", "fig7", "--motion", "{}"),
+    ".xml": ("imitate", "--robot", "{}"),
+}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="devices and pipes of POSIX")
+@pytest.mark.parametrize("endless", ["zero", "pipe", "huge"])
+@pytest.mark.parametrize("suffix", COMMANDS)
+def test_files_without_an_end(tmp_path, refused, suffix, endless):
+    path = tmp_path / f"own{suffix}"
+    if endless == "zero":
+        path.symlink_to("/dev/zero")
+    elif endless == "pipe":
+        os.mkfifo(path)
+    else:
+        with path.open("wb") as file:
+            file.truncate(1 << 40)  # of which nothing is kept
+    refused(*(word.format(path) for word in COMMANDS[suffix]))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="devices of POSIX")
+def test_a_device_takes_no_memory():
+    assert "a pipe or device" in refused_apart("evaluate", "/dev/zero")
+
+
+@pytest.mark.parametrize(
+    "origin", ["class.example.org", "//class.example.org", "ftp://class.example.org", "https://", "https://a:b",
+               "https://class.example.org/path", "https://me@class.example.org", ""],
+)  # fmt: skip
+def test_origins_that_no_browser_sends(refused, origin):
+    assert "such as https://class.example.org" in refused("serve", "--origin", origin)
+
+
+def test_a_home_that_cannot_be_written_says_what_to_do(tmp_path, refused, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.delenv("VIEWIMIT_STORE", raising=False)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "file"))
+    monkeypatch.setenv("HOME", str(tmp_path / "file"))
+    assert "--store DIR" in refused("serve", "--port", 0)
+
+
+def test_an_address_of_the_environment_is_the_store(tmp_path, refused, monkeypatch):
+    pytest.importorskip("redis")
+    monkeypatch.setenv("VIEWIMIT_STORE", f"unix://:secret@{tmp_path}/nobody.sock")
+    said = refused("serve", "--port", 0)
+    assert "VIEWIMIT_STORE" in said and "cannot reach the Redis" in said and "secret" not in said
+    (tmp_path / "file").write_text("")
+    assert "VIEWIMIT_STORE" not in refused("serve", "--port", 0, "--store", tmp_path / "file")

@@ -1,0 +1,121 @@
+"""Every request is answered: as asked, or with a status that says why not."""
+
+import re
+import socket
+
+import pytest
+from serving import Server
+from test_seats import HANDSHAKE, place_of
+from viewimit.app.server.request_head import MOST_HEAD, NotAnswered, read_head
+from waiting import wait_until
+
+
+@pytest.fixture(scope="module", params=[(), ("--workers", "2")], ids=["one process", "two workers"])
+def serving(request):
+    server = Server(*request.param)
+    yield server
+    assert server.stop() == 0
+
+
+def answer_to(url: str, request: bytes, ends: bool = False) -> tuple[int, dict[str, str], bytes]:
+    """Status, headers and body; the server ends the connection. ends: the client says that it will send no more."""
+    with socket.create_connection(place_of(url), timeout=20) as client:
+        client.sendall(request)
+        if ends:
+            client.shutdown(socket.SHUT_WR)
+        received = b""
+        while data := client.recv(1 << 16):
+            received += data
+    head, _, body = received.partition(b"\r\n\r\n")
+    status, *lines = head.decode().split("\r\n")
+    return int(status.split()[1]), dict(line.split(": ", 1) for line in lines), body
+
+
+HOST = "Host: 127.0.0.1\r\n"
+REQUESTS = {
+    "GET": ("GET / HTTP/1.1\r\n" + HOST, 200),
+    "HEAD": ("HEAD / HTTP/1.1\r\n" + HOST, 200),
+    "GET of HTTP/1.0": ("GET / HTTP/1.0\r\n", 200),
+    "health": ("GET /health HTTP/1.1\r\n" + HOST, 200),
+    "HEAD of health": ("HEAD /health HTTP/1.1\r\n" + HOST, 200),
+    "HTTP/1.0 of health": ("GET /health HTTP/1.0\r\n", 200),
+    "HEAD of HTTP/1.0 of health": ("HEAD /health HTTP/1.0\r\n", 200),
+    "an empty line before": ("\r\nGET /health HTTP/1.1\r\n" + HOST, 200),
+    "no such file": ("GET /nothing HTTP/1.1\r\n" + HOST, 404),
+    "no such file, its head": ("HEAD /nothing HTTP/1.1\r\n" + HOST, 404),
+    "a name that no file has": (f"GET /{'a' * 3000} HTTP/1.1\r\n" + HOST, 404),
+    "OPTIONS": ("OPTIONS / HTTP/1.1\r\n" + HOST, 405),
+    "OPTIONS of HTTP/1.0": ("OPTIONS / HTTP/1.0\r\n", 405),
+    "OPTIONS *": ("OPTIONS * HTTP/1.1\r\n" + HOST, 405),
+    "POST": ("POST / HTTP/1.1\r\nContent-Length: 3\r\n" + HOST, 405),
+    "POST of health": ("POST /health HTTP/1.1\r\nContent-Length: 3\r\n" + HOST, 405),
+    "DELETE": ("DELETE / HTTP/1.1\r\n" + HOST, 405),
+    "HEAD of a touch": (f"HEAD /touch/0.{'a' * 32}/b/1 HTTP/1.1\r\n" + HOST, 405),
+    "GET with a body": ("GET / HTTP/1.1\r\nContent-Length: 3\r\n" + HOST, 400),
+    "GET with chunks": ("GET / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n" + HOST, 400),
+    "two hosts": ("GET / HTTP/1.1\r\n" + 2 * HOST, 400),
+    "two origins": ("GET / HTTP/1.1\r\nOrigin: a\r\norigin: b\r\n" + HOST, 400),
+    "two cookies": ("GET / HTTP/1.1\r\nCookie: a=b\r\nCookie: a=b\r\n" + HOST, 400),
+    "two lengths": ("GET / HTTP/1.1\r\nContent-Length: 0\r\nContent-Length: 0\r\n" + HOST, 400),
+    "no request": ("hello\r\n", 400),
+    "no target": ("GET HTTP/1.1\r\n", 400),
+    "a header without a colon": ("GET / HTTP/1.1\r\nHost\r\n", 400),
+    "a header with a space": ("GET / HTTP/1.1\r\nHo st: a\r\n", 400),
+    "a websocket by HEAD": (HANDSHAKE.format(host="a").replace("GET", "HEAD")[:-2], 400),
+    "a websocket by HTTP/1.0": (HANDSHAKE.format(host="a").replace("1.1", "1.0", 1)[:-2], 400),
+    "a websocket with two keys": (HANDSHAKE.format(host="a")[:-2] + "Sec-WebSocket-Key: a\r\n", 400),
+    "a websocket with a bad key": (HANDSHAKE.format(host="a").replace("Key: ", "Key: x")[:-2], 400),
+    "HTTP/2": ("PRI * HTTP/2.0\r\n", 505),
+    "200 headers": ("GET / HTTP/1.1\r\n" + HOST + "a: b\r\n" * 200, 431),
+    "a header of 10 kB": ("GET / HTTP/1.1\r\n" + HOST + f"a: {'b' * 10_000}\r\n", 431),
+    "a head of 40 kB": ("GET / HTTP/1.1\r\n" + HOST + f"a: {'b' * 4_000}\r\n" * 10, 431),
+}
+
+
+@pytest.mark.parametrize("what", REQUESTS)
+def test_every_request_is_answered(serving, what):
+    request, status = REQUESTS[what]
+    found, headers, body = answer_to(serving.url, request.encode() + b"\r\n")
+    assert found == status and headers["Connection"] == "close"
+    assert ("Allow" in headers) is (status == 405)
+    if request.lstrip().startswith("HEAD"):
+        assert body == b"" and int(headers["Content-Length"]) > 0
+    else:
+        assert len(body) == int(headers["Content-Length"]) > 0
+
+
+@pytest.mark.parametrize("request_", [b"GET /health HTTP/1.0\n\n", b"GET /health HTTP/1.1\nHost: a\n\n"])
+def test_lines_that_end_otherwise_are_answered_at_once(serving, request_):
+    assert answer_to(serving.url, request_)[0] == 400
+
+
+def test_who_has_said_all_is_answered_yet(serving):
+    assert answer_to(serving.url, b"GET /health HTTP/1.0\r\n\r\n", ends=True)[0] == 200
+    assert answer_to(serving.url, b"POST / HTTP/1.1\r\n\r\n", ends=True)[0] == 405
+
+
+def test_the_head_of_an_answer_tells_of_what_the_answer_would_have(serving):
+    sizes = {
+        int(answer_to(serving.url, f"{method} / HTTP/1.1\r\n{HOST}\r\n".encode())[1]["Content-Length"])
+        for method in ("GET", "HEAD")
+    }
+    assert len(sizes) == 1
+
+
+def test_a_body_that_is_still_coming_does_not_undo_the_answer(serving):
+    length = 4 << 20
+    with socket.create_connection(place_of(serving.url), timeout=20) as client:
+        client.sendall(f"POST / HTTP/1.1\r\n{HOST}Content-Length: {length}\r\n\r\n".encode())
+        for _ in range(16):
+            client.sendall(bytes(1 << 16))
+        wait_until(lambda: re.match(rb"HTTP/1.1 405 .*\r\n\r\n", client.recv(4096), re.DOTALL))
+
+
+def test_a_head_is_read_whole_however_it_comes():
+    request = b"GET /a?b HTTP/1.1\r\nHost: a\r\n\r\nmore"
+    for k in range(len(request) - len("more")):
+        assert read_head(request[:k]) is None
+    whole = read_head(request)
+    assert whole is not None and whole.plain == request and whole.of_body and not whole.websocket
+    with pytest.raises(NotAnswered):
+        read_head(b"a" * (MOST_HEAD + 1))

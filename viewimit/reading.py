@@ -1,0 +1,82 @@
+"""Files that a person names: read only if they are files, and no further than a file of their kind may go."""
+
+import errno
+import os
+import re
+import stat
+import struct
+import zipfile
+import zlib
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+MEGABYTE = 1 << 20
+MOST_TOML = MEGABYTE
+MOST_ARRAYS = 128 * MEGABYTE  # unpacked
+MOST_PARTS = 32  # of a name in TOML: the time that a parser takes grows with their square
+_PART = rb"(?:\"[^\"\n]*\"|'[^'\n]*'|[\w-]+)[ \t]*"
+LONG_NAME = re.compile(rb"(?<![\w-])(?:" + _PART + rb"\.[ \t]*){%d}" % MOST_PARTS)
+DAMAGED = (
+    zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, RuntimeError, SyntaxError, ValueError,
+    TypeError, MemoryError,
+)  # fmt: skip
+
+
+class TooLarge(ValueError):
+    """The message names the file, and what to do."""
+
+
+def require_file(path: Path, most_bytes: int) -> None:
+    """Raises OSError for what is not there, ValueError for what is no file, or too large: nothing is opened, so that
+    nobody waits for a pipe."""
+    found = os.stat(path)
+    if stat.S_ISDIR(found.st_mode):
+        raise OSError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(found.st_mode):
+        raise ValueError(f"{path}: a pipe or device, not a file: save what comes out of it as one")
+    if found.st_size > most_bytes:
+        raise ValueError(f"{path}: it has {found.st_size / MEGABYTE:,.0f} MB, more than {most_bytes / MEGABYTE:g}")
+
+
+def read_bytes(path: Path, most_bytes: int) -> bytes:
+    """All of a file. Raises as `require_file`, also where it grows meanwhile, or never ends."""
+    require_file(path, most_bytes)
+    with path.open("rb") as file:
+        content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise ValueError(f"{path}: it has more than {most_bytes / MEGABYTE:g} MB")
+    return content
+
+
+def read_toml(path: Path) -> bytes:
+    """A file for `parse_toml`. Raises as `read_bytes`."""
+    return read_bytes(path, MOST_TOML)
+
+
+def parse_toml(content: bytes, kind: type = dict):
+    """Raises ValueError for what is none of that kind, or nests so that no parser should follow."""
+    if LONG_NAME.search(content):
+        raise ValueError(f"a name of more than {MOST_PARTS} parts")
+    try:
+        return msgspec.toml.decode(content, type=kind)
+    except RecursionError:
+        raise ValueError("it nests too deeply") from None
+
+
+def read_npz(path: Path) -> dict[str, NDArray]:
+    """Arrays by name. Raises OSError, ValueError for what is no .npz file of numbers, or too large once unpacked."""
+    require_file(path, MOST_ARRAYS)
+    try:
+        with zipfile.ZipFile(path) as members:
+            unpacked = sum(member.file_size for member in members.infolist())
+        if unpacked > MOST_ARRAYS:
+            raise TooLarge(f"{path}: it unpacks to {unpacked / MEGABYTE:,.0f} MB: keep fewer frames in a file")
+        with np.load(path) as file:
+            return {name: file[name] for name in file.files}
+    except TooLarge:
+        raise
+    except DAMAGED:  # RecursionError is a RuntimeError
+        raise ValueError(f"{path}: not an .npz file of numbers") from None

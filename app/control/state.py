@@ -19,6 +19,7 @@ from viewimit.snapshot import AT_REST, Snapshot
 
 from ..jobs.experiments import Run
 from ..jobs.landscapes import MadeLandscape
+from ..sessions.link import Linked
 from .duel import Duel
 from .experiments import Experiments
 from .moments.rehearsal import Rehearsal, rehearsal_of
@@ -34,8 +35,9 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified")  # that a
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
     whether it is open; fits: how often the visitor has asked for the default camera; wide: whether the window has room
-    for more, as it says itself; large: of LARGE, which fills the window beside the controls; look_only: a posture that
-    is touched is looked at by a see-through arm, and nothing moves."""
+    for more, as it says itself; share: whether the card with link and code is open; large: of LARGE, which fills the
+    window beside the controls; look_only: a posture that is touched is looked at by a see-through arm, and nothing
+    moves."""
 
     chosen: int | None = None
     rays: bool = False
@@ -49,6 +51,7 @@ class View:
     fits: int = 0
     wide: bool = False
     look_only: bool = False
+    share: bool = False
     large: str | None = None
 
     def on(self, switch: str) -> bool:
@@ -77,8 +80,9 @@ class PageState:
     shown, None for all of it. speed: motions a
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
-    points: of the body, while they are edited. message: for the visitor; unsaved: why the session is not kept, None as
-    far as is known. Session, duel, experiments and motions are those of the page: to be read only.
+    points: of the body, while they are edited. linked(): what a link to this page holds, ValueError where that cannot
+    be said; message: for the visitor; unsaved: why the session is not kept, None as far as is known. Session, duel,
+    experiments and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -110,6 +114,7 @@ class PageState:
     experiments: Experiments
     motions: Motions
     points: EditedPoints
+    linked: Callable[[], Linked]
     message: str | None
     unsaved: str | None
 

@@ -21,6 +21,7 @@ from .motions import MotionsPanel
 from .panel import Panel
 from .playback import PlaybackPanel
 from .points.folder import PointsPanel
+from .share import SharePanel
 from .status import StatusPanel
 from .views import ViewsPanel
 
@@ -36,6 +37,7 @@ PANELS: list[type[Panel]] = [
     KeysPanel,
     GlossaryPanel,
     StatusPanel,
+    SharePanel,
     ViewsPanel,
     ImagesPanel,
     ConflictPanel,

@@ -17,7 +17,7 @@ from ..presets import Preset
 from .command import Command
 from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
 from .points import BestNext, RemovePoint, SaveScene
-from .session import Play, Scrub, StartAt
+from .session import FollowLink, Play, Scrub, StartAt
 
 
 @dataclass(frozen=True)
@@ -110,5 +110,6 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
+    "link": FollowLink,
     "show": ShowWord.parse,
 }

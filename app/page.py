@@ -40,7 +40,8 @@ class CannotResume(Exception):
 
 class Page:
     """tick(now) takes what the visitor did, moves the loop on, and shows what changed. keep(memory): at
-    times → why it is not kept, None if it is. address: that its drawings' links begin with, None for no links."""
+    times → why it is not kept, None if it is. address: that its drawings' links begin with, None for no links; origin:
+    of the browser's page."""
 
     def __init__(
         self,
@@ -50,6 +51,7 @@ class Page:
         keep: Callable[[SavedSession], str | None],
         resumed: SavedSession | None = None,
         address: str | None = None,
+        origin: str | None = None,
     ):
         self._client, self._shedding, self._keep, self.address = client, services.shedding, keep, address
         self.queue, self._redraw = CommandQueue(), Redraw()
@@ -59,7 +61,7 @@ class Page:
         if resumed is not None:
             self._resume(resumed)
         with client.atomic():
-            layout, state = Layout(client, self.queue, address), self.model.state(0.0)
+            layout, state = Layout(client, self.queue, address, origin), self.model.state(0.0)
             self._panels = [panel() for panel in PANELS]
             for panel in self._panels:
                 panel.build(layout, state)

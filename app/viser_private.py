@@ -33,6 +33,13 @@ def connection_of(server: ViserServer, client_id: int) -> ServerConnection | Non
     return server._websock_server._live_connections.get(client_id)
 
 
+def origin_of(server: ViserServer, client_id: int) -> str | None:
+    """scheme://host:port of the browser's page; None if it does not say. Offer: `client.request.headers`."""
+    connection = connection_of(server, client_id)
+    request = None if connection is None else connection.request
+    return None if request is None else request.headers.get("Origin")
+
+
 class Own(NamedTuple):
     """What is a client's own, by what messages call it. Offer: `client.gui.get(uuid)`, `client.scene.get(name)`."""
 

@@ -21,6 +21,7 @@ from .embodiment.in_scene import OpenEyes, degrees
 from .history import MAX_HISTORY, History
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .rectifying import POOLED, rectification_for
+from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
 from .servo import SERVOS, Observation
 from .servo.observation import Conflict
 from .servo.visit import Visit
@@ -49,6 +50,7 @@ class Session:
     embodiment: Embodiment
     observer: Looks
     history: History
+    log: Log
 
     def __init__(self, settings: Settings | None = None, open_eyes: OpenEyes = open_eyes, dense: int | None = None):
         self._set_up(SceneOpener(open_eyes), settings or Settings(), dense)
@@ -84,6 +86,11 @@ class Session:
     @property
     def settings(self) -> Settings:
         return self.snapshot.settings
+
+    @property
+    def script(self) -> Script:
+        """What leads to the moment shown, played in a new session. Raises ValueError where that is not known."""
+        return self.log.script(self.cursor)
 
     @property
     def eyes(self) -> SimulatedEyes:
@@ -128,18 +135,23 @@ class Session:
         if self.snapshot.rehearses:
             self._rehearse(self.snapshot)
             return True
-        now = self._with_points()
+        held, now = self.snapshot.transfer is None, self._with_points()
         if now.transfer is None:
+            self.log.note(now.motion, Stepped(1))
             return False
         if now.motion >= MAX_HISTORY:
             self.history.replace(now.with_fields(status="stopped"))
             return False
+        if held:
+            self.log.note(now.motion, Looked(1))
         state, displacement = self._ask(now)  # residual e → E → servo
         if exchanged(state) != exchanged(now.servo_state):
             now = self.observe(now.theta, now, servo_state=state)
         if not np.any(displacement):
+            self.log.note(now.motion, Stepped(1))
             self.history.replace(_resting(now, state))
             return False
+        self.log.note(now.motion)
         after = self._moved(now, displacement, probe=state.probe, status=state.status, servo_state=state)
         self.history.append(after)
         return True
@@ -166,6 +178,7 @@ class Session:
         now = self.snapshot
         after = self._followed(now, self.observe(now.theta, now, look=now.look + 1))
         moved = not _same_demonstrator(now, after)
+        self.log.note(now.motion, Looked(1))
         self.history.replace(after.with_fields(status=_awake(after)) if moved else after)
         return moved
 
@@ -200,17 +213,19 @@ class Session:
         if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):
             self.begin(settings)
             return
+        changed = {name: getattr(settings, name) for name in fields}
         now = self.snapshot.with_fields(frozen=None)
         if settings.servo != now.settings.servo:
             now = now.with_fields(servo_state=None)
-        self._pose(self.embodiment.demonstrator(settings), settings, now)
+        self._pose(self.embodiment.demonstrator(settings), settings, now, Changed(changed))
 
     def pose(self, theta_demo: ArrayLike) -> None:
         """Move the demonstrator to theta_demo, (m,) rad, at any time; the learner looks again.
 
         Raises ValueError, with the session as it was, for a posture out of its limits.
         """
-        self._pose(self.embodiment.require_posture(theta_demo, "demonstrator's"), self.settings, self.snapshot)
+        theta_demo = self.embodiment.require_posture(theta_demo, "demonstrator's")
+        self._pose(theta_demo, self.settings, self.snapshot, Posed(tuple(theta_demo.tolist())))
 
     def rehearse(self, postures: NDArray) -> None:
         """Go through these, (K, m) rad, in the next steps, with nobody to imitate, and keep what is seen of the own
@@ -224,6 +239,7 @@ class Session:
         settings = self.settings
         body = BodyImage(self.embodiment.body(settings), settings.scene, self.observer.noise_at_rest(settings))
         now = self.snapshot.with_fields(body=body, to_rehearse=to_rehearse, servo_state=None, status="rehearsing")
+        self.log.note(now.motion, Rehearsed(tuple(map(tuple, to_rehearse.tolist()))))
         self.history.replace(now)
 
     def remember(self, body: BodyImage | None) -> None:
@@ -234,6 +250,10 @@ class Session:
         if body is not None:
             self.embodiment.body(self.settings).require(body.body)
         now = self.snapshot
+        if body is None:
+            self.log.note(now.motion, Forgot())
+        else:
+            self.log.lose(now.motion)
         self.history.replace(now.with_fields(body=body, to_rehearse=None, servo_state=None, status=_awake(now)))
 
     def undo(self) -> bool:
@@ -251,14 +271,15 @@ class Session:
         """Back to the start, with the settings as they are now."""
         self.begin(self.settings)
 
-    def resume(self, history: Sequence[Snapshot], cursor: int) -> None:
-        """Go on from what another session has left: its history, and the motion that it showed.
+    def resume(self, history: Sequence[Snapshot], cursor: int, log: Log | None = None) -> None:
+        """Go on from what another session has left: its history, the motion that it showed, and how it came there, if
+        that is known.
 
         Raises ValueError, with the session as it was, if its settings cannot be here.
         """
         self.begin(history[cursor].settings)
         self.observer = self.embodiment.looks(history[0].theta)
-        self.history = History(history, cursor, self._dense)
+        self.history, self.log = History(history, cursor, self._dense), Log.unknown() if log is None else log.copy()
         self.embodiment.revisit(self.snapshot.commanded)
 
     def begin(self, settings: Settings) -> None:
@@ -270,6 +291,7 @@ class Session:
         begun = self._open(settings)
         settings, self.embodiment, theta = begun.settings, begun.embodiment, begun.theta
         body = kept if kept is not None and kept.body == self.embodiment.body(settings) else None
+        log = _log_anew(settings, None if body is None else self)
         self.observer = self.embodiment.looks(theta)
         blank = Snapshot(
             settings=settings, motion=0, look=0, theta=theta, theta_demo=begun.theta_demo, views=NOTHING_SEEN,
@@ -278,6 +300,7 @@ class Session:
         )  # fmt: skip
         self.history = History([blank], dense=self._dense)
         self.history.replace(self.observe(theta, blank))
+        self.log = log
 
     def _with_points(self) -> Snapshot:
         """The present; looked at again, with the arm held still, if too few points were seen."""
@@ -325,7 +348,7 @@ class Session:
         commanded = np.clip(now.commanded + displacement, self.embodiment.lower, self.embodiment.upper)
         return commanded, self.embodiment.drive(now.settings, now.theta, now.commanded, commanded)
 
-    def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot) -> None:
+    def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot, deed: Deed) -> None:
         """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad."""
         if np.isfinite(theta_demo).all():
             settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
@@ -334,7 +357,19 @@ class Session:
         if now.servo_state is not None:
             state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)
+        self.log.note(now.motion, deed)
         self.history.replace(now)
+
+
+def _log_anew(settings: Settings, before: Session | None) -> Log:
+    """Of a session that begins; before: the one as it was, of which a rehearsal is kept."""
+    if before is None:
+        return Log(Script(settings))
+    try:
+        script = before.script
+    except ValueError:
+        return Log.unknown()
+    return Log(Script(script.settings, (*script.deeds, Began(settings))))
 
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:

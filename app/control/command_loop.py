@@ -69,7 +69,7 @@ class CommandLoop:
 
     def _take_turn(self, now: float) -> None:
         """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes
-        camera images, at once if not."""
+        camera images or long, at once if not."""
         model, commands = self._model, self._queue.take()
         if model.guided.course is not None:
             for command in commands:
@@ -77,7 +77,8 @@ class CommandLoop:
             model.follow_lesson(now)
             return
         opens = any(command.opens_pictures(model) for command in commands)
-        if not opens and model.session.settings.camera == "points":
+        long = any(command.takes_long for command in commands)
+        if not opens and not long and model.session.settings.camera == "points":
             self._apply_within_budget(commands, now)
             self._move_on(now, self._shedding.step_budget)
             return

@@ -18,6 +18,7 @@ from viewimit.drawing.images.construction import last_stage
 from viewimit.drawing.images.planes import Windows
 from viewimit.embodiment.in_scene import complete
 from viewimit.rehearsal import POSTURES, begin_rehearsal
+from viewimit.replay import play
 from viewimit.session import Session
 from viewimit.settings import BodyPoint, Settings
 from viewimit.simulation.appearance import Bodies
@@ -28,6 +29,7 @@ from ..jobs.experiments import Run
 from ..jobs.session_eyes import RemoteEyes, SessionEyes
 from ..lessons.course import Course
 from ..sessions.autosave import SavedPage, SavedSession
+from ..sessions.link import Linked
 from .appearance import Appearance
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
@@ -68,7 +70,7 @@ class PageModel:
         queue: CommandQueue,
         send: Callable[[str, bytes], None],
     ):
-        self._page_id, self._begun, self._services, self._queue = page_id, settings, services, queue
+        self._page_id, self.begun, self._services, self._queue = page_id, settings, services, queue
         self._eyes, self._opponents_eyes = SessionEyes(services.camera), SessionEyes(services.camera)
         self.session = Session(settings, self._eyes, DENSE)
         self.player = Player(self.session)
@@ -207,8 +209,8 @@ class PageModel:
 
     def _go_on_with(self, left: Left) -> None:
         world = self.session.world
-        for session, (moments, cursor) in zip(self._sessions, left.runs):
-            session.resume(moments, cursor)
+        for session, (moments, cursor, log) in zip(self._sessions, left.runs):
+            session.resume(moments, cursor, log)
         self.preset, self.player.speed = left.preset, left.speed
         self.player.settle()
         if self.session.world is not world:
@@ -264,7 +266,7 @@ class PageModel:
 
     def go_on(self, memory: SavedSession) -> None:
         """With a session that was kept; the loop is paused."""
-        self.session.resume(memory.history, memory.head.cursor)
+        self.session.resume(memory.history, memory.head.cursor, memory.head.log)
         self._show_as(memory.head)
         self.view = replace(self.view, chosen=memory.head.chosen)
         self.begin_anew()
@@ -281,11 +283,36 @@ class PageModel:
         self._show_as(memory.head)
         self.begin_anew()
 
+    def linked(self) -> Linked:
+        """What a link to this page holds. Raises ValueError where that cannot be said."""
+        view = self.view
+        show = {name: on for name in SWITCHES if isinstance(on := getattr(view, name), bool)}
+        chosen, speed = view.chosen, self.player.speed
+        return Linked(script=self.session.script, preset=self.preset.name, speed=speed, chosen=chosen, show=show)
+
+    def follow_link(self, linked: Linked) -> None:
+        """The page becomes what the link holds; Undo brings back what it was. Raises ValueError, with all as it is."""
+        self.guided.leave()
+        self.player.pause()
+        before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
+        try:
+            with self._kept(whole=True):
+                play(linked.script, self.session)
+        except ValueError:
+            self.session.resume(*before)
+            raise
+        settings = linked.script.settings
+        self.preset = self.presets.get(linked.preset, Preset("From a link", settings, linked.speed, "As it was sent."))
+        self.player.speed = linked.speed
+        shown: dict[str, Any] = {name: linked.show[name] for name in SWITCHES if name in linked.show}
+        self.view = replace(self.view, chosen=linked.chosen, **shown)
+        self.begin_anew()
+
     def memory(self) -> SavedSession:
         """What of the page is kept. The opponent of a duel and what runs in the tab Experiments is not."""
         session, view = self.session, self.view
         head = SavedPage(
-            begun=self._begun,
+            begun=self.begun,
             cursor=session.cursor,
             length=len(session.history),
             preset=self.preset.name,
@@ -297,6 +324,7 @@ class PageModel:
             lessons=self.guided.kept,
             lesson=None if self.guided.course is None else self.guided.course.progress.lesson,
             offered=self.guided.offered,
+            log=session.log.copy(),
         )
         return SavedSession(head, tuple(session.history))
 
@@ -374,6 +402,7 @@ class PageModel:
             experiments=self.experiments,
             motions=self.motions,
             points=self.points.shown,
+            linked=self.linked,
             message=None if self.message is None else self.message.text,
             unsaved=self.unsaved,
             lessons=self.guided.lessons,

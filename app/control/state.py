@@ -21,6 +21,7 @@ from ..jobs.experiments import Run
 from ..jobs.landscapes import MadeLandscape
 from ..lessons.course import Course
 from ..lessons.format import Lesson
+from ..sessions.link import Linked
 from .duel import Duel
 from .experiments import Experiments
 from .moments.rehearsal import Rehearsal, rehearsal_of
@@ -36,8 +37,9 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified")  # that a
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
     whether it is open; fits: how often the visitor has asked for the default camera; wide: whether the window has room
-    for more, as it says itself; large: of LARGE, which fills the window beside the controls; look_only: a posture that
-    is touched is looked at by a see-through arm, and nothing moves."""
+    for more, as it says itself; share: whether the card with link and code is open; large: of LARGE, which fills the
+    window beside the controls; look_only: a posture that is touched is looked at by a see-through arm, and nothing
+    moves."""
 
     chosen: int | None = None
     rays: bool = False
@@ -51,6 +53,7 @@ class View:
     fits: int = 0
     wide: bool = False
     look_only: bool = False
+    share: bool = False
     large: str | None = None
 
     def on(self, switch: str) -> bool:
@@ -79,10 +82,11 @@ class PageState:
     shown, None for all of it. speed: motions a
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
-    points: of the body, while they are edited. message: for the visitor; unsaved: why the session is not kept, None as
-    far as is known. lessons: all there are, by name; course: the one that goes on, whose session then is shown;
-    offered: whether the first one is. word: of the glossary that is shown, in place of what can be given back. Session,
-    duel, experiments and motions are those of the page: to be read only.
+    points: of the body, while they are edited. linked(): what a link to this page holds, ValueError where that cannot
+    be said; message: for the visitor; unsaved: why the session is not kept, None as far as is known. lessons: all there
+    are, by name; course: the one that goes on, whose session then is shown; offered: whether the first one is. word: of
+    the glossary that is shown, in place of what can be given back. Session, duel, experiments and motions are those of
+    the page: to be read only.
     """
 
     generation: int
@@ -114,6 +118,7 @@ class PageState:
     experiments: Experiments
     motions: Motions
     points: EditedPoints
+    linked: Callable[[], Linked]
     message: str | None
     unsaved: str | None
     lessons: Mapping[str, Lesson]

@@ -13,6 +13,7 @@ from .experiments import ExperimentsPanel
 from .guide.glossary import GlossaryPanel
 from .guide.keys import KeysPanel
 from .guide.lesson import LessonPanel
+from .guide.share import SharePanel
 from .history import HistoryPanel
 from .images import ImagesPanel
 from .landscape import LandscapePanel
@@ -38,6 +39,7 @@ PANELS: list[type[Panel]] = [
     KeysPanel,
     GlossaryPanel,
     StatusPanel,
+    SharePanel,
     ViewsPanel,
     ImagesPanel,
     ConflictPanel,

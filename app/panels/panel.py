@@ -16,10 +16,12 @@ LEFT_WIDTHS = {False: 280, True: 300}
 
 class Layout:
     """The left panel, which is `gui` itself, and the right ones with their tabs. address: what links begin with, None
-    for none."""
+    for none; origin: scheme://host:port by which the browser knows the server, None if it does not say."""
 
-    def __init__(self, client: ClientHandle, queue: CommandQueue, address: str | None = None):
-        self.client, self.gui, self.queue, self.address = client, client.gui, queue, address
+    def __init__(
+        self, client: ClientHandle, queue: CommandQueue, address: str | None = None, origin: str | None = None
+    ):
+        self.client, self.gui, self.queue, self.address, self.origin = client, client.gui, queue, address, origin
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
         self._tabs: dict[str, AbstractContextManager] = {}

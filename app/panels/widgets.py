@@ -76,6 +76,11 @@ def _is_number(value) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
+def told_address(address: str) -> str:
+    """Where the page's script tells what its own address asks for, put in front of that; nothing to be seen."""
+    return f'<i hidden="" data-link="{address}"></i>'
+
+
 def told(address: str, media: str) -> str:
     """A picture of nothing: the browser asks for address/1 where this media query holds, for address/0 where it does
     not, and again whenever that changes."""

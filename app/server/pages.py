@@ -137,12 +137,13 @@ class App:
 
     def _page(self, client: viser.ClientHandle, key: str | None, keep, resumed, address: str | None) -> Page:
         """What was kept goes on, or the page says why it does not."""
+        origin = viser_private.origin_of(self._server, client.client_id)
         try:
-            page = Page(client, self.services, self._settings, keep, resumed, address)
+            page = Page(client, self.services, self._settings, keep, resumed, address, origin)
         except CannotResume as error:
             if key is not None:
                 self._autosave.set_aside(key, str(error))
-            page = Page(client, self.services, self._settings, keep, None, address)
+            page = Page(client, self.services, self._settings, keep, None, address, origin)
         if key is not None and (why := self._autosave.lost(key)) is not None:
             page.say(why)
         return page

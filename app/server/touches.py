@@ -11,6 +11,7 @@ import secrets
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from ..sessions.link import MOST_CHARS
 from .cookie import token_of
 from .message_schema import Refused
 from .rate_limits import TokenBucket
@@ -18,7 +19,8 @@ from .rate_limits import TokenBucket
 TOUCHES_A_SECOND, TOUCHES_AT_ONCE = 5, 30  # of one tab
 ROOT = "/touch/"
 _WORKER = re.compile(rb"GET /touch/(\d{1,3})\.")
-_TOUCH = re.compile(r"(/touch/\d{1,3}\.[\w-]{32})/([a-z]{1,20})/([-+.,\w]{1,40})", re.ASCII)
+_TOUCH = re.compile(r"(/touch/\d{1,3}\.[\w-]{32})/([a-z]{1,20})/([-+.,\w]+)", re.ASCII)
+_MOST_CHARS = {"link": MOST_CHARS}  # of a value; of all others 40
 
 
 class NotTouched(Refused):
@@ -58,7 +60,7 @@ class Touches:
     def follow(self, path: str, headers: Mapping[str, str]) -> None:
         """Hand a request to the page that it is of. Raises NotTouched."""
         asked = _TOUCH.fullmatch(path)
-        if asked is None:
+        if asked is None or len(asked[3]) > _MOST_CHARS.get(asked[2], 40):
             raise NotTouched(http.HTTPStatus.NOT_FOUND, "a touch of an address that no link has")
         # Browsers tell this on https and on their own machine only; elsewhere secret and cookie must do
         site = headers.get("Sec-Fetch-Site", "same-origin")

@@ -8,6 +8,7 @@ import numpy as np
 
 from viewimit import __version__
 from viewimit.history import MAX_HISTORY
+from viewimit.script import Log
 from viewimit.servo import SERVOS
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
@@ -28,7 +29,8 @@ Speed = Annotated[float, msgspec.Meta(ge=0, le=MOST_SPEED)]  # NaN is neither
 
 class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it;
-    lessons: what was answered in them; lesson: the one that goes on; offered: whether the first one is."""
+    lessons: what was answered in them; lesson: the one that goes on; offered: whether the first one is; log: how the
+    session came to where it is."""
 
     version: str = __version__
     begun: Settings
@@ -43,6 +45,7 @@ class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     lessons: tuple[Progress, ...] = ()
     lesson: str | None = None
     offered: bool = False
+    log: Log | None = None
 
 
 @dataclass(frozen=True, eq=False)

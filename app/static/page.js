@@ -193,3 +193,26 @@ new MutationObserver(() => {
   const again = another ? null : here.querySelector(focused) || (onwards && onwards.closest("a"));
   (again || here.querySelector("h2")).focus({preventScroll: true});
 }).observe(document, {childList: true, subtree: true});
+// A link to a state: what the page's address asks for is told once, and is then gone from it, so that a reload goes on
+const asked = new URLSearchParams(location.search).get("s");
+const followLink = () => {
+  const place = document.querySelector("[data-link]");
+  if (!place) return false;
+  fetch(place.dataset.link + encodeURIComponent(asked), {credentials: "same-origin"});
+  history.replaceState(null, "", location.pathname);
+  return true;
+};
+if (asked) {
+  const waiting = new MutationObserver(() => followLink() && waiting.disconnect());
+  waiting.observe(document, {childList: true, subtree: true});
+}
+
+document.addEventListener("click", event => {
+  const button = event.target.closest(".vi-copy");
+  if (!button) return;
+  const text = button.parentElement.querySelector("pre");
+  getSelection().selectAllChildren(text);
+  const copied = navigator.clipboard ? navigator.clipboard.writeText(text.textContent)
+    : Promise.resolve(document.execCommand("copy"));  // without https there is no other
+  copied.then(() => { button.textContent = "Copied"; setTimeout(() => { button.textContent = "Copy"; }, 1500); });
+});

@@ -11,13 +11,14 @@ class Command:
     """An action, of which none is lost.
 
     moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
-    comes before or after any other, so that it need not wait. in_lesson: it is carried out in a lesson too, in which
-    all other controls are out of reach.
+    comes before or after any other, so that it need not wait. takes_long: seconds, for which nobody else is to wait.
+    in_lesson: it is carried out in a lesson too, in which all other controls are out of reach.
     """
 
     moves: ClassVar[bool] = False
     commutes: ClassVar[bool] = False
     in_lesson: ClassVar[bool] = False
+    takes_long: ClassVar[bool] = False
 
     @property
     def control(self) -> Hashable | None:

@@ -123,8 +123,8 @@ class LetGo(Command):
     commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        if model.view.help:
-            model.view = replace(model.view, help=False)
+        if model.view.help or model.view.share:
+            model.view = replace(model.view, help=False, share=False)
         elif model.guided.course is not None:
             model.guided.leave()
         elif not model.points.let_go():
@@ -140,6 +140,15 @@ class FitView(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, fits=model.view.fits + 1)
+
+
+class ToggleShare(Command):
+    """The card with a link to what the page shows, and with the code that repeats it."""
+
+    commutes: ClassVar[bool] = True
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, share=not model.view.share)
 
 
 class ToggleHelp(Command):

@@ -13,6 +13,7 @@ from viewimit.settings import given
 from viewimit.simulation.kinematics import pose_for_hand
 
 from ...sessions.autosave import SavedSession
+from ...sessions.link import read
 from ..checks import choice, number, words
 from ..moments.rehearsal import rehearsal_of
 from ..names import SPEEDS, modified, motions
@@ -211,6 +212,25 @@ class PoseHand(Value):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.pose(pose_for_hand(model.session.world, self.position, model.session.snapshot.theta_demo))
+
+
+@dataclass(frozen=True)
+class FollowLink(Command):
+    """What somebody has sent, motion by motion: beside the scheduler, as that may take seconds."""
+
+    text: str
+    moves: ClassVar[bool] = True
+    takes_long: ClassVar[bool] = True
+    in_lesson: ClassVar[bool] = True
+
+    def opens_pictures(self, model: PageModel) -> bool:
+        try:
+            return read(self.text, model.begun).script.settings.camera == "rendered"
+        except ValueError:
+            return False
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.follow_link(read(self.text, model.begun))
 
 
 @dataclass(frozen=True, eq=False)

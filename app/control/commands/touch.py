@@ -18,7 +18,7 @@ from .command import Command
 from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
 from .lessons import touched
 from .points import BestNext, RemovePoint, SaveScene
-from .session import Play, Scrub, StartAt
+from .session import FollowLink, Play, Scrub, StartAt
 
 
 @dataclass(frozen=True)
@@ -124,6 +124,7 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "start": lambda value: StartThere(),
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
+    "link": FollowLink,
     "show": ShowWord.parse,
     "restore": lambda value: GiveBack(),
     "lesson": touched,

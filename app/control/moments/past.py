@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+from viewimit.script import Log
 from viewimit.session import Session
 from viewimit.snapshot import Snapshot
 
@@ -11,7 +12,7 @@ from ..presets import Preset
 
 MOST = 12  # that are kept
 
-Run = tuple[tuple[Snapshot, ...], int]  # history and cursor
+Run = tuple[tuple[Snapshot, ...], int, Log]  # history, cursor, and how it came there
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,7 @@ class Left:
 
     @property
     def camera(self) -> str:
-        moments, cursor = self.runs[0]
+        moments, cursor, _ = self.runs[0]
         return moments[cursor].settings.camera
 
 
@@ -65,13 +66,14 @@ class Past:
     @contextmanager
     def kept(self, sessions: Sequence[Session], preset: Preset, speed: float, whole: bool = False) -> Iterator[None]:
         """Inside, moments may be lost. whole: even if there is but the first. What raises has lost none."""
-        histories = [(session.history, session.cursor) for session in sessions]  # stay as they are for who begins anew
-        branches = any(cursor < len(history) - 1 for history, cursor in histories)
+        # stay as they are for who begins anew
+        histories = [(session.history, session.cursor, session.log) for session in sessions]
+        branches = any(cursor < len(history) - 1 for history, cursor, _ in histories)
         runs = tuple(map(_run, sessions)) if branches else None
         yield
         if sessions[0].history is not histories[0][0]:
             if whole or len(histories[0][0]) > 1:
-                self._keep(runs or tuple((tuple(one), cursor) for one, cursor in histories), 0, preset, speed)
+                self._keep(runs or tuple((tuple(one), cursor, log) for one, cursor, log in histories), 0, preset, speed)
         elif runs is not None:
             self._keep(runs, _cursor(sessions), preset, speed)
 
@@ -86,7 +88,7 @@ class Past:
 
 
 def _run(session: Session) -> Run:
-    return tuple(session.history), session.cursor
+    return tuple(session.history), session.cursor, session.log.copy()
 
 
 def _cursor(sessions: Sequence[Session]) -> int:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ...control.commands.command import Command
-from ...control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp
+from ...control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp, ToggleShare
 from ...control.commands.points import BestNext, EditPoints, RemovePoint
 from ...control.commands.session import Play, Reset, Step, Undo
 from ...control.state import PageState
@@ -42,6 +42,7 @@ KEYS = (
     Key("B", "B", "best next", "Propose the point that would tell most; once more: place it", BestNext()),
     Key("Del", "delete", "remove point", "Remove the chosen point", RemovePoint()),
     Key("⌫", "backspace", "the same", "Remove the chosen point, by Backspace", RemovePoint()),
+    Key("L", "L", "link", "A link to what the page shows, and the code that repeats it", ToggleShare()),
     Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", LetGo()),
 )
 

@@ -1,0 +1,73 @@
+"""The card with a link to what the page shows, its QR code, and the code that repeats it."""
+
+import html
+from typing import Any
+
+import segno
+
+from viewimit.wording import as_command, as_python
+
+from ...control.commands.display import ToggleShare
+from ...control.state import PageState
+from ...sessions.link import written
+from ..panel import Layout, Panel
+from ..widgets import put_html, told_address
+
+MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
+
+
+class SharePanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        self._gui, self._queue, self._origin = layout.gui, layout.queue, layout.origin
+        self._card: Any = None  # the open modal, whose class viser does not name
+        if layout.address is not None:
+            layout.gui.add_html(told_address(f"{layout.address}/link/"))
+
+    def depends_on(self, state: PageState) -> tuple:
+        return (state.view.share, *((state.present, state.view, state.speed) if state.view.share else ()))
+
+    def show(self, state: PageState) -> None:
+        if self._card is not None and not state.view.share:
+            self._card.close()
+            self._card = None
+        if not state.view.share:
+            return
+        if self._card is None:
+            self._card = self._gui.add_modal("What this page shows, for others")
+            with self._card:
+                done = self._gui.add_button("Close")  # first, so that it has the focus and is in sight
+                self._inside = self._gui.add_html("")
+            self._queue.on_click(done, ToggleShare())
+        put_html(self._inside, share_html(state, self._origin))
+
+
+def share_html(state: PageState, origin: str | None) -> str:
+    """origin: scheme://host:port by which the visitor's browser knows the server, None if it does not say."""
+    parts = []
+    try:
+        address = f"{origin or ''}/?s={written(state.linked())}"
+        parts.append(_copied("A link that opens this very state", address))
+        parts.append(_qr(address) if origin is not None else "")
+        parts.append(_copied("The same in Python", as_python(state.session.script), lines=True))
+    except ValueError as error:
+        parts.append(f"<p>{html.escape(str(error))}</p>")
+    try:
+        parts.append(_copied("The same as a command", as_command(state.session.script), lines=True))
+    except ValueError as error:
+        parts.append(f"<p>{html.escape(str(error))}</p>")
+    return f'<div class="vi-share">{"".join(parts)}</div>'
+
+
+def _copied(title: str, text: str, lines: bool = False) -> str:
+    """With a button that copies it."""
+    shown = html.escape(text)
+    button = f'<button type="button" class="vi-copy" aria-label="Copy: {title}">Copy</button>'
+    kind = ' class="vi-code"' if lines else ""
+    return f'<section><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
+
+
+def _qr(address: str) -> str:
+    if len(address) > MOST_IN_QR:
+        return '<p class="vi-2nd">Too long for a QR code that a telephone can read.</p>'
+    drawn = segno.make(address, error="l", micro=False).svg_inline(scale=3, border=2, dark="#000", light="#fff")
+    return f'<div class="vi-qr" role="img" aria-label="QR code of the link">{drawn}</div>'

@@ -1,0 +1,108 @@
+"""All that makes a page what it is, in as many characters as an address may have; and back, as hostile input."""
+
+import base64
+import binascii
+import math
+from typing import Annotated
+
+import msgspec
+import zstandard
+
+from viewimit.history import MAX_HISTORY
+from viewimit.script import Deed, Posed, Rehearsed, Script
+from viewimit.settings import Settings
+from viewimit.simulation.scene import robot_names, scene_names
+
+FORM = "1"  # the first character: which form the rest has
+MOST_CHARS = 6_000
+MOST_BYTES = 1 << 18  # unpacked
+MOST_STEPS = 3_000  # passes of the loop that a server makes for a visitor
+MOST_FRAMES = 100  # images averaged in each
+MOST_DEEDS = 500
+MOST_REHEARSED = 200
+
+Index = Annotated[int, msgspec.Meta(ge=0, le=MAX_HISTORY)]
+Speed = Annotated[float, msgspec.Meta(ge=0, le=1_000)]
+Name = Annotated[str, msgspec.Meta(max_length=80)]
+
+
+class Linked(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+    """script: what leads to the moment shown; chosen: a point; show: switches of the page that are on or off; lesson:
+    its name, and the screen of it."""
+
+    script: Script
+    preset: Name = ""
+    speed: Speed = 2.0
+    chosen: Index | None = None
+    show: dict[Name, bool] = {}
+    lesson: tuple[Name, Index] | None = None
+
+
+def written(linked: Linked) -> str:
+    """Letters, digits, - and _. Raises ValueError for what is too long."""
+    packed = zstandard.compress(msgspec.msgpack.encode(linked), 19)
+    text = FORM + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+    if len(text) > MOST_CHARS:
+        raise ValueError(f"too much was done for a link: {len(text)} characters of {MOST_CHARS}")
+    _require(linked, linked.script.settings)
+    return text
+
+
+def read(text: str, begun: Settings) -> Linked:
+    """begun: what the server was started with, whose own scene a link may name. Raises ValueError that says in a line
+    why it is none."""
+    if len(text) > MOST_CHARS:
+        raise ValueError(f"the link is too long: {len(text)} characters of {MOST_CHARS}")
+    if not text.startswith(FORM):
+        raise ValueError("the link is of another version, or damaged")
+    try:
+        packed = base64.b64decode(text[1:] + "=" * (-len(text[1:]) % 4), altchars="-_", validate=True)
+        plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=MOST_BYTES)
+        linked = msgspec.msgpack.decode(plain, type=Linked)
+    except (binascii.Error, ValueError, zstandard.ZstdError, msgspec.MsgspecError, RecursionError) as error:
+        raise ValueError(f"the link is damaged: {str(error)[:120]}") from None
+    _require(linked, begun)
+    return linked
+
+
+def _require(linked: Linked, begun: Settings) -> None:
+    """Raises ValueError for what a server does not do for whoever comes by."""
+    script = linked.script
+    if script.steps > MOST_STEPS:
+        raise ValueError(f"the link asks for {script.steps} motions; {MOST_STEPS} are the most")
+    if len(script.deeds) > MOST_DEEDS:
+        raise ValueError(f"the link asks for {len(script.deeds)} deeds; {MOST_DEEDS} are the most")
+    for settings in (script.settings, *(found for deed in script.deeds if (found := _settings_of(deed)) is not None)):
+        _require_names(settings, begun)
+    for deed in script.deeds:
+        _require_finite(deed)
+
+
+def _settings_of(deed: Deed) -> Settings | None:
+    """That a deed begins or goes on with, its other fields as usual."""
+    if hasattr(deed, "settings"):
+        return deed.settings
+    if not hasattr(deed, "fields"):
+        return None
+    try:
+        return msgspec.convert(deed.fields, Settings)
+    except msgspec.ValidationError as error:
+        raise ValueError(f"the link is damaged: {error}") from None
+
+
+def _require_names(settings: Settings, begun: Settings) -> None:
+    """No file of the server's is opened for a link, but those that it shows anyhow."""
+    if settings.scene not in (*scene_names(), begun.scene):
+        raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
+    if settings.robot not in (None, *robot_names(), begun.robot):
+        raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
+    if settings.frames > MOST_FRAMES:
+        raise ValueError(f"the link averages {settings.frames} images; {MOST_FRAMES} are the most")
+
+
+def _require_finite(deed: Deed) -> None:
+    postures = (deed.theta_demo,) if isinstance(deed, Posed) else deed.postures if isinstance(deed, Rehearsed) else ()
+    if len(postures) > MOST_REHEARSED:
+        raise ValueError(f"the link rehearses {len(postures)} postures; {MOST_REHEARSED} are the most")
+    if not all(math.isfinite(angle) for posture in postures for angle in posture):
+        raise ValueError("the link is damaged: an angle is no number")

@@ -1,0 +1,153 @@
+"""What is remembered of a session leads another to the same moment, to the last bit, whatever was done to it."""
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from viewimit.rehearsal import begin_rehearsal
+from viewimit.replay import do, play
+from viewimit.script import MOST_DEEDS, Deed, Log, Posed, Script, Stepped
+from viewimit.session import Session
+from viewimit.settings import BEST, Settings
+from viewimit.snapshot import Snapshot
+
+replace = msgspec.structs.replace
+LOSSY = Settings(points=16, missing=0.3, transfer="linear", start_deg=(25, -45))
+
+
+def same(one: Snapshot, other: Snapshot) -> None:
+    """What is seen, commanded and remembered, bit by bit."""
+    assert one.settings == other.settings and (one.motion, one.look) == (other.motion, other.look)
+    for name in ("theta", "theta_demo", "commanded", "moved"):
+        assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
+    assert np.array_equal(one.E, other.E, equal_nan=True)
+    assert one.views.own.tobytes() == other.views.own.tobytes()
+
+
+def again(session: Session) -> Session:
+    """Another session, by what is written of the first one's script."""
+    script = msgspec.msgpack.decode(msgspec.msgpack.encode(session.script), type=Script)
+    other = Session(Settings(servo="gradient"))
+    play(script, other)
+    return other
+
+
+DEEDS = st.lists(
+    st.one_of(
+        st.tuples(st.just("step"), st.integers(1, 4)),
+        st.tuples(st.just("pose"), st.tuples(st.floats(0.1, 1.4), st.floats(-2.9, -0.2))),
+        st.tuples(
+            st.just("change"),
+            st.sampled_from([{"noise_px": 0.4}, {"servo": "broyden"}, {"servo": "trust-region"}, {"frames": 3},
+                             {"transfer": "linear"}, {"start_deg": (30.0, -40.0)}, {"missing": 0.3}]),
+        ),
+        st.tuples(st.just("scrub"), st.integers(0, 6)),
+        st.tuples(st.just("look"), st.integers(1, 2)),
+        st.tuples(st.just("reset"), st.just(0)),
+        st.tuples(st.just("rehearse"), st.integers(4, 5)),
+        st.tuples(st.just("forget"), st.just(0)),
+    ),
+    max_size=9,
+)  # fmt: skip
+
+
+@settings(max_examples=40, deadline=None)
+@given(DEEDS, st.sampled_from([Settings(), BEST, LOSSY]))
+def test_whatever_is_done_is_done_again_to_the_last_bit(deeds, begun):
+    session = Session(begun)
+    for kind, value in deeds:
+        if kind == "step":
+            for _ in range(value):
+                session.step()
+        elif kind == "pose":
+            session.pose(value)
+        elif kind == "change":
+            session.change(**value)
+        elif kind == "scrub":
+            session.scrub(value)
+        elif kind == "look":
+            for _ in range(value):
+                session.look()
+        elif kind == "reset":
+            session.reset()
+        elif kind == "rehearse":
+            begin_rehearsal(session, value, seed=1)
+        else:
+            session.remember(None)
+    other = again(session)
+    same(session.snapshot, other.snapshot)
+    for _ in range(3):  # and they go on alike
+        assert session.step() == other.step()
+        same(session.snapshot, other.snapshot)
+
+
+def test_a_moment_at_which_the_arm_was_held_until_enough_was_seen_is_led_to():
+    session = Session(LOSSY)
+    held = 0
+    while held < 3:
+        before, motion = session.snapshot, session.snapshot.motion
+        moved = session.step()
+        if before.transfer is None and moved:
+            held += 1
+            session.scrub(motion)
+            same(session.snapshot, again(session).snapshot)
+            session.step()
+
+
+def test_motions_in_a_row_are_said_in_one_word():
+    session = Session(BEST)
+    session.run(40)
+    session.step()  # at rest
+    motions = session.snapshot.motion
+    assert session.script.deeds == (Stepped(motions), Stepped(2))
+    session.scrub(2)
+    assert session.script.deeds == (Stepped(2),)
+
+
+def test_what_came_after_a_moment_that_is_changed_is_forgotten():
+    session = Session(BEST)
+    for _ in range(4):
+        session.step()
+    session.pose((0.5, -1.0))
+    session.scrub(2)
+    assert session.script.deeds == (Stepped(2),)
+    session.step()
+    session.scrub(3)
+    assert session.script.deeds == (Stepped(3),)
+
+
+def test_what_no_script_can_say_is_said_to_be_unknown_until_it_is_undone():
+    session = Session(BEST)
+    begin_rehearsal(session, 4, seed=1)
+    for _ in range(4):
+        session.step()
+    other = Session(BEST)
+    other.step()
+    other.remember(session.snapshot.body)
+    with pytest.raises(ValueError, match="cannot be said"):
+        _ = other.script
+    other.reset()
+    with pytest.raises(ValueError, match="cannot be said"):
+        _ = other.script
+    other.remember(None)
+    other.reset()
+    assert other.script.deeds == ()
+
+
+def test_more_than_is_remembered_is_lost_and_no_memory_grows():
+    log = Log(Script(Settings()))
+    for k in range(MOST_DEEDS + 10):
+        log.note(k // 10, Posed((0.1 * (k % 10), -1.0)))
+    assert sum(map(len, log.deeds.values())) == MOST_DEEDS
+    assert len(log.script(3).deeds) == 43
+    with pytest.raises(ValueError, match="cannot be said"):
+        log.script(MOST_DEEDS)
+
+
+def test_a_script_that_cannot_be_played_says_why():
+    with pytest.raises(ValueError, match="servo"):
+        do(Session(), msgspec.convert(["c", {"servo": "magic"}], type=Deed))
+    with pytest.raises(ValueError, match="demonstrator"):
+        do(Session(), Posed((9.0, 9.0)))

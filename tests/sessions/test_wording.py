@@ -1,0 +1,90 @@
+"""What is said of a session, in Python or as a command, is run, and ends at the same posture to the last bit."""
+
+import json
+import shlex
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from viewimit.app.control.presets import PRESETS
+
+from viewimit.commands.json_output import plain
+from viewimit.rehearsal import begin_rehearsal
+from viewimit.session import Session
+from viewimit.settings import BEST, Settings
+from viewimit.wording import MOST_LINES, as_command, as_python
+
+SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.camera == "points"]
+
+
+def ran(lines: str) -> np.ndarray:
+    """The posture at which lines of Python end."""
+    names: dict = {"print": lambda *what: None}
+    exec(lines, names)  # as a person would run them
+    return names["session"].snapshot.theta
+
+
+@pytest.mark.parametrize("settings", SEEN_BY_POINTS, ids=[p.name for p in PRESETS if p.settings.camera == "points"])
+def test_every_preset_after_some_motions_is_said_in_python(settings):
+    session = Session(settings)
+    session.run(5)
+    lines = as_python(session.script)
+    assert len(lines.splitlines()) <= MOST_LINES and max(map(len, lines.splitlines())) < 320
+    assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
+
+
+def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
+    session = Session(BEST)
+    session.step()
+    session.pose((0.5, -1.0))
+    session.change(noise_px=0.25)
+    session.step()
+    lines = as_python(session.script)
+    assert "session.pose((0.5, -1.0))" in lines and "session.change(noise_px=0.25)" in lines
+    assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
+    for k in range(8):
+        session.pose((0.5 + 0.01 * k, -1.0))
+        session.step()
+    lines = as_python(session.script)
+    assert len(lines.splitlines()) <= MOST_LINES
+    assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
+
+
+def test_a_rehearsal_is_said():
+    session = Session(BEST)
+    begin_rehearsal(session, 5, seed=2)
+    session.run(12)
+    session.reset()
+    session.run(3)
+    lines = as_python(session.script)
+    assert len(lines.splitlines()) <= MOST_LINES
+    assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
+
+
+LOSSY = Settings(points=16, missing=0.15, start_deg=(25.1, -45), transfer="linear", seed=3)
+
+
+@pytest.mark.parametrize("settings", [Settings(), BEST, LOSSY, SEEN_BY_POINTS[5]])
+def test_the_command_prints_the_same_posture(settings):
+    session = Session(settings)
+    session.run(4)
+    words = shlex.split(as_command(session.script))
+    assert words[0] == "viewimit"
+    made = subprocess.run([sys.executable, "-m", "viewimit", *words[1:]], capture_output=True, text=True)
+    assert made.returncode in (0, 1), made.stderr
+    found = json.loads(made.stdout)
+    assert found["final_deg"] == plain(np.degrees(session.snapshot.theta))  # all digits that it prints
+    assert found["history"] == plain(
+        [{"theta_deg": np.degrees(m.theta), "E": m.E, "probe": m.probe} for m in session.history]
+    )
+
+
+def test_what_a_command_cannot_say_is_told():
+    session = Session(BEST)
+    session.step()
+    session.pose((0.5, -1.0))
+    with pytest.raises(ValueError, match="by hand"):
+        as_command(session.script)
+    with pytest.raises(ValueError, match="late"):
+        as_command(Session(Settings(delay=2)).script)

@@ -1,0 +1,100 @@
+"""A session in words that others can run: lines of Python, or a command. Both end at the same posture, bit for bit."""
+
+import shlex
+
+import msgspec
+
+from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Stepped
+from .settings import BEST, DISTURBANCES, USUAL_POINTS, Settings
+
+MOST_LINES = 12
+NO_WORDS = {"delay": "pictures that come late have no option"}
+
+
+def as_python(script: Script) -> str:
+    """At most MOST_LINES lines, which print the learner's posture, rad. What takes more is told as data."""
+    told = "\n".join(
+        (
+            "from viewimit import Session, Settings",
+            "",
+            f"session = Session({_settings(script.settings)})",
+            *(line for deed in script.deeds for line in _lines(deed)),
+            "print(session.snapshot.theta)",
+        )
+    )
+    return told if len(told.splitlines()) <= MOST_LINES and not _is_data(script) else _as_data(script)
+
+
+def as_command(script: Script) -> str:
+    """Of `viewimit imitate`. Raises ValueError, with what it is, for what a command cannot say."""
+    settings, plain = script.settings, Settings()
+    for name, why in NO_WORDS.items():
+        if getattr(settings, name) != getattr(plain, name):
+            raise ValueError(f"no command: {why}")
+    if not isinstance(settings.points, int):
+        raise ValueError("no command: its points were placed by hand; save the scene, and name its file")
+    if not all(isinstance(deed, Stepped) for deed in script.deeds):
+        raise ValueError("no command: something was done by hand on the way; as Python it can be said")
+    words = ["viewimit", "imitate"]
+    for name in ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed",
+                 "undistort", "rectify", "camera"):  # fmt: skip
+        value = getattr(settings, name)
+        usual = USUAL_POINTS if name == "points" else getattr(BEST, name)
+        if value != usual:
+            words.append(f"--{name.replace('_', '-')}={_value(value)}")
+    for name in ("demonstrator", "start"):
+        words.append(f"--{name}={_value(getattr(settings, f'{name}_deg'))}")
+    words.append(f"--max-motions={script.steps}")
+    return shlex.join([*words, "--json"])
+
+
+def _value(value: object) -> str:
+    if isinstance(value, tuple):
+        return ",".join(map(_value, value))
+    return f"{value:g}" if isinstance(value, float) and float(f"{value:g}") == value else str(value)
+
+
+def _settings(settings: Settings) -> str:
+    """Those that are not the usual ones."""
+    usual = Settings()
+    fields = {name: getattr(settings, name) for name in settings.__struct_fields__}
+    return f"Settings({_fields({name: value for name, value in fields.items() if value != getattr(usual, name)})})"
+
+
+def _fields(fields: dict[str, object]) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in fields.items())
+
+
+def _lines(deed: Deed) -> list[str]:
+    if isinstance(deed, Stepped | Looked):
+        verb = "session.step()" if isinstance(deed, Stepped) else "session.look()"
+        return [verb] if deed.times == 1 else [f"for _ in range({deed.times}):", f"    {verb}"]
+    if isinstance(deed, Posed):
+        return [f"session.pose({deed.theta_demo!r})  # rad"]
+    if isinstance(deed, Changed):
+        return [f"session.change({_fields(deed.fields)})"]
+    if isinstance(deed, Began):
+        return [f"session.begin({_settings(deed.settings)})"]
+    return ["session.remember(None)"]
+
+
+def _is_data(script: Script) -> bool:
+    """Whether it holds what nobody wants to read."""
+    return any(isinstance(deed, Rehearsed) for deed in script.deeds)
+
+
+def _as_data(script: Script) -> str:
+    written = msgspec.json.encode(script).decode()
+    return "\n".join(
+        (
+            "import msgspec",
+            "",
+            "from viewimit import Session",
+            "from viewimit.replay import play",
+            "from viewimit.script import Script",
+            "",
+            "session = Session()",
+            f"play(msgspec.json.decode({written!r}, type=Script), session)",
+            "print(session.snapshot.theta)",
+        )
+    )

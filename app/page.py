@@ -21,7 +21,7 @@ from .control.redraw import Redraw
 from .control.services import Services
 from .control.state import PageState
 from .panels import PANELS
-from .panels.panel import Layout
+from .panels.panel import NOWHERE, Layout, Reach
 from .panels.status import StatusPanel
 from .scene.scene3d import Scene3D
 from .scene.view import Docking
@@ -40,8 +40,7 @@ class CannotResume(Exception):
 
 class Page:
     """tick(now) takes what the visitor did, moves the loop on, and shows what changed. keep(memory): at
-    times → why it is not kept, None if it is. address: that its drawings' links begin with, None for no links; origin:
-    of the browser's page."""
+    times → why it is not kept, None if it is."""
 
     def __init__(
         self,
@@ -50,10 +49,9 @@ class Page:
         settings: Settings,
         keep: Callable[[SavedSession], str | None],
         resumed: SavedSession | None = None,
-        address: str | None = None,
-        origin: str | None = None,
+        reach: Reach = NOWHERE,
     ):
-        self._client, self._shedding, self._keep, self.address = client, services.shedding, keep, address
+        self._client, self._shedding, self._keep, self.address = client, services.shedding, keep, reach.address
         self.queue, self._redraw = CommandQueue(), Redraw()
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
@@ -61,13 +59,13 @@ class Page:
         if resumed is not None:
             self._resume(resumed)
         with client.atomic():
-            layout, state = Layout(client, self.queue, address, origin), self.model.state(0.0)
+            layout, state = Layout(client, self.queue, reach), self.model.state(0.0)
             self._panels = [panel() for panel in PANELS]
             for panel in self._panels:
                 panel.build(layout, state)
             layout.dock()
             self._scene = Scene3D(client, self.queue, services.share)
-        self._docking = Docking(client, waits=address is not None)
+        self._docking = Docking(client, waits=reach.address is not None)
 
     def put(self, command: Command) -> None:
         """As if the visitor had done it; from any thread."""

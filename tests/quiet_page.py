@@ -11,6 +11,7 @@ from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.landscapes import LandscapeWorker
 from viewimit.app.page import Page
+from viewimit.app.panels.panel import Reach
 from viewimit.app.quiet_client import QuietClient, QuietHandle
 
 from viewimit.settings import Settings
@@ -68,7 +69,7 @@ class QuietPage:
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         services = Services(LandscapeWorker(), ExperimentWorker(), camera, shedding, lambda robot, arm: None)
-        self.page = Page(self.client, services, settings or Settings(), keep, resumed, address)
+        self.page = Page(self.client, services, settings or Settings(), keep, resumed, Reach(address))
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if widget.label == label)

@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable
 from contextlib import AbstractContextManager
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from viser import ClientHandle
 
@@ -14,14 +14,23 @@ WIDTHS = {False: 440, True: 560}  # px of the right panels, in a wide window or 
 LEFT_WIDTHS = {False: 280, True: 300}
 
 
-class Layout:
-    """The left panel, which is `gui` itself, and the right ones with their tabs. address: what links begin with, None
-    for none; origin: scheme://host:port by which the browser knows the server, None if it does not say."""
+class Reach(NamedTuple):
+    """How a browser reaches its page. address: what links begin with, None for none; origin: scheme://host:port by
+    which it knows the server, None if it does not say."""
 
-    def __init__(
-        self, client: ClientHandle, queue: CommandQueue, address: str | None = None, origin: str | None = None
-    ):
-        self.client, self.gui, self.queue, self.address, self.origin = client, client.gui, queue, address, origin
+    address: str | None = None
+    origin: str | None = None
+
+
+NOWHERE = Reach()
+
+
+class Layout:
+    """The left panel, which is `gui` itself, and the right ones with their tabs."""
+
+    def __init__(self, client: ClientHandle, queue: CommandQueue, reach: Reach = NOWHERE):
+        self.client, self.gui, self.queue = client, client.gui, queue
+        self.address, self.origin = reach
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
         self._tabs: dict[str, AbstractContextManager] = {}

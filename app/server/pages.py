@@ -22,6 +22,7 @@ from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..lessons.source import shipped
 from ..page import LEAVES_WITHIN, CannotResume, Page
+from ..panels.panel import Reach
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..sessions.autosave import Autosave
@@ -137,13 +138,13 @@ class App:
 
     def _page(self, client: viser.ClientHandle, key: str | None, keep, resumed, address: str | None) -> Page:
         """What was kept goes on, or the page says why it does not."""
-        origin = viser_private.origin_of(self._server, client.client_id)
+        reach = Reach(address, viser_private.origin_of(self._server, client.client_id))
         try:
-            page = Page(client, self.services, self._settings, keep, resumed, address, origin)
+            page = Page(client, self.services, self._settings, keep, resumed, reach)
         except CannotResume as error:
             if key is not None:
                 self._autosave.set_aside(key, str(error))
-            page = Page(client, self.services, self._settings, keep, None, address, origin)
+            page = Page(client, self.services, self._settings, keep, None, reach)
         if key is not None and (why := self._autosave.lost(key)) is not None:
             page.say(why)
         return page

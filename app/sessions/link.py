@@ -9,7 +9,7 @@ import msgspec
 import zstandard
 
 from viewimit.history import MAX_HISTORY
-from viewimit.script import Deed, Posed, Rehearsed, Script
+from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script
 from viewimit.settings import Settings
 from viewimit.simulation.scene import robot_names, scene_names
 
@@ -80,9 +80,9 @@ def _require(linked: Linked, begun: Settings) -> None:
 
 def _settings_of(deed: Deed) -> Settings | None:
     """That a deed begins or goes on with, its other fields as usual."""
-    if hasattr(deed, "settings"):
+    if isinstance(deed, Began):
         return deed.settings
-    if not hasattr(deed, "fields"):
+    if not isinstance(deed, Changed):
         return None
     try:
         return msgspec.convert(deed.fields, Settings)
@@ -94,7 +94,7 @@ def _require_names(settings: Settings, begun: Settings) -> None:
     """No file of the server's is opened for a link, but those that it shows anyhow."""
     if settings.scene not in (*scene_names(), begun.scene):
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
-    if settings.robot not in (None, *robot_names(), begun.robot):
+    if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
         raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
     if settings.frames > MOST_FRAMES:
         raise ValueError(f"the link averages {settings.frames} images; {MOST_FRAMES} are the most")

@@ -20,7 +20,7 @@ class Key:
 
     cap: str
     hotkey: Literal[
-        "space", "arrowright", "arrowleft", "R", "N", "V", "H", "C", "M", "E", "B", "delete", "backspace", "escape"
+        "space", "arrowright", "arrowleft", "R", "N", "V", "H", "C", "M", "E", "B", "L", "delete", "backspace", "escape"
     ]
     word: str
     sentence: str

@@ -70,6 +70,7 @@ class QuietPage:
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         services = Services(LandscapeWorker(), ExperimentWorker(), camera, shedding, lambda robot, arm: None)
         self.page = Page(self.client, services, settings or Settings(), keep, resumed, Reach(address))
+        self.page.queue._clock = lambda: self.now
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if widget.label == label)

@@ -242,7 +242,10 @@ def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
     page.tick(KEPT_EVERY)
     autosave.flush("key")
     assert autosave.problem("key") is None
-    memory = autosave.claim("key", settings)
+    autosave.stop()
+    other = Autosave(SqliteStore(tmp_path))
+    memory = other.claim("key", settings)
+    other.stop()
     again = QuietPage(settings, resumed=memory)
     for each in (page, again):
         for _ in range(4):
@@ -250,7 +253,6 @@ def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
     kept, resumed = page.page.memory().history, again.page.memory().history
     assert len(kept) > 8 and isinstance(resumed[3].servo_state, CautiousState) and resumed[3] is not kept[3]
     assert_same(kept, resumed)
-    autosave.stop()
 
 
 def test_the_transfer_frozen_at_convergence_is_kept():

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .store import KEPT_S, LEASE_S, MOST_BYTES
 
-LOCKED_S = 1.0  # that another process may hold the file
+LOCKED_S = 0.5  # that another process may hold the file
 log = logging.getLogger(__name__)
 
 

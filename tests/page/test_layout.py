@@ -54,8 +54,9 @@ selector => [...document.querySelectorAll(selector)].filter(e => e.getClientRect
 
 @pytest.fixture(scope="module")
 def page(browser, server):
-    """At rest, with a point chosen."""
+    """At rest, with a point chosen, the offer of the tour declined."""
     page = open_page(browser, server, "small")
+    press(page, "Escape")
     press(page, "n")
     press(page, "Space")
     wait_for_status(page, "Rests")

@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 from sameness import assert_same
+from viewimit.app.lessons import figures, measures, works
 from viewimit.app.lessons.course import MOST_SEED, Course
 from viewimit.app.lessons.format import MOST_WORDS, Choice, Do, Lesson, Place
 from viewimit.app.lessons.measures import MEASURES
@@ -19,13 +20,22 @@ LESSONS = shipped()
 decode = msgspec.msgpack.Decoder(Progress).decode
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_rounds():
+    """Twenty of them take a minute, and are walked by nobody twice; `test_rounds` sees to what they come to."""
+    with pytest.MonkeyPatch.context() as patch:
+        for room in (works.rounds, measures.rounds, figures.rounds):
+            patch.setattr(room, "ROUNDS", 3)
+        yield
+
+
 @pytest.fixture(scope="module", params=LESSONS)
 def name(request):
     return request.param
 
 
 @pytest.fixture(scope="module")
-def walks(name):
+def walks(name, few_rounds):
     """All of a lesson's screens, answered rightly, and answered wrongly."""
     found = []
     for rightly in (True, False):

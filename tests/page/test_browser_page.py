@@ -294,7 +294,7 @@ def test_how_a_point_is_recovered_is_built_up(session):
 
 def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):
     page = session
-    width = lambda selector: page.locator(selector).first.bounding_box()["width"]
+    width = lambda selector: (page.locator(selector).first.bounding_box() or {"width": 0.0})["width"]
     usual = width(IMAGE_L), width(LEVELS)
     page.get_by_role("link", name="Images, large or not").click()
     wait(page, lambda: width(IMAGE_L) > 1.3 * usual[0] and not page.locator(LEVELS).first.is_visible())

@@ -165,6 +165,8 @@ def _of_ask(step: Step) -> Faults:
         yield ".ask", "needs below or above, one of them"
     if isinstance(ask, Do | Pose) and not step.sliders:
         yield ".ask", f"{'pose' if isinstance(ask, Pose) else 'do'} needs sliders in its step"
+    if isinstance(ask, Pose) and step.sliders and len(step.sliders) != 2:
+        yield ".sliders", f"a pose is of two joints, not {len(step.sliders)}"
     if isinstance(ask, Place | Pose) and ask.near <= 0:
         yield ".ask.near", "must be above 0"
 

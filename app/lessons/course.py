@@ -174,6 +174,8 @@ class Course:
             return
         stands[k] = value
         self._give(sliders=tuple(stands))
+        if isinstance(step.ask, Pose):
+            self._give(place=(stands[0], stands[1]))
         self._turned(slider.name, value)
         self._look_whether_done()
 

@@ -107,7 +107,10 @@ class Autosave:
                 memory = self._waiting.get(key, written.memory)  # which the store may not have taken in time
                 if memory is not None and memory.head.begun == begun:
                     return memory
-        written = _Written(secrets.token_hex(8) if written is None else written.writer, there)
+        if written is not None and written.claimed and not written.taken:
+            written = _Written(written.writer, there, claimed=True)
+        else:
+            written = _Written(secrets.token_hex(8), there)
         memory = self._read(key, written, begun, until)
         with self._changed:
             self._waiting.pop(key, None)
@@ -198,6 +201,8 @@ class Autosave:
 
     def _claimed(self, key: str, written: _Written) -> dict[str, bytes]:
         """What is there can be gone on with even if it cannot be written."""
+        if written.claimed:
+            return self._store.read(key)
         try:
             parts = self._store.claim(key, written.writer)
         except OSError as error:

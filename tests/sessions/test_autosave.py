@@ -187,3 +187,17 @@ def test_a_resumed_session_writes_nothing_that_is_there(counting, counted):
     resumed.step()
     keep_session(counted, resumed)
     assert set(counting.writes) == {"head", str((len(resumed.history) - 1) // CHUNK)}
+
+
+def test_a_page_that_left_before_anything_was_kept_comes_back_to_its_own_place(tmp_path):
+    autosave = Autosave(SqliteStore(tmp_path))
+    assert autosave.claim(KEY, BEGUN) is None
+    assert autosave.claim(KEY, BEGUN) is None  # as after a reload, while its lease is still held here
+    later = memory(moment())
+    autosave.keep(KEY, later)
+    autosave.flush(KEY)
+    assert autosave.problem(KEY) is None
+    autosave.stop()
+    again = Autosave(SqliteStore(tmp_path))
+    assert again.claim(KEY, BEGUN).head == later.head
+    again.stop()

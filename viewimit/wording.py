@@ -8,7 +8,10 @@ from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Step
 from .settings import BEST, DISTURBANCES, USUAL_POINTS, Settings
 
 MOST_LINES = 12
-NO_WORDS = {"delay": "pictures that come late have no option"}
+NO_WORDS = {  # fields of settings without an option
+    "delay": "pictures that come late have no option",
+    "body_points": "its points were placed by hand; save the scene, and name its file",
+}
 
 
 def as_python(script: Script) -> str:
@@ -31,8 +34,6 @@ def as_command(script: Script) -> str:
     for name, why in NO_WORDS.items():
         if getattr(settings, name) != getattr(plain, name):
             raise ValueError(f"no command: {why}")
-    if not isinstance(settings.points, int):
-        raise ValueError("no command: its points were placed by hand; save the scene, and name its file")
     if not all(isinstance(deed, Stepped) for deed in script.deeds):
         raise ValueError("no command: something was done by hand on the way; as Python it can be said")
     words = ["viewimit", "imitate"]

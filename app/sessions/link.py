@@ -19,6 +19,7 @@ MOST_BYTES = 1 << 18  # unpacked
 MOST_STEPS = 3_000  # passes of the loop that a server makes for a visitor
 MOST_FRAMES = 100  # images averaged in each
 MOST_DEEDS = 500
+MOST_POINTS = 64  # placed by hand
 MOST_REHEARSED = 200
 
 Index = Annotated[int, msgspec.Meta(ge=0, le=MAX_HISTORY)]
@@ -96,6 +97,8 @@ def _require_names(settings: Settings, begun: Settings) -> None:
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
     if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
         raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
+    if len(settings.body_points or ()) > MOST_POINTS:
+        raise ValueError(f"the link places {len(settings.body_points or ())} points; {MOST_POINTS} are the most")
     if settings.frames > MOST_FRAMES:
         raise ValueError(f"the link averages {settings.frames} images; {MOST_FRAMES} are the most")
 

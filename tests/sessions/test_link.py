@@ -89,6 +89,7 @@ def script(settings=None, *deeds) -> dict:
         (script(None, ["c", {"servo": "magic"}]), "damaged"),
         (script(None, ["c", {"nothing": 1}]), "damaged"),
         (script({"frames": 1000}), "averages"),
+        (script({"body_points": [[2, 0.0, 0.0, 0.001 * k] for k in range(65)]}), "places"),
         (script({"noise_px": float("nan")}), "damaged"),
         ({**script(), "speed": float("nan")}, "damaged"),
         ({**script(), "chosen": -1}, "damaged"),

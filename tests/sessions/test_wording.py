@@ -5,6 +5,7 @@ import shlex
 import subprocess
 import sys
 
+import msgspec
 import numpy as np
 import pytest
 from viewimit.app.control.presets import PRESETS
@@ -12,8 +13,9 @@ from viewimit.app.control.presets import PRESETS
 from viewimit.commands.json_output import plain
 from viewimit.rehearsal import begin_rehearsal
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
-from viewimit.wording import MOST_LINES, as_command, as_python
+from viewimit.settings import BEST, DISTURBANCES, Settings
+from viewimit.simulation.scene import load_scene
+from viewimit.wording import MOST_LINES, NO_WORDS, as_command, as_python
 
 SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.camera == "points"]
 
@@ -62,6 +64,7 @@ def test_a_rehearsal_is_said():
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
 
 
+BY_HAND = msgspec.structs.replace(BEST, body_points=tuple(load_scene("panda").points["16"][2:14]))
 LOSSY = Settings(points=16, missing=0.15, start_deg=(25.1, -45), transfer="linear", seed=3)
 
 
@@ -88,3 +91,32 @@ def test_what_a_command_cannot_say_is_told():
         as_command(session.script)
     with pytest.raises(ValueError, match="late"):
         as_command(Session(Settings(delay=2)).script)
+    placed = Session(BY_HAND)
+    with pytest.raises(ValueError, match="by hand"):
+        as_command(placed.script)
+
+
+def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refused():
+    named = as_command(Session(Settings(seed=8)).script)
+    assert "--seed=8" in named
+    told = {
+        "scene",
+        "robot",
+        "joints",
+        "points",
+        "transfer",
+        "servo",
+        "frames",
+        "seed",
+        "undistort",
+        "rectify",
+        "camera",
+    }
+    told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *NO_WORDS}
+    assert told == set(Settings.__struct_fields__)
+
+
+def test_points_that_were_placed_by_hand_are_said_in_python():
+    session = Session(BY_HAND)
+    session.run(3)
+    assert ran(as_python(session.script)).tobytes() == session.snapshot.theta.tobytes()

@@ -168,13 +168,15 @@ class Course:
         if step is None or not 0 <= k < len(step.sliders):
             raise ValueError("there is no such slider here")
         slider = step.sliders[k]
+        if slider.name.startswith("own ") and len(self.given.path) > MOST_PATH:
+            raise ValueError(f"{MOST_PATH} motions by hand are the most; begin the step again")
         value = float(np.clip(value, slider.low, slider.high))
         stands = [*(self.given.sliders or (other.start for other in step.sliders))]
         if stands[k] == value:
             return
         stands[k] = value
         self._give(sliders=tuple(stands))
-        if isinstance(step.ask, Pose):
+        if isinstance(step.ask, Pose) and not self.given.revealed:
             self._give(place=(stands[0], stands[1]))
         self._turned(slider.name, value)
         self._look_whether_done()
@@ -283,10 +285,9 @@ class Course:
             theta = self.moments[-1].theta.copy()
             theta[int(number) - 1] = np.radians(value)
             self._look_at(theta)
-            if len(self.given.path) <= MOST_PATH:
-                path = self.given.path or (_degrees(self.moments[0].theta),)
-                E = self.given.E or (round(self.moments[0].E, 6),)
-                self._give(path=(*path, _degrees(theta)), E=(*E, round(self.moments[-1].E, 6)))
+            path = self.given.path or (_degrees(self.moments[0].theta),)
+            E = self.given.E or (round(self.moments[0].E, 6),)
+            self._give(path=(*path, _degrees(theta)), E=(*E, round(self.moments[-1].E, 6)))
         elif kind == "demo" and number.isdigit():
             theta = self.session.snapshot.theta_demo.copy()
             theta[int(number) - 1] = np.radians(value)

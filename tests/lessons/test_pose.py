@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from viewimit.app.lessons.course import MOST_PATH
 from viewimit.app.lessons.reveal import verdict
 from viewimit.app.lessons.source import load
 from walking import begun
@@ -45,7 +46,19 @@ def test_it_is_answered_by_turning_both_joints(course, posture, said):
     assert course.answered and course.given.place == posture
     course.show()
     assert verdict(course.stage) == said
+    course.turn(0, 80.0)  # what is turned once it is revealed answers nothing
+    assert course.given.place == posture and verdict(course.stage) == said
+    course.turn(0, posture[0])
     np.testing.assert_allclose(np.degrees(course.moments[-1].theta), posture)
+
+
+def test_motions_by_hand_have_an_end(course):
+    for k in range(MOST_PATH):
+        course.turn(0, 30.0 + k % 2)
+    shown = len(course.moments)
+    with pytest.raises(ValueError, match="begin the step again"):
+        course.turn(0, 60.0)
+    assert len(course.moments) == shown == len(course.given.path) == len(course.given.E)
 
 
 def test_it_needs_two_sliders(tmp_path):

@@ -31,9 +31,19 @@ class Recorder:
         return self.looks[-1]
 
     def save(self, path):
-        parts = {name: [getattr(look, name) for look in self.looks] for name in ("demo", "own", "visible")}
-        arm = {name: getattr(self, name) for name in ("lower", "upper", "start", "noise_px", "sent", "stood")}
-        np.savez_compressed(path, **parts, **arm)
+        demo, own, visible = zip(*((look.demo, look.own, look.visible) for look in self.looks))
+        np.savez_compressed(
+            path,
+            demo=demo,
+            own=own,
+            visible=visible,
+            lower=self.lower,
+            upper=self.upper,
+            start=self.start,
+            noise_px=self.noise_px,
+            sent=self.sent,
+            stood=self.stood,
+        )
 
 
 class Replay:

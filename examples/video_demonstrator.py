@@ -21,8 +21,8 @@ class VideoDemonstrator:
 
     def __init__(self, eyes, left, right):
         self.eyes, self.noise_px, self.frame = eyes, eyes.noise_px, 0
-        self.videos = read_view(Path(left)), read_view(Path(right))
-        self.frames = np.intersect1d(*(video.frames for video in self.videos))
+        self.videos = one, other = read_view(Path(left)), read_view(Path(right))
+        self.frames = np.intersect1d(one.frames, other.frames)
 
     def look(self):
         now, wanted = self.eyes.look(), self.frames[self.frame]

@@ -29,7 +29,7 @@ class Webcams:
     def look(self):
         l, r = (self.markers.detect(self.picture(camera)) for camera in self.cameras)
         own, demo = range(MARKERS), range(DEMONSTRATOR, DEMONSTRATOR + MARKERS)
-        unseen = (np.nan, np.nan)
+        unseen = np.full(2, np.nan)
         return FourViews.from_images(*([seen.get(k, unseen) for k in ks] for ks in (demo, own) for seen in (l, r)))
 
     def picture(self, camera):

@@ -22,6 +22,7 @@ KNOWN_BY_NAME = {
     "settings.py",
     "presets.py",
     "robustness.py",
+    "compare.py",
     "following.py",
     "claims.py",
     "scenes.py",

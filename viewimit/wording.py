@@ -91,7 +91,7 @@ def _as_data(script: Script) -> str:
             "import msgspec",
             "",
             "from viewimit import Session",
-            "from viewimit.replay import play",
+            "from viewimit.script_player import play",
             "from viewimit.script import Script",
             "",
             "session = Session()",

@@ -4,6 +4,8 @@ import pickle
 import re
 import shlex
 import struct
+import subprocess
+import sys
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -412,11 +414,11 @@ def write_as_named(path, images):
             frame.to_hdf(path, key="df_with_missing", format="fixed" if collected else "table", mode="w")
 
 
-def test_the_lines_of_readme_about_own_tracks_run(tmp_path, monkeypatch, ask_json):
+def test_the_lines_about_what_trackers_write_run(tmp_path, monkeypatch, ask_json):
     for package in ("h5py", "tables", "cv2"):
         pytest.importorskip(package)
-    section = (ROOT / "README.md").read_text().partition("## Your own tracks")[2].partition("\n## ")[0]
-    (block,) = re.findall(r"^```text\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
+    section = (ROOT / "docs" / "how-to" / "tracks.md").read_text().partition("## What trackers write")[2]
+    block, *_ = re.findall(r"^```text\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
     lines = [shlex.split(line)[1:] for line in block.splitlines()]
     points, images = np.random.default_rng(6).uniform((-0.4, -0.3, 2.0), (0.4, 0.3, 2.6), (12, 3)), {}
     for view, (eye, turned) in zip(VIEWS, ((-0.05, 0.0), (0.05, 0.0), (-0.05, 0.2), (0.05, 0.2))):
@@ -436,3 +438,48 @@ def test_the_lines_of_readme_about_own_tracks_run(tmp_path, monkeypatch, ask_jso
             assert len(names) >= 9
             for view in VIEWS:
                 np.testing.assert_allclose(frame["seen"][view], images[view][names], atol=0.4)
+
+
+# COLMAP
+
+COLMAP = """# Image list with two lines of data per image:
+#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
+#   POINTS2D[] as (X, Y, POINT3D_ID)
+# Number of images: 3, mean observations per image: 2
+1 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 r.png
+2362.39 248.498 58396 1784.7 268.254 59027
+2 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 empty.png
+
+3 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 l.png
+1190.83 663.957 23056 10.5 20.25 -1 1258.77 640.354 59070
+"""
+
+
+@pytest.mark.parametrize("text", [COLMAP, re.sub("#.*\n", "", COLMAP)], ids=["as written", "without its heading"])
+def test_the_command_that_an_images_txt_is_refused_with_converts_it(tmp_path, monkeypatch, text):
+    monkeypatch.chdir(tmp_path)
+    Path("images.txt").write_text(text)
+    with pytest.raises(ValueError, match="images.txt: COLMAP's images.txt is not read") as refused:
+        read_view(Path("images.txt"))
+    with pytest.raises(ValueError, match="images.txt: COLMAP's images.txt is not read"):
+        read_tidy(Path("images.txt"))
+    command = "python -c" + str(refused.value).partition("python -c")[2]
+    subprocess.run(command.replace("python", shlex.quote(sys.executable), 1), shell=True, check=True)
+    track = read_view(Path("l.csv"))
+    assert track.points == ("23056", "59070")
+    np.testing.assert_array_equal(track.image, [[[1190.83, 663.957], [1258.77, 640.354]]])
+
+
+@pytest.mark.parametrize(
+    "first, why",
+    [
+        ("# 3D point list with one line of data per point:", "COLMAP's points3D.txt holds no points of images"),
+        ("# Camera list with one line of data per camera:", "COLMAP's cameras.txt holds no points of images"),
+        ("frame point x y", "line 1: no column point, x, y: separate columns by , or ; or tabs, not spaces"),
+    ],
+)
+def test_of_text_without_columns_it_is_said_what_it_lacks(tmp_path, first, why):
+    path = tmp_path / "t.txt"
+    path.write_text(f"{first}\n0 a 1 2\n")
+    with pytest.raises(ValueError, match=re.escape(why)):
+        read_view(path)

@@ -257,6 +257,14 @@ def test_of_a_large_base_only_what_is_near_the_arm_has_points(tmp_path):
     assert scene.size < 1.5 * small.size
 
 
+@pytest.mark.parametrize("radius", [0.1, 0.8])
+def test_two_robots_do_not_stand_in_each_other(tmp_path, radius):
+    disc = f'<visual><geometry><cylinder radius="{radius}" length="0.1"/></geometry></visual>'
+    scene = load_scene(write(tmp_path, link("base", visual=disc), *arm()[1:]))
+    apart = np.linalg.norm(np.subtract(scene.demonstrator.position, scene.learner.position))
+    assert apart > 2 * radius and apart < max(2 * radius, 1.2) * 1.2
+
+
 def test_given_joints_move_and_all_else_is_chosen_for_them(tmp_path):
     path = write(tmp_path, *arm())
     scene, chosen = load_scene(path, joints=(1, 3)), load_scene(path)
@@ -272,7 +280,7 @@ STIFF = '<limit lower="0.5" upper="0.5"/>'
 @pytest.mark.parametrize(
     "parts, joints, message",
     [
-        ([joint("a", "base", "one")], None, "from base to one 1 joint can turn, and two are needed; or name another"),
+        ([joint("a", "base", "one")], None, "from base to one 1 joint can turn, and two are needed; another chain"),
         (
             [joint("a", "base", "one"), joint("b", "one", "two", more=STIFF)],
             None,

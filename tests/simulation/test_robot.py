@@ -103,7 +103,7 @@ def test_fixed_joints_are_merged_and_the_longest_chain_is_taken(tmp_path):
         ([joint("a", "base", "one")], {"tip": "hand"}, "no link 'hand'"),
         ([joint("a", "two", "one"), joint("b", "one", "two")], {"tip": "one"}, "loop"),
         ([joint("a", "two", "one"), joint("b", "one", "two"), joint("c", "two", "hand")], {}, "loop"),
-        ([joint("a", "base", "one")], {"root": "sdf"}, "root element is <sdf>"),
+        ([joint("a", "base", "one")], {"root": "html"}, "root element is <html>"),
     ],
 )
 def test_errors_name_the_file_and_the_fault(tmp_path, joints, options, message):

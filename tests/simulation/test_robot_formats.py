@@ -10,6 +10,7 @@ from urdfs import arm, write
 from viewimit.simulation.scene import load_robot, load_scene
 from viewimit.simulation.urdf.descriptions import description_path, is_description
 from viewimit.simulation.urdf.formats import require_urdf
+from viewimit.simulation.urdf.reference import Reference, parse_reference
 
 
 @pytest.mark.parametrize("load", [load_robot, load_scene])
@@ -36,6 +37,40 @@ def test_what_is_no_urdf_is_refused_in_one_line_with_the_command(tmp_path, load,
     with pytest.raises(ValueError, match=message) as refused:
         load(tmp_path / name)
     assert "\n" not in str(refused.value)
+
+
+XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="b.xacro"/>{}</robot>'
+
+
+@pytest.mark.parametrize(
+    "content, message",
+    [
+        ("<mujoco model='a'/>", r"my arm\.urdf is MJCF, .*'\S*/my arm-converted\.urdf'"),
+        ("<sdf version='1.6'/>", r"my arm\.urdf is SDF, "),
+        (XACRO.format("<xacro:arm/>"), r"is xacro, .* xacrodoc '\S*/my arm\.urdf' -o '\S*/my arm-converted\.urdf'$"),
+        ("<html/>", r"my arm\.urdf: not a URDF: its root element is <html>"),
+        (" \n", r"my arm\.urdf: the file is empty"),
+    ],
+)
+def test_neither_is_one_that_is_only_named_so(tmp_path, content, message):
+    (tmp_path / "my arm.urdf").write_text(content)
+    with pytest.raises(ValueError, match=message) as refused:
+        load_robot(tmp_path / "my arm.urdf")
+    assert "\n" not in str(refused.value)
+
+
+def test_what_xacro_leaves_of_itself_in_a_urdf_does_no_harm(tmp_path):
+    (tmp_path / "arm.urdf").write_text(XACRO.format("".join(arm())))
+    assert len(load_robot(tmp_path / "arm.urdf").joints) == 3
+
+
+def test_a_path_and_links_may_have_what_parts_a_reference(tmp_path):
+    odd = "lo&wer#1 %26=x"
+    parts = [part.replace('"lower"', f'"{odd.replace("&", "&amp;")}"') for part in arm()]
+    urdf = write(tmp_path / "a#b", *parts, name="x#y.urdf")
+    reference = Reference(urdf, base="base", tip=odd)
+    assert parse_reference(str(reference)) == reference and parse_reference(urdf) == Reference(urdf)
+    assert load_scene(str(reference)).robot == str(reference) and len(load_robot(str(reference)).joints) == 3
 
 
 def test_the_command_for_sdf_converts_it(tmp_path):

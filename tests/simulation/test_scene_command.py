@@ -88,7 +88,7 @@ def test_what_is_missing_is_told_and_no_failure(ask, tmp_path):
         ("serve --robot small.sdf", "--robot: small.sdf is SDF"),
         ("bench robots", "robots: needs the folder of URDF files"),
         ("bench robots nowhere", "FOLDER: nowhere: no .urdf file there"),
-        ("bench success nowhere", "nowhere: only `viewimit bench robots` takes a folder"),
+        ("bench success nowhere", "nowhere: only `viewimit bench robots` and `compare` take a path"),
     ],
 )
 def test_bad_input_is_one_line_and_exits_with_2(ask, urdf, words, message):

@@ -187,11 +187,12 @@ def _inner(a: NDArray, b: NDArray) -> NDArray:
 def _by_lapack(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
     """The smallest eigenpair of each: (...), (4, ...)."""
     values, vectors = np.linalg.eigh(_joined(P, M, Q))
-    return values[..., 0], np.moveaxis(vectors[..., 0], -1, 0)
+    smallest = vectors[..., 0]
+    return values[..., 0], smallest.transpose(smallest.ndim - 1, *range(smallest.ndim - 1))
 
 
 def _joined(P: NDArray, M: NDArray, Q: NDArray) -> NDArray:
     """W: (..., 4, 4) of its blocks (2, 2, ...)."""
     W = np.empty((4, 4) + M.shape[2:])
     W[:2, :2], W[:2, 2:], W[2:, :2], W[2:, 2:] = P, M, M.swapaxes(0, 1), Q
-    return np.moveaxis(W, (0, 1), (-2, -1))
+    return W.transpose(*range(2, W.ndim), 0, 1)  # np.moveaxis takes longer than all the rest for one posture

@@ -53,7 +53,7 @@ class Silhouettes:
     def __init__(self, meshes: Mapping[int, NDArray], world: World):
         self._world = world
         self._links = np.array(sorted(meshes), int)
-        chosen = [_extreme_vertices(np.asarray(meshes[link], float)) for link in self._links]
+        chosen = [extreme_vertices(np.asarray(meshes[link], float)) for link in self._links]
         most = max(map(len, chosen), default=1)
         # short lists are filled up with their first vertex, which changes no hull
         filled = [np.concatenate([v, np.repeat(v[:1], most - len(v), axis=0)]) for v in chosen]
@@ -91,7 +91,7 @@ class Silhouettes:
         return corners[self._pair, self._link, largest], images[:, -len(T_world_links) :]
 
 
-def _extreme_vertices(vertices: NDArray) -> NDArray:
+def extreme_vertices(vertices: NDArray) -> NDArray:
     """Those that reach farthest in some of KEPT directions spread over the sphere (Fibonacci's spiral)."""
     i = np.arange(KEPT) + 0.5
     z, turn = 1 - 2 * i / KEPT, np.pi * (1 + 5**0.5) * i

@@ -1,6 +1,7 @@
 """Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +31,10 @@ MOST_EXTENDED = 16  # scenes that one builds on
 MOST_NUMBER = 1e6  # of anything in a scene: m, px or degrees
 LEAST_LENGTH = 1e-6  # m, px: what is less is nothing
 MOST_IMAGE_PX = 10_000  # an edge
+
+
+class NoRobotThere(ValueError):
+    """A scene file names a URDF that is not there."""
 
 
 class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -163,11 +168,12 @@ def load_scene(
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
     scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made.
 
-    robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames.
+    robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames. A
+    URDF of the same file name as the scene's is taken to be that one, elsewhere.
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
     robot's limits and start at rest. undistort: (k1, k2) in place of the head's. body_points: the only layout, in place
     of the scene's.
-    Raises ValueError that names the file and the field.
+    Raises ValueError that names the file and the field, NoRobotThere where the scene's URDF is missing.
     """
     require_urdf(name)
     path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
@@ -182,14 +188,15 @@ def load_scene(
     try:
         fields = fields if is_reference(name) else _read(path)
         scene = _converted(fields)
-        robot = str(robot) if robot is not None else scene.robot if is_reference(name) else _beside(path, scene.robot)
-        scene = msgspec.structs.replace(scene, robot=robot)
+        scene = msgspec.structs.replace(scene, robot=_robot_of(scene, None if is_reference(name) else path, robot))
         if undistort is not None:
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
         if body_points is not None:
             scene = msgspec.structs.replace(scene, points={str(len(body_points)): tuple(body_points)})
         _check(scene)
         scene = scene if joints is None else _freed(scene, joints)
+    except NoRobotThere as error:
+        raise NoRobotThere(f"{path}: {error}") from None
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from None
     return scene
@@ -282,9 +289,21 @@ def _decoded(content: bytes) -> dict:
     return fields
 
 
-def _beside(path: Path, robot: str) -> str:
-    """A URDF is named relative to the scene file."""
-    return str(path.parent / robot) if is_reference(robot) else robot
+def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
+    """The scene's own, a URDF from the scene's file, or `robot` in its place: a URDF of the same name is taken from the
+    same base to the same tip. path: of the file, None for a scene that a URDF made. Raises NoRobotThere."""
+    own = parse_reference(scene.robot) if is_reference(scene.robot) else None
+    if robot is not None:
+        found = parse_reference(robot) if is_reference(robot) else None
+        if found is None or own is None or found.path.name != own.path.name or (found.base, found.tip) != (None, None):
+            return str(robot)
+        return str(replace(own, path=found.path))
+    if own is None or path is None:
+        return scene.robot
+    beside = path.parent / own.path
+    if not beside.is_file():
+        raise NoRobotThere(f"its robot, {beside}, is not there: put it there, or name it by --robot")
+    return str(replace(own, path=beside))
 
 
 def _require_finite(value, name: str = "") -> None:

@@ -33,6 +33,7 @@ class World:
         self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
         self.demo_pair, self.own_pair = Cameras(self.demo_cameras), Cameras(self.own_cameras)
         self._local = np.concatenate([self._chain_body.local, np.ones((len(self.body), 1))], 1)[:, :, None]
+        self._last_points: tuple[tuple[bytes, bytes], NDArray] | None = None
         self.T_world_demo = _placed(scene.demonstrator)
         self.T_world_own = _placed(scene.learner)
 
@@ -62,9 +63,14 @@ class World:
         return self.robot.link_frames(np.array(self.joint_angles(theta), float), T_world_base)
 
     def points_world(self, theta, T_world_base: NDArray) -> NDArray:
-        """Body points of an arm in one posture: (N, 3) m."""
-        frames = self._chain.link_frames(np.array(self._chain.spread(theta), float), T_world_base)
-        return (frames[self._chain_body.link] @ self._local)[:, :3, 0]
+        """Body points of an arm in one posture: (N, 3) m, not to be written into."""
+        angles = np.array(self._chain.spread(theta), float)
+        key = angles.tobytes(), T_world_base.tobytes()
+        last = self._last_points
+        if last is None or last[0] != key:  # a posture is looked at first, and then shown
+            frames = self._chain.link_frames(angles, T_world_base)
+            last = self._last_points = key, (frames[self._chain_body.link] @ self._local)[:, :3, 0]
+        return last[1]
 
     def _images(self, theta, T_world_base: NDArray, pair: Cameras) -> tuple[NDArray, NDArray]:
         if all(np.ndim(angle) == 0 for angle in theta):  # one posture: few points, whose price is the number of steps

@@ -55,8 +55,10 @@ def _columns(path: Path, line: int, heading: list[str]) -> dict[str, int]:
             at[wanted] = (exact or found)[0]
     missing = [name for name in NEEDED if name not in at]
     if missing:
+        spaces = len(heading) == 1 and len(heading[0].split()) >= len(NEEDED)
+        hint = ": separate columns by , or ; or tabs, not spaces" if spaces else ""
         raise ValueError(
-            f"{path}: line {line}: no column {', '.join(missing)}; a table of one view begins with the line "
+            f"{path}: line {line}: no column {', '.join(missing)}{hint}; a table of one view begins with the line "
             "frame,point,x,y,confidence, where points of the same name in all views are the same"
         )
     return at

@@ -6,6 +6,7 @@ from pathlib import Path
 from ...views import VIEWS
 from .arrays import read_arrays
 from .cells import Table
+from .colmap import colmap_kind, converting
 from .deeplabcut import read_deeplabcut_csv
 from .deeplabcut_h5 import find_table, read_deeplabcut_h5
 from .hdf5 import opened
@@ -16,7 +17,9 @@ from .track import Track, TrackedPoints, together
 READ = ".csv, .tsv, .txt, .h5, .hdf5, .slp, .npz, .npy"
 RESULTS = "DeepLabCut's results are in the .h5 and .csv beside it"
 TENSORS = "save it by numpy.savez('tracks.npz', pred_tracks=tracks.cpu(), pred_visibility=visibility.cpu(), names=[…])"
-MODEL = "COLMAP: colmap model_converter --output_type TXT, then each image's points as CSV, point3d_id,x,y"
+MODEL = (
+    "of COLMAP: colmap model_converter --output_type TXT, and then images.txt, image by image, as its own error says"
+)
 CONVERT = {
     ".pickle": RESULTS,
     ".pkl": RESULTS,
@@ -30,6 +33,8 @@ CONVERT = {
     ".pth": TENSORS,
     ".parquet": "pandas.read_parquet(…).to_csv(…)",
     ".feather": "pandas.read_feather(…).to_csv(…)",
+    ".gz": "unpack it",
+    ".zip": "unpack it",
     ".bin": MODEL,
     ".db": "COLMAP: write its matched keypoints as CSV, point,x,y",
     **dict.fromkeys(
@@ -78,6 +83,8 @@ def _of_hdf5(path: Path, individual: str | None) -> Track:
 
 def _of_text(path: Path, individual: str | None) -> Track:
     _, heading = next(Table(path).lines())
+    if kind := colmap_kind(",".join(heading)):
+        raise ValueError(f"{path}: {converting(path, kind)}")
     if heading[0] == "scorer":
         return read_deeplabcut_csv(path, individual)
     if "frame_idx" in heading and {"track", "instance.score"} & set(heading):

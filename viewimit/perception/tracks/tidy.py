@@ -8,6 +8,7 @@ import numpy as np
 
 from ...views import VIEWS
 from .cells import Table
+from .colmap import colmap_kind, converting
 from .track import CERTAIN, Row, Rows, TrackedPoints, together
 
 COLUMNS = ("frame", "view", "point", "x", "y", "confidence")
@@ -29,6 +30,8 @@ def read_tidy(path: Path) -> TrackedPoints:
     lines = table.lines()
     at, heading = next(lines)
     missing = [name for name in COLUMNS[:-1] if name not in heading]
+    if kind := colmap_kind(",".join(heading)):
+        raise ValueError(f"{path}: {converting(path, kind)}")
     if missing:
         one = ". Files of one view are given by --l, --r, --L and --R" if "view" in missing else ""
         said = f"no column {', '.join(missing)}; the first line is {','.join(COLUMNS)}{one}"

@@ -4,7 +4,7 @@ The head, its gazes and the bases are placed as in the shipped Panda's scene, in
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ IMAGE, FOCAL, CENTRE = (640, 240), 256.0, (320.0, 120.0)  # px
 AHEAD, ASIDE, ABOVE, BASELINE = 1.0, 0.69, 0.685, 0.6  # of the size: gazes from the head, the head over them, its eyes
 GAZE_HEIGHT = 0.8  # of the size, at least: what an arm is watched at, over the floor
 BORDER_PX = 8.0
+CELL = 0.04  # of the size: what comes as near as that meets
+MOST_APART = 1.5  # times, that images may become smaller for it
 GROWTH, MOST_STEPS = 1.04, 120
 
 
@@ -59,6 +61,13 @@ class Placing:
         position = float(self.head[0]), float(self.head[1]), float(self.head[2])
         return StereoHead(position, self.baseline, *IMAGE, lens, lens).gaze(self.gaze(side))
 
+    def bodies_meet(self, body: NDArray) -> bool:
+        """Whether both robots would stand in each other. body: (K, 3) m in the base frame, all over what is drawn."""
+        across = self.base(1)[:3, 3] - self.base(-1)[:3, 3]  # they are turned alike
+        cells = np.stack([body, body + np.linalg.inv(self.base(1)[:3, :3]) @ across]) / (CELL * self.size)
+        one, other = (np.unique(np.floor(each).astype(np.int64), axis=0) for each in cells)
+        return len(np.unique(np.concatenate([one, other]), axis=0)) < len(one) + len(other)
+
     def sees(self, places: NDArray) -> bool:
         """Whether all (..., 3) m in the base frame are in all four images, away from their borders."""
         for side in (1, -1):
@@ -81,6 +90,18 @@ def placed(places: NDArray, lowest: float, yaw: float) -> Placing:
         if found.sees(flat):
             break
     return found
+
+
+def parted(placing: Placing, body: NDArray) -> Placing:
+    """As large as that or larger, up to MOST_APART, so that the robots do not stand in each other; as it is where they
+    would all the same, as on a rail that is longer than any room. body: as of `bodies_meet`."""
+    for size in _sizes(placing.size):
+        found = replace(placing, size=size)
+        if size > MOST_APART * placing.size:
+            break
+        if not found.bodies_meet(body):
+            return found
+    return placing
 
 
 def _sizes(radius: float) -> Iterator[float]:

@@ -19,8 +19,8 @@ from ..urdf.shapes import Shapes, shapes_of
 from ..urdf.tree import MARGIN, SLIDING, Tree, read_tree
 from . import body_points
 from .motion import image_jacobian, movable, resting, turning_range, two_that_move_most
-from .placing import CENTRE, FOCAL, IMAGE, Placing, placed
-from .surface import Surface, sample
+from .placing import CENTRE, FOCAL, IMAGE, Placing, parted, placed
+from .surface import Surface, sample, whole
 
 LAYOUTS = 10, 16, 20  # points
 YAWS_DEG = range(0, 360, 45)
@@ -75,6 +75,7 @@ def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int
     }
     used = np.unique(np.concatenate(list(layouts.values())))
     placing = placed(np.array([places[used] for places, _ in sides]), lowest, yaw)
+    placing = parted(placing, whole(shapes, robot, rest))
     fields = _fields(tree, reference, robot, moving, ranges, rest, placing)
     fields["points"] = {
         str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]
@@ -93,10 +94,11 @@ def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joi
     if len(among) >= 2 or (joints and len(among) >= len(joints)):
         return
     stiff = [joint.name for k, joint in enumerate(robot.joints, 1) if k not in among]
-    why = f"; {stiff[0]} {_why(tree, stiff[0])}" if stiff else ""
+    slides = [joint.name for joint in arm.joints if joint.kind in SLIDING]
+    why = f"; {stiff[0]} {_why(tree, stiff[0])}" if stiff else f"; {slides[0]} slides, and is held" if slides else ""
     raise ValueError(
         f"{tree.path}: from {arm.base} to {arm.tip} {len(among) or 'no'} joint{'s' * (not among)} can turn, "
-        f"and two are needed{why}; or name another chain by --tip"
+        f"and two are needed{why}; another chain can be named by --tip"
     )
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -13,7 +14,8 @@ from ..scene import Eye, Scene, load_robot
 from ..urdf.reference import is_reference, parse_reference
 
 BEFORE = {
-    "robot": "The URDF, from this file. After # may stand base=LINK&tip=LINK: where the arm begins and ends",
+    "robot": "The URDF, from this file; --robot names one elsewhere. After # may stand base=LINK&tip=LINK: where the\n"
+    "# arm begins and ends",
     "moving_joints": "Those that imitate, by number",
     "range_deg": "How far they turn here, degrees",
     "posture_deg": "All joints at rest, degrees; the moving ones as the demonstrator stands",
@@ -33,11 +35,11 @@ def scene_file(fields: dict, robot: Robot, heading: str) -> str:
 
 
 def saved_scene(scene: Scene, heading: str) -> str:
-    """TOML of a scene as it is, for a file anywhere: a URDF is named by its whole path."""
+    """TOML of a scene as it is, for a file beside its URDF: of whose path only the last part is told."""
     fields = msgspec.to_builtins(scene)
     if is_reference(scene.robot):
         found = parse_reference(scene.robot)
-        fields["robot"] = str(dataclasses.replace(found, path=found.path.resolve()))
+        fields["robot"] = str(dataclasses.replace(found, path=Path(found.path.name)))
     return scene_file(fields, load_robot(scene.robot), heading)
 
 

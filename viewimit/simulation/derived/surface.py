@@ -9,6 +9,7 @@ from ..robot import Robot
 from ..urdf.shapes import Shapes
 
 A_LINK, OF_THE_BASE = 80, 400  # places on each
+ALL_OVER = 3_000  # places on each, where all of a body counts
 NEAR_THE_ARM = 0.6  # of the arm's reach: farther off, a base is no part of it
 FEWEST = 24  # places on the base, the nearest if so few are near
 
@@ -33,20 +34,30 @@ class Surface:
 
 def sample(shapes: Shapes, robot: Robot, rest: NDArray, first: int) -> Surface:
     """Even over each link. rest: (n,) rad; first: the number of the joint at which the arm begins to move."""
+    found = _sampled(shapes, A_LINK, OF_THE_BASE)
+    return found.only(_near(found, robot.link_frames(rest), first))
+
+
+def whole(shapes: Shapes, robot: Robot, rest: NDArray) -> NDArray:
+    """(K, 3) m in the base frame, all over the body at rest (n,) rad."""
+    return _sampled(shapes, ALL_OVER, ALL_OVER).at(robot.link_frames(rest))[0]
+
+
+def _sampled(shapes: Shapes, a_link: int, of_the_base: int) -> Surface:
+    """So many places, even over each link."""
     rng = np.random.default_rng(0)
     link, local, normal = [], [], []
     for number, mesh in shapes.meshes.items():
         areas = mesh.area_faces
         if not areas.sum() > 0:
             continue
-        count = A_LINK if number else OF_THE_BASE
+        count = a_link if number else of_the_base
         faces = rng.choice(len(areas), count, p=areas / areas.sum())
         weights = rng.dirichlet(np.ones(3), count)
         link.append(np.full(count, number))
         local.append(np.einsum("kc,kcx->kx", weights, mesh.triangles[faces]))
         normal.append(mesh.face_normals[faces])
-    whole = Surface(np.concatenate(link), np.concatenate(local), np.concatenate(normal))
-    return whole.only(_near(whole, robot.link_frames(rest), first))
+    return Surface(np.concatenate(link), np.concatenate(local), np.concatenate(normal))
 
 
 def _near(surface: Surface, T_base_links: NDArray, first: int) -> NDArray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .tree import TURNING, Tree, TreeJoint
+from .tree import SLIDING, TURNING, Tree, TreeJoint
 
 FINGER = re.compile(r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE)  # in the name of a joint, or of what it moves
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # in the name of a joint; a link of that name may be the whole hand
@@ -42,7 +42,11 @@ def arm_of(tree: Tree, base: str | None = None, tip: str | None = None) -> Chain
     arm = _to_the_last_that_turns(best)
     if not any(joint.turns and joint.mimic is None for joint in arm):
         start = "the root link" if base is None else f"link {base!r}"
-        raise ValueError(f"{tree.path}: no revolute joint between {start} and {tip or 'any tip'}")
+        slides = any(joint.kind in SLIDING for joint in tree.joints)
+        held = (
+            "; joints that slide are held, and do not count" if slides else "" if tree.joints else "; it has no joint"
+        )
+        raise ValueError(f"{tree.path}: no revolute joint between {start} and {tip or 'any tip'}{held}")
     for joint in arm:
         if joint.kind in TURNING and joint.lower > joint.upper:
             raise ValueError(

@@ -20,6 +20,8 @@ class NotFound(Exception):
 
 def mesh_path(urdf: Path, name: str) -> Path:
     """The file that a mesh's name in the URDF means. Raises NotFound."""
+    if not name:
+        raise NotFound("a mesh without a filename")
     scheme, _, rest = name.partition("://") if "://" in name else ("", "", name)
     if scheme == "package":
         return _in_package(urdf, *unquote(rest).partition("/")[::2])

@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from . import rods
+from . import rods, shape_cache
 from .carried import carried_frames
 from .chain import Chain, arm_of
 from .mesh_files import load_mesh
@@ -38,6 +38,21 @@ def shapes_of(reference: Reference) -> Shapes:
 
 @lru_cache(8)
 def _shapes(tree: Tree, base: str, reference: Reference) -> Shapes:
+    files = dict.fromkeys(shape.file for shapes in tree.shapes.values() for shape in shapes if shape.kind == "mesh")
+    if not files:  # others take no time
+        meshes, missing = _made(tree, reference)
+        return Shapes(meshes, _said(tree, missing))
+    key = shape_cache.key_of(tree.path, tree.digest, str(reference), files)
+    found = shape_cache.kept(key)
+    if found is None:
+        found = _made(tree, reference)
+        shape_cache.keep(key, *found)
+    meshes, missing = found
+    return Shapes(meshes, _said(tree, missing))
+
+
+def _made(tree: Tree, reference: Reference) -> tuple[dict[int, trimesh.Trimesh], list[str]]:
+    """Meshes by link number, and what could not be had for them, each once."""
     arm = arm_of(tree, reference.base, reference.tip)
     frames = carried_frames(tree, arm)
     parts: dict[int, list[trimesh.Trimesh]] = {}
@@ -61,7 +76,7 @@ def _shapes(tree: Tree, base: str, reference: Reference) -> Shapes:
         if number not in parts and (number in bare or number == 0 or undrawn):
             parts[number] = [mesh]
     meshes = {number: creased(simplified(_joined(each), MOST_CARRIED)) for number, each in sorted(parts.items())}
-    return Shapes(meshes, _said(tree, missing))
+    return meshes, list(missing)
 
 
 def _mesh(tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh]) -> trimesh.Trimesh | None:
@@ -109,8 +124,8 @@ def _joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
     return trimesh.Trimesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces), process=False)
 
 
-def _said(tree: Tree, missing: dict[str, None]) -> tuple[str, ...]:
+def _said(tree: Tree, missing: list[str]) -> tuple[str, ...]:
     """Faults, the first few in words."""
-    named, more = list(missing)[:MOST_NAMED], len(missing) - MOST_NAMED
+    named, more = missing[:MOST_NAMED], len(missing) - MOST_NAMED
     lines = [f"{tree.path}: not drawn: {fault}" for fault in named]
     return (*tree.faults, *lines, *([f"{tree.path}: and {more} more"] if more > 0 else []))

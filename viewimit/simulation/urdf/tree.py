@@ -1,5 +1,6 @@
 """A URDF file as plain data: all of its joints, and what its links look like. Nothing is chosen here."""
 
+import hashlib
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
 from ...reading import read_bytes
-from .formats import MOST_BYTES
+from .formats import MOST_BYTES, require_urdf_content
 
 TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)
 SHAPES = {  # attributes that say their size, and what they are where they are not said
@@ -84,12 +85,13 @@ class Shape:
 @dataclass(frozen=True, eq=False)
 class Tree:
     """shapes: by link, of what is seen of it, or, if nothing is of any, of what it collides with; faults: lines about
-    shapes that are left out."""
+    shapes that are left out; digest: of the file's content."""
 
     path: Path
     joints: tuple[TreeJoint, ...]
     shapes: Mapping[str, tuple[Shape, ...]]
     faults: tuple[str, ...]
+    digest: str
 
     @property
     def links(self) -> list[str]:
@@ -120,12 +122,13 @@ def read_tree(path: Path) -> Tree:
 
 @lru_cache(8)  # every run of a study begins with it
 def _parsed(path: Path, content: bytes) -> Tree:
+    if not content.strip():
+        raise ValueError(f"{path}: the file is empty")
     try:
         root = ElementTree.fromstring(content)
     except (ElementTree.ParseError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
         raise ValueError(f"{path}: not a URDF that parses: {error}") from None
-    if root.tag != "robot":
-        raise ValueError(f"{path}: not a URDF: its root element is <{root.tag}>, not <robot>")
+    require_urdf_content(path, root)
     count = len(root.findall("joint"))
     if count > MOST_JOINTS:
         raise ValueError(f"{path}: it has {count} joints, more than {MOST_JOINTS}: leave out what is no robot")
@@ -141,7 +144,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
         shapes = {link.get("name", "?"): tuple(_read_shapes(path, link, tag, faults)) for link in links}
         if any(shapes.values()):
             break
-    return Tree(path, joints, shapes, tuple(faults))
+    return Tree(path, joints, shapes, tuple(faults), hashlib.sha256(content).hexdigest())
 
 
 def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:

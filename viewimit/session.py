@@ -7,6 +7,7 @@ Between views and transfer the images are rectified, where the cameras ask for i
 Every pass leaves one immutable Snapshot, which panels, plots, exports and tests all read.
 """
 
+import copy
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -281,6 +282,12 @@ class Session:
         self.observer = self.embodiment.looks(history[0].theta)
         self.history, self.log = History(history, cursor, self._dense), Log.unknown() if log is None else log.copy()
         self.embodiment.revisit(self.snapshot.commanded)
+
+    def copy(self) -> "Session":
+        """That does not follow any more; to be read, by any thread."""
+        other = copy.copy(self)
+        other.history, other.log = History(self.history, self.cursor), self.log.copy()
+        return other
 
     def begin(self, settings: Settings) -> None:
         """Begin anew, at motion 0, with what was rehearsed if that was of the same body.

@@ -161,10 +161,20 @@ class Snapshot:
         with too few points for any."""
         if self.fundamental is None:
             return None
+        if point not in self._lines:
+            self._lines[point] = self._lines_of(self.fundamental, point)
+        return self._lines[point]
+
+    @cached_property
+    def _lines(self) -> dict[int, NDArray]:
+        """By body point, of those that were asked for."""
+        return {}
+
+    def _lines_of(self, fundamental: PairGeometry, point: int) -> NDArray:
         images, by = np.stack([self.views.demo[point], self.views.own[point]]), self.rectification
         if by is None:
-            return self.fundamental.lines(images.reshape(4, 2))
-        lines = self.fundamental.lines(by.apply(images).reshape(4, 2))
+            return fundamental.lines(images.reshape(4, 2))
+        lines = fundamental.lines(by.apply(images).reshape(4, 2))
         return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
 
 

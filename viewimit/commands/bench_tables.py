@@ -3,7 +3,11 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments.bench import claims, following, robots, robustness, scenes, speed, success
+from ..experiments.bench import claims, compare, following, robots, robustness, scenes, speed, success
+from ..experiments.bench.intervals import Interval
+from ..experiments.executors.study import Study
+
+MILLION, CORES = 1_000_000, 64
 
 
 def speed_table(found: speed.Benchmark) -> str:
@@ -160,6 +164,70 @@ def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
         )
         lines.append(f"  {o.case:<36}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
     return "\n".join(lines)
+
+
+def compared_table(found: Sequence[compare.Compared]) -> str:
+    """For people: a block a case, a row a law. In brackets 95 % confidence intervals."""
+    near = compare.WITHIN_DEG[0]
+    heads = (
+        *(f"ended ≤{within:g}°" for within in compare.WITHIN_DEG),
+        "motions",
+        "95 %",
+        "error",
+        "95 %",
+        "claimed",
+        f"and >{compare.FALSE_DEG:g}°",
+        f"≤{near:g}°, more",
+        "error less",
+    )
+    widths = (17, 17, 16, 16, 24, 24, 17, 13, 22, 22)
+    lines = [
+        "largest joint error at the end; more, less: than by the paper's law from the same draws, share and median of "
+        "differences; in brackets 95 % confidence intervals"
+    ]
+    case = ""
+    for o in found:
+        if o.case != case:
+            case = o.case
+            lines.append(f"{case}, {o.runs} runs a law")
+            lines.append(" " * 20 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths)))
+        cells = (
+            *map(_share, o.within.values()),
+            _interval(o.motions_median, 0),
+            _interval(o.motions_95, 0),
+            _interval(o.error_median, 2, "°"),
+            _interval(o.error_95, 2, "°"),
+            _share(o.claimed),
+            _share(o.falsely),
+            "–" if o.gained is None else _points(o.gained),
+            "–" if o.error_less is None else _interval(o.error_less, 1, "°"),
+        )
+        lines.append(f"  {o.servo:<18}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
+    return "\n".join(lines)
+
+
+def _interval(of: Interval, digits: int, unit: str = "") -> str:
+    """0.02° (0.01–0.03), the interval rounded outwards."""
+    scale = 10**digits
+    low, high = math.floor(of.low * scale) / scale, math.ceil(of.high * scale) / scale
+    between = "–" if low >= 0 else " to "
+    return f"{of.value:.{digits}f}{unit} ({low:.{digits}f}{between}{high:.{digits}f})"
+
+
+def _points(of: Interval) -> str:
+    """A difference of shares in percentage points, the interval rounded outwards."""
+    return f"{100 * of.value:+.0f} % ({math.floor(100 * of.low):+d} to {math.ceil(100 * of.high):+d})"
+
+
+def cost_line(study: Study) -> str:
+    """What the runs of a study took, and what a million of them would."""
+    each = study.cpu_s / study.runs
+    kept = f", {study.kept} of them kept before" if study.kept else ""
+    hours = each * MILLION / 3600
+    return (
+        f"{study.runs} runs{kept}: {study.cpu_s:.1f} s of CPU on one core, {each * 1e3:.1f} ms a run; "
+        f"{MILLION:,} such runs need {hours:.1f} h on one core, {hours / CORES:.2f} h on {CORES}"
+    )
 
 
 def _exact_share(share: success.Share) -> str:

@@ -13,7 +13,7 @@ from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..servo import SERVOS
 from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
-from ..simulation.scene import Scene, load_robot, load_scene, made_scene, robot_names, scene_names
+from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, robot_names, scene_names
 from ..simulation.urdf.descriptions import description_path, is_description
 from ..simulation.urdf.formats import require_urdf
 from ..simulation.urdf.reference import is_reference, parse_reference
@@ -159,7 +159,11 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
             with naming(option(name)):
                 settings = msgspec.structs.replace(settings, **{name: value})
     with naming(asked):
-        scene = load_scene(args.scene or settings.scene)
+        try:
+            scene = load_scene(args.scene or settings.scene)
+        except NoRobotThere:
+            if args.robot is None:
+                raise
     with naming("--robot"):
         scene = load_scene(args.scene or settings.scene, args.robot)
     freed = all_joints(scene.robot) if args.joints == ALL else args.joints

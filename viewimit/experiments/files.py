@@ -31,7 +31,7 @@ def write(name: str, experiment: Experiment, result: Result, folder: Path) -> li
     for table, columns in tables.items():
         if columns:
             written.append(folder / f"{name}-{table}.csv")
-            _write_csv(written[-1], columns)
+            write_csv(written[-1], columns)
     if experiment.draw is not None:
         drawing = standalone.standalone(experiment.figure(result), experiment.title, described(result.settings))
         for suffix in (".svg", ".png") if standalone.can_render() else (".svg",):
@@ -69,7 +69,8 @@ def _versions() -> dict[str, str]:
     return found
 
 
-def _write_csv(path: Path, columns: Table) -> None:
+def write_csv(path: Path, columns: Table) -> None:
+    """Numbers with ten digits, what is none as an empty cell. Raises OSError."""
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(columns)

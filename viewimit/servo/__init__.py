@@ -12,7 +12,9 @@ A new one is a file with a `Servo`, and a line here: its title, limits, equation
 
 from .broyden import Broyden
 from .certificate import Certificate
+from .gauss_newton import GaussNewton
 from .gradient import RETUNED_LAW, Gradient
+from .kalman import Kalman
 from .observation import Conflict, Observation
 from .servo import Moment, Servo, ServoState
 from .trust_region import TrustRegion
@@ -21,6 +23,8 @@ SERVOS: dict[str, Servo] = {
     "gradient": Gradient(),
     "gradient-retuned": RETUNED_LAW,
     "broyden": Broyden(),
+    "kalman": Kalman(),
+    "gauss-newton": GaussNewton(),
     "trust-region": TrustRegion(),
 }
 
@@ -29,7 +33,9 @@ __all__ = [
     "Broyden",
     "Certificate",
     "Conflict",
+    "GaussNewton",
     "Gradient",
+    "Kalman",
     "Moment",
     "Observation",
     "Servo",

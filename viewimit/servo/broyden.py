@@ -17,11 +17,11 @@ from ..evaluation import conflict as evaluate
 from .image_model import ImageModel
 from .minimise import minimise
 from .observation import Conflict, Observation
+from .probing import probe_of
 from .servo import Moment
 from .visit import Visit
 
 _LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
-PROBE = np.radians(15.0)
 FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
 DONE_STEP = np.radians(0.1)  # a motion shorter than this is not worth making
 GAIN_LEFT = 0.01  # share of E that a step cut short by the region must still promise to count as stalled
@@ -157,10 +157,5 @@ def _told(model: ImageModel, own: NDArray) -> NDArray:
 
 
 def _probe(state: BroydenState, seen: Observation) -> tuple[BroydenState, NDArray]:
-    """Turn one joint by 15°, towards where its limits leave more room."""
     joint, *rest = state.probes
-    above = seen.upper[joint] - seen.displacement[joint]
-    below = seen.displacement[joint] - seen.lower[joint]
-    step = np.zeros_like(seen.displacement)
-    step[joint] = min(PROBE, above) if above >= min(PROBE, below) else -min(PROBE, below)
-    return replace(state, probes=tuple(rest), promised=None, status="moving", probe=True), step
+    return replace(state, probes=tuple(rest), promised=None, status="moving", probe=True), probe_of(joint, seen)

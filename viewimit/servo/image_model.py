@@ -27,9 +27,8 @@ class ImageModel:
 
     @property
     def rarely_seen(self) -> NDArray:
-        """(N,) bool: taught by fewer motions than there are joints, if others were taught by that many."""
-        enough = np.sort(self.taught)[-min(ENOUGH, len(self.taught))]
-        return self.taught < min(self.jacobian.shape[-1], enough)
+        """(N,) bool: `rarely_taught`."""
+        return rarely_taught(self.taught, self.jacobian.shape[-1])
 
     @classmethod
     def start(cls, seen: Observation) -> "ImageModel":
@@ -55,3 +54,9 @@ class ImageModel:
     def predict(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (N, 4) px"""
         return self.last.own + self.jacobian @ (displacement - self.last.displacement)
+
+
+def rarely_taught(taught: NDArray, joints: int) -> NDArray:
+    """(N,) bool: points taught by fewer motions than there are joints, if others were taught by that many. taught: (N,)
+    motions."""
+    return taught < min(joints, np.sort(taught)[-min(ENOUGH, len(taught))])

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .observation import Observation
+from .probing import probe_of
 from .trust_state import TrustState
 from .visit import Visit
 
-PROBE = np.radians(15.0)
 LONGEST = np.radians(45.0)  # a joint and motion
 DONE_STEP = np.radians(0.1)
 RESTS = 0.1  # of the expected error from the goal
@@ -17,12 +17,8 @@ FAR_CANDIDATES = 200
 
 
 def probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
-    """Turn one joint by 15°, towards where its limits leave more room."""
     joint, *rest = state.probes
-    above, below = seen.upper[joint] - seen.displacement[joint], seen.displacement[joint] - seen.lower[joint]
-    step = np.zeros_like(seen.displacement)
-    step[joint] = min(PROBE, above) if above >= min(PROBE, below) else -min(PROBE, below)
-    return replace(state, probes=tuple(rest), status="moving", probe=True), step
+    return replace(state, probes=tuple(rest), status="moving", probe=True), probe_of(joint, seen)
 
 
 def check(state: TrustState, seen: Observation, place: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:

@@ -15,7 +15,7 @@ from ...session import Session
 from ...settings import BEST
 from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
-from .. import processes
+from ..executors.study import Study, each
 from .success import Share
 from .surface import SurfaceEyes, surface_points
 
@@ -98,7 +98,7 @@ def run(
     cases: Sequence[Case] = CASES,
     runs: int = 200,
     seed: int = 0,
-    workers: int | None = None,
+    workers: int | Study | None = None,
     tell: Callable[[float], None] = lambda share: None,
     rehearsed: int = 0,
 ) -> list[Outcome]:
@@ -106,7 +106,7 @@ def run(
     itself before; tell(share done)."""
     tasks = [(case, [seed, k], rehearsed) for case in cases for k in range(runs)]
     found = []
-    for ending in processes.each(run_once, tasks, workers):
+    for ending in each(run_once, tasks, workers):
         found.append(ending)
         tell(len(found) / len(tasks))
     return [outcome(case.name, found[k * runs : (k + 1) * runs]) for k, case in enumerate(cases)]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...session import Session
 from ...settings import BEST, Settings
-from .. import processes
+from ..executors.study import Study, each
 
 SWING_DEG, TURNS = 25.0, (1.0, 0.7)  # of the path, each joint; rounds a joint, repeated for more joints
 STEPS, SETTLING, MOST_BEFORE = 150, 10, 200
@@ -53,7 +53,7 @@ def run(
     cases: Sequence[Case] = CASES,
     runs: int = 8,
     seed: int = 0,
-    workers: int | None = None,
+    workers: int | Study | None = None,
     tell: Callable[[float], None] = lambda share: None,
 ) -> list[Outcome]:
     """Every case along the same paths. tell(share done)."""
@@ -63,7 +63,7 @@ def run(
         for k in range(runs)
     ]
     errors = []
-    for found in processes.each(run_once, tasks, workers):
+    for found in each(run_once, tasks, workers):
         errors.append(found)
         tell(len(errors) / len(tasks))
     together = [np.concatenate(errors[k * runs : (k + 1) * runs]) for k in range(len(cases))]

@@ -12,7 +12,7 @@ import numpy as np
 from ...rehearsal import rehearse
 from ...session import Session
 from ...settings import Settings
-from .. import processes
+from ..executors.study import Study, each
 from .success import Share
 
 DEMO_DEG = 20.0
@@ -78,7 +78,7 @@ def run(
     runs: int = 200,
     seed: int = 0,
     max_motions: int = 80,
-    workers: int | None = None,
+    workers: int | Study | None = None,
     tell: Callable[[float], None] = lambda share: None,
 ) -> list[Outcome]:
     """Every case from the same draws. settings: scene, layout, transfer and servo. tell(share done)."""
@@ -88,7 +88,7 @@ def run(
         for k in range(runs)
     ]
     found = []
-    for ended in processes.each(run_once, tasks, workers):
+    for ended in each(run_once, tasks, workers):
         found.append(ended)
         tell(len(found) / len(tasks))
     return [_outcome(case.name, found[k * runs : (k + 1) * runs]) for k, case in enumerate(cases)]

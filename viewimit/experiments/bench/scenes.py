@@ -2,8 +2,10 @@
 without rectification and noise, beside the Cramér-Rao bound."""
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import msgspec
@@ -14,10 +16,10 @@ from ...session import Session
 from ...settings import Settings
 from ...simulation.eyes import ProjectedEyes, SimulatedEyes
 from ...simulation.scene import Scene
-from .. import processes
+from ..executors.study import Study, each
 from .bound import bound
 from .claims import TIMES
-from .random_scenes import draw, resize, write
+from .random_scenes import Drawn, draw, resize, write
 from .success import FALSE_DEG, WITHIN_DEG, Share
 
 PATIENCE = 20  # looks in a row with too few points, after which a learner is given up
@@ -67,24 +69,21 @@ def run(
     seed: int,
     max_motions: int,
     rows: Sequence[Row] = ROWS,
-    workers: int | None = None,
+    workers: int | Study | None = None,
     tell: Callable[[float], None] = lambda share: None,
 ) -> list[Outcome]:
     """The settings' transfer and servo in that many scenes a row, from that many starts to demonstrators in each."""
-    with tempfile.TemporaryDirectory() as folder:
-        kinds = {row.any_head for row in rows}
-        drawn = {kind: _tasks(settings, scenes, pairs, seed, kind, Path(folder)) for kind in kinds}
-        tasks = [
-            (msgspec.structs.replace(asked, **row.changes), size, max_motions)
-            for row in rows
-            for asked, size in drawn[row.any_head]
-        ]
-        runs: list[Run] = []
-        for found in processes.each(run_once, tasks, workers):
-            runs.append(found)
-            tell(len(runs) / len(tasks))
-    each = scenes * pairs
-    return [_outcome(row.name, runs[k * each : (k + 1) * each]) for k, row in enumerate(rows)]
+    tasks = [
+        (msgspec.structs.replace(settings, **row.changes), row.any_head, [seed, k], pairs, max_motions)
+        for row in rows
+        for k in range(scenes)
+    ]
+    runs: list[Run] = []
+    for found in each(run_scene, tasks, workers):
+        runs.extend(found)
+        tell(len(runs) / (len(tasks) * pairs))
+    of_row = scenes * pairs
+    return [_outcome(row.name, runs[k * of_row : (k + 1) * of_row]) for k, row in enumerate(rows)]
 
 
 @dataclass(frozen=True)
@@ -99,18 +98,45 @@ class Run:
     expected: float
 
 
-def run_once(settings: Settings, size: float, max_motions: int) -> Run:
-    def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
-        eyes = ProjectedEyes(scene, points)
-        resize(eyes.world, size)
-        return eyes
+def run_scene(settings: Settings, any_head: bool, seed: list[int], pairs: int, max_motions: int) -> list[Run]:
+    """In one scene, drawn here, from that many starts to demonstrators."""
+    rng, runs = np.random.default_rng(seed), []
+    drawn = draw(rng, any_head)
+    with written(drawn) as path:
+        for start, demonstrator in _pairs(rng, drawn.scene, pairs):
+            asked = msgspec.structs.replace(
+                settings,
+                scene=path,
+                points=drawn.points,
+                start_deg=tuple(start),
+                demonstrator_deg=tuple(demonstrator),
+                seed=int(rng.integers(2**32)) if any_head else settings.seed,
+            )
+            runs.append(run_once(asked, drawn.size, max_motions))
+    return runs
 
-    session = Session(settings, open_eyes)
+
+@contextmanager
+def written(drawn: Drawn) -> Iterator[str]:
+    """The path of a scene, for as long as that is needed."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield str(write(drawn.scene, Path(folder), "drawn"))
+
+
+def run_once(settings: Settings, size: float, max_motions: int) -> Run:
+    session = Session(settings, partial(open_resized, size=size))
     last = session.run(max_motions, PATIENCE)
     left = bound(session.world, last.theta_demo, session.observer.noise_at_rest(settings))
     error = np.degrees(np.abs(last.theta - last.theta_demo))
     expected = np.inf if last.expected_error is None else float(np.degrees(last.expected_error))
     return Run(error, np.degrees(left), last.motion, last.status == "converged", expected)
+
+
+def open_resized(camera: str, scene: Scene, points: int, size: float) -> SimulatedEyes:
+    """Eyes of a learner that is so many times as large."""
+    eyes = ProjectedEyes(scene, points)
+    resize(eyes.world, size)
+    return eyes
 
 
 def _outcome(name: str, runs: Sequence[Run]) -> Outcome:
@@ -132,28 +158,6 @@ def _outcome(name: str, runs: Sequence[Run]) -> Outcome:
         float(np.sqrt((error**2).mean())),
         float(np.sqrt((left**2).mean())),
     )
-
-
-def _tasks(
-    settings: Settings, scenes: int, pairs: int, seed: int, any_head: bool, folder: Path
-) -> list[tuple[Settings, float]]:
-    """Settings of every run, and the learner's size."""
-    tasks = []
-    for k in range(scenes):
-        rng = np.random.default_rng([seed, k])
-        drawn = draw(rng, any_head)
-        path = write(drawn.scene, folder, f"{'any' if any_head else 'parallel'}-{k}")
-        for start, demonstrator in _pairs(rng, drawn.scene, pairs):
-            asked = msgspec.structs.replace(
-                settings,
-                scene=str(path),
-                points=drawn.points,
-                start_deg=tuple(start),
-                demonstrator_deg=tuple(demonstrator),
-                seed=int(rng.integers(2**32)) if any_head else settings.seed,
-            )
-            tasks.append((asked, drawn.size))
-    return tasks
 
 
 def _pairs(rng: np.random.Generator, scene: Scene, count: int) -> list[list[list[float]]]:

@@ -18,7 +18,7 @@ from ...rehearsal import rehearse
 from ...session import Session
 from ...settings import Settings
 from ...simulation.scene import Scene
-from .. import processes
+from ..executors.study import Study, each
 
 COARSE_DEG, FINER_DEG, FINE_DEG = 4.0, 0.25, 0.05  # of the search for the transfer's own minimum, beside 1°
 AROUND_DEG = 5.0, 1.5, 0.4  # how far each finer grid goes
@@ -100,7 +100,7 @@ def run(
     transfers: Sequence[str],
     servos: Sequence[str],
     max_motions: int,
-    workers: int | None = None,
+    workers: int | Study | None = None,
     tell: Callable[[float], None] = lambda share: None,
     rehearsed: int = 0,
 ) -> list[Success]:
@@ -121,7 +121,7 @@ def run(
         for k, (start, demo) in enumerate(pairs)
     ]
     results = []
-    for runs in processes.each(run_pair, tasks, workers):
+    for runs in each(run_pair, tasks, workers):
         results.append(runs)
         tell(len(results) / len(tasks))
     return [

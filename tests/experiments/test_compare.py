@@ -1,0 +1,132 @@
+"""Laws are compared on the same draws; intervals are those of the books; the table that is kept is that of its runs."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from viewimit.commands.bench_tables import compared_table
+from viewimit.experiments.bench import compare
+from viewimit.experiments.bench.compare import CASES, Row, compared, read, run_draw, write
+from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
+from viewimit.experiments.bench.success import wilson
+from viewimit.servo import SERVOS
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+DOCS = Path(__file__).parents[2] / "docs"
+SETTINGS = Settings(transfer="projective")
+
+
+def rows_of(servo, errors, motions=9, status="rests", case="a"):
+    return [Row(case, k, servo, motions, status, error, np.nan, 0.1) for k, error in enumerate(errors)]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_every_law_begins_with_the_same_bodies_images_and_noise(case, monkeypatch):
+    begun = []
+
+    def run(self, *_):
+        begun.append(self.snapshot)
+        return self.snapshot
+
+    monkeypatch.setattr(Session, "run", run)
+    run_draw(SETTINGS, case, list(SERVOS), [3, 1], 5)
+    assert [moment.settings.servo for moment in begun] == list(SERVOS)
+    for moment in begun[1:]:
+        assert replace_servo(moment) == replace_servo(begun[0])
+        for name in ("own", "demo", "visible"):
+            np.testing.assert_array_equal(getattr(moment.views, name), getattr(begun[0].views, name))
+    other = run_draw(SETTINGS, case, ["broyden"], [3, 2], 5)
+    assert len(other) == 1 and (begun[-1].theta_demo != begun[0].theta_demo).any()
+    hidden = case.hidden is not None
+    assert begun[0].views.visible.all() == (not hidden) and (begun[0].rectification is not None) == case.any_head
+
+
+def replace_servo(moment):
+    return compare.msgspec.structs.replace(moment.settings, servo="broyden")
+
+
+def test_a_run_does_not_depend_on_which_laws_came_before():
+    alone = run_draw(SETTINGS, CASES[2], ["broyden"], [5, 0], 12)
+    after = run_draw(SETTINGS, CASES[2], ["kalman", "gradient", "broyden"], [5, 0], 12)
+    assert alone[0] == replace(after[2], expected_deg=alone[0].expected_deg)
+
+
+def test_shares_errors_and_differences_are_counted():
+    paper = rows_of("gradient", [0.2, 5.0, 7.0, 9.0], motions=200)
+    other = rows_of("broyden", [0.1, 0.4, 0.9, 30.0], status="converged")
+    law, same = compared([*other, *paper])
+    assert [share.count for share in law.within.values()] == [2, 3]
+    assert (law.claimed.count, law.falsely.count, law.falsely.runs) == (4, 1, 4)
+    assert law.gained.value == 0.25 and law.error_median.value == pytest.approx(0.65)
+    assert law.error_less.value == pytest.approx(np.median([0.1, 4.6, 6.1, -21.0])) and law.motions_less.value == 191
+    assert same.gained is None and same.within[0.5].count == 1 and same.claimed.count == 0
+    with pytest.raises(ValueError, match="a: broyden and gradient have not the same runs"):
+        compared([*other[:3], *paper])
+
+
+def test_the_bootstrap_of_a_median_covers_it_as_often_as_it_says():
+    """Of 120 samples of 60 the interval holds the true median in 91 to 99 of 100."""
+    drawn = np.random.default_rng(1).exponential(size=(120, 60))
+    inside = [found.low <= np.log(2) <= found.high for found in map(of_median, drawn)]
+    assert 0.91 < np.mean(inside) < 0.99
+    assert of_percentile(np.full(5, 3.0), 95).high == 3.0
+
+
+@pytest.mark.parametrize("agree", [0.0, 0.6])
+def test_newcombes_interval_of_a_paired_difference_covers_it(agree):
+    """Both laws arrive for the same reason in a share of the draws; p - q = 0.3."""
+    rng, inside = np.random.default_rng(2), []
+    for _ in range(1000):
+        shared, apart = rng.uniform(size=60), rng.uniform(size=60)
+        first, second = shared < 0.8, np.where(rng.uniform(size=60) < agree, shared, apart) < 0.5
+        found, back = paired_difference(first, second), paired_difference(second, first)
+        assert -1 <= found.low <= found.value <= found.high <= 1
+        assert (back.low, back.high) == pytest.approx((-found.high, -found.low))
+        inside.append(found.low <= 0.3 <= found.high)
+    assert 0.93 < np.mean(inside) < 0.985
+
+
+def test_without_any_failure_the_interval_is_as_wide_as_those_of_its_shares():
+    all_of, none = np.ones(40, bool), np.zeros(40, bool)
+    found, (low, _) = paired_difference(all_of, none), wilson(40, 40)
+    assert found.value == found.high == 1 and found.low == pytest.approx(1 - np.hypot(1 - low, 1 - low))
+
+
+def test_runs_are_read_as_they_were_written_and_what_is_no_run_is_named(tmp_path):
+    rows = [*rows_of("gradient", [0.25, 3.0]), *rows_of("broyden", [0.125, 0.5])]
+    write(rows, tmp_path / "runs.csv")
+    assert repr(read(tmp_path / "runs.csv")) == repr(rows)
+    text = (tmp_path / "runs.csv").read_text()
+    for spoilt, message in (
+        (text.replace("0.125", "x"), "line 4: could not convert string to float: 'x'"),
+        (text.replace("error_deg", "error"), "is no table of runs"),
+        (text.splitlines()[0], "holds no runs"),
+    ):
+        (tmp_path / "runs.csv").write_text(spoilt)
+        with pytest.raises(ValueError, match=message):
+            read(tmp_path / "runs.csv")
+
+
+def test_the_documentation_shows_the_table_of_the_runs_that_are_kept_beside_it():
+    text = (DOCS / "comparison.md").read_text()
+    found = compared(read(DOCS / "comparison.csv"))
+    assert compared_table(found) in text
+    assert {cell.servo for cell in found} == set(SERVOS) and [*dict.fromkeys(c.case for c in found)] == [
+        case.name for case in CASES
+    ]
+
+
+@pytest.mark.parametrize("servo", ["broyden", "kalman", "gauss-newton"])
+def test_runs_that_are_kept_in_the_documentation_are_repeated(servo):
+    kept = [row for row in read(DOCS / "comparison.csv") if row.servo == servo and row.case == CASES[0].name]
+    most, seed = (
+        int(re.search(rf"{word} (\d+)", (DOCS / "comparison.md").read_text())[1]) for word in ("motions", "seed")
+    )
+    for row in kept[:3]:
+        (again,) = run_draw(SETTINGS, CASES[0], [servo], [seed, row.run], most)
+        assert (again.motions, again.status) == (row.motions, row.status)
+        assert again.error_deg == pytest.approx(row.error_deg, rel=1e-3, abs=1e-3)

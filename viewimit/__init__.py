@@ -10,6 +10,7 @@ After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geomet
     Arm, Eyes                       what to write for a robot and cameras of your own; Session.of(arm, eyes)
     World, load_scene               the simulated world, from a scene file
     Landscape                       E over a grid of postures; made by viewimit.analysis.landscape.landscape
+    replay                          a session as one page, in a notebook or a file, that needs no server
 
 The names are loaded when first used.
 """
@@ -17,12 +18,13 @@ The names are loaded when first used.
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape
     from .embodiment.interface import Arm, Eyes
     from .evaluation import conflict, residual
+    from .export.replay import replay
     from .geometry.affine import fit_affine_fundamental
     from .servo import SERVOS
     from .session import Session
@@ -47,6 +49,7 @@ _MODULES = {
     "conflict": ".evaluation",
     "fit_affine_fundamental": ".geometry.affine",
     "load_scene": ".simulation.scene",
+    "replay": ".export.replay",
     "residual": ".evaluation",
 }
 
@@ -64,6 +67,7 @@ __all__ = [
     "conflict",
     "fit_affine_fundamental",
     "load_scene",
+    "replay",
     "residual",
 ]
 

@@ -24,6 +24,7 @@ COMMANDS = {
     "detect": "Markers in your own pictures or videos, as a table of points.",
     "evaluate": "The method on your own tracked points: transfer, residuals, E.",
     "bench": "How fast E is, and how often and how soon each servo arrives.",
+    "docs": "The documentation, in a browser.",
 }
 
 

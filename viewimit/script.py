@@ -6,6 +6,7 @@ a run in lines of Python.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import msgspec
@@ -70,6 +71,29 @@ class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def steps(self) -> int:
         """How long it takes to play, in passes of the loop."""
         return sum(deed.times for deed in self.deeds if isinstance(deed, Stepped | Looked))
+
+    def renamed(self, told: Callable[[str], str]) -> Script:
+        """With scenes and robots called as told has them: `file_name` for others, to whom folders are nothing."""
+        return Script(_settings_renamed(self.settings, told), tuple(_deed_renamed(deed, told) for deed in self.deeds))
+
+
+def _deed_renamed(deed: Deed, told: Callable[[str], str]) -> Deed:
+    if isinstance(deed, Began):
+        return Began(_settings_renamed(deed.settings, told))
+    if isinstance(deed, Changed):
+        files = {name: told(deed.fields[name]) for name in ("scene", "robot") if deed.fields.get(name) is not None}
+        return Changed({**deed.fields, **files})
+    return deed
+
+
+def _settings_renamed(settings: Settings, told: Callable[[str], str]) -> Settings:
+    robot = None if settings.robot is None else told(settings.robot)
+    return msgspec.structs.replace(settings, scene=told(settings.scene), robot=robot)
+
+
+def file_name(place: str) -> str:
+    """Of a path of any system; a name stays."""
+    return place.replace("\\", "/").rsplit("/", 1)[-1]
 
 
 class Log(msgspec.Struct, forbid_unknown_fields=True):

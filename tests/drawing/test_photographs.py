@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from drawn import DEMONSTRATORS_POINTS, HULL, OWN_POINTS, SKELETON, VIEW_NAME, view_name, written_path
 from viewimit.app import viser_private
-from viewimit.app.scene.fixtures import BEHIND, Fixtures, on_plate
+from viewimit.app.scene.fixtures import BEHIND, Fixtures
 from viewimit.app.scene.nodes import Nodes
 
 from viewimit.drawing.images.panel import draw_images
@@ -16,6 +16,7 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
 from viewimit.simulation.link_meshes import link_meshes
+from viewimit.viewer.furniture import on_plate
 from viewimit.views import VIEWS
 
 PICTURES = {view: f"picture of {view}".encode() for view in VIEWS}

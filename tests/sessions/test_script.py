@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from viewimit.rehearsal import begin_rehearsal
-from viewimit.replay import do, play
 from viewimit.script import MOST_DEEDS, Deed, Log, Posed, Script, Stepped
+from viewimit.script_player import do, play
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 from viewimit.snapshot import Snapshot

@@ -12,11 +12,11 @@ from ..snapshot import Snapshot
 TABLES = (".csv", ".npz")
 
 
-def require_format(path: Path) -> None:
-    """Raises ValueError for an extension that is not written."""
-    suffix = path.suffix.lower()
-    if suffix not in TABLES:
-        raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES)}")
+def require_format(path: Path, others: Sequence[str] = ()) -> None:
+    """Raises ValueError for an extension that is not written. others: that are written elsewhere."""
+    suffix, there = path.suffix.lower(), (*TABLES, *others)
+    if suffix not in there:
+        raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(there)}")
 
 
 def write(path: Path, history: Sequence[Snapshot], joints: Sequence[int]) -> None:

@@ -28,6 +28,8 @@ from .options import (
     settings_from,
 )
 
+PAGES = (".html", ".htm")
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_setting_options(parser, BEST)
@@ -36,7 +38,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_run_options(parser, BEST)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write the history, a row a motion, as .csv or .npz")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write the history, a row a motion, as .csv or .npz, or all that is seen of it as one page, .html",
+    )
     parser.add_argument("--body", type=Path, metavar="FILE", help="begin with what `viewimit rehearse` has kept there")
     add_json_option(parser)
 
@@ -44,7 +51,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
-            history_file.require_format(args.out)
+            history_file.require_format(args.out, PAGES)
     settings = settings_from(args, BEST)
     session = Session(settings)
     if args.body:
@@ -52,8 +59,8 @@ def run(args: argparse.Namespace) -> int:
     session.run(args.max_motions)
     if args.out:
         with naming("--out"):
-            history_file.write(args.out, session.history, session.scene.moving_joints)
-        print(f"written to {args.out}", file=sys.stderr)
+            size = _write(args.out, session)
+        print(f"written to {args.out}{size}", file=sys.stderr)
     result = outcome(session)
     if args.json:
         print_json(args, result, settings)
@@ -77,6 +84,16 @@ def run(args: argparse.Namespace) -> int:
     why = "too few points are seen in all four images" if session.snapshot.transfer is None else WHY[result["status"]]
     print(f"viewimit imitate: not converged after {result['motions']} motions: {why}", file=sys.stderr)
     return MISSED
+
+
+def _write(path: Path, session: Session) -> str:
+    """By its extension → how large it is, if that is for somebody to be sent. Raises OSError."""
+    if path.suffix.lower() in PAGES:
+        from ..export.replay import replay  # it loads all that draws
+
+        return f", {replay(session).save(path) / 1e6:.2f} MB"
+    history_file.write(path, session.history, session.scene.moving_joints)
+    return ""
 
 
 def _remember(session: Session, path: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
 STORE = "VIEWIMIT_STORE"  # environment variable, in place of --store
+SECRET = "VIEWIMIT_LECTURER"  # environment variable: of the lecturer's address, in place of one by chance
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -51,6 +52,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a lesson of your own, offered in place of the tour; more than once for more (docs/lessons.md)",
     )
+    parser.add_argument(
+        "--lecturer",
+        action="store_true",
+        help="print a second address, with a secret, for who leads a class: its page sees and leads all others; "
+        f"servers of one class get the same secret by the environment variable {SECRET}",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_setting_options(parser)
     add_run_options(parser)
@@ -61,6 +68,7 @@ def run(args: argparse.Namespace) -> int:
     # the one place below the page that knows it
     from ..app.lessons.source import own
     from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
+    from ..app.server.lecturer import new_secret, require_secret
     from ..app.server.origins import require_origin
     from ..app.sessions.stores import open_store
 
@@ -74,7 +82,11 @@ def run(args: argparse.Namespace) -> int:
         lessons = own(args.lesson)
     workers = args.workers or usual_workers(args.host)
     of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
-    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one, lessons)
+    secret = (os.environ.get(SECRET) or new_secret()) if args.lecturer else None
+    if secret is not None:
+        with naming(SECRET):
+            require_secret(secret)
+    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one, lessons, secret)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -78,19 +78,14 @@ class Axes:
 
     def rules(self, ticks: Iterable[Tick]) -> str:
         """Lines across."""
-        lines = "".join(f"M{self.left:.1f} {self.y_px(value):.1f}H{self.right:.1f}" for value, _ in ticks)
-        return f'<path class="vi-rule" d="{lines}"/>'
+        return _rules(self, tuple(ticks))
 
     def beside(self, ticks: Iterable[Tick], gap: float = GAP) -> str:
         """Words at the left."""
-        return "".join(
-            svg.text(self.left - gap, float(self.y_px(value)) + 4, words, "vi-2nd vi-end") for value, words in ticks
-        )
+        return _beside(self, tuple(ticks), gap)
 
     def below(self, ticks: Iterable[Tick], drop: float = 13) -> str:
-        return "".join(
-            svg.text(float(self.x_px(value)), self.bottom + drop, words, "vi-2nd vi-mid") for value, words in ticks
-        )
+        return _below(self, tuple(ticks), drop)
 
     def line(self, x: ArrayLike, y: ArrayLike, classes: str) -> str:
         points = self.place(x, y)
@@ -111,6 +106,27 @@ class Axes:
     def _even(self) -> tuple[tuple[float, float], tuple[float, float]]:
         (left, right), (low, high) = self.across(self.x).tolist(), self.up(self.y).tolist()
         return (left, right), (low, high)
+
+
+# axes stay as they are for many motions, and what stands around them takes longer than the curve does
+@lru_cache(256)
+def _rules(axes: Axes, ticks: tuple[Tick, ...]) -> str:
+    lines = "".join(f"M{axes.left:.1f} {axes.y_px(value):.1f}H{axes.right:.1f}" for value, _ in ticks)
+    return f'<path class="vi-rule" d="{lines}"/>'
+
+
+@lru_cache(256)
+def _beside(axes: Axes, ticks: tuple[Tick, ...], gap: float) -> str:
+    return "".join(
+        svg.text(axes.left - gap, float(axes.y_px(value)) + 4, words, "vi-2nd vi-end") for value, words in ticks
+    )
+
+
+@lru_cache(256)
+def _below(axes: Axes, ticks: tuple[Tick, ...], drop: float) -> str:
+    return "".join(
+        svg.text(float(axes.x_px(value)), axes.bottom + drop, words, "vi-2nd vi-mid") for value, words in ticks
+    )
 
 
 def apart(heights: Sequence[float], top: float, bottom: float) -> list[float]:
@@ -146,10 +162,11 @@ def decade_ticks(low: float, high: float, most: int = 4) -> list[Tick]:
     return [(10.0**k, f"{10.0**k:g}" if abs(k) < 5 else f"1e{k}") for k in range(first, last + 1, every)]
 
 
-def angle_ticks(low: float, high: float) -> list[Tick]:
-    """Of an axis in degrees."""
+def angle_ticks(low: float, high: float, apart: float = 0.0) -> list[Tick]:
+    """Of an axis in degrees, so many degrees apart at least, if that is 180 at most."""
     span = high - low
     step = 45 if span > 130 or span == 90 else 30 if span > 45 else 15
+    step = next((wider for wider in (step, 90, 180) if wider >= apart), 180)
     return [
         (float(angle), svg.number(angle, 0) + "°") for angle in np.arange(np.ceil(low / step) * step, high + 1e-9, step)
     ]

@@ -13,6 +13,7 @@ from .over.links import link
 
 SIDE_BY_SIDE = 600  # px of width from which the plots stand beside each other
 CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot
+PAIRED_WIDTH = 424  # px of each plot of a pair
 LEFT, RIGHT, TOP, BOTTOM = 40, 104, 24, 20
 LIMIT, DOT_LIMIT = 90, 48  # vertices of a curve; motions up to which each has a dot
 STEPS = (1, 2, 4, 5, 10)  # x 10^k: the x axis ends at four of them
@@ -40,6 +41,24 @@ def draw_curves(
     second = _draw_angles(box, step, snapshots, motions, cursor, joints)
     second += svg.text(box[2] + RIGHT, 12, following(errors_deg), "vi-end")
     return f'<div class="vi-panel">{_plots(width, first, second)}</div>'
+
+
+def draw_curve_pair(
+    history: Sequence[Snapshot], cursor: int, E_true: float | None, joints: Sequence[int]
+) -> tuple[str, str]:
+    """HTML of each plot by itself, of E and of the joint angles, to stand beside or under each other: `draw_curves`."""
+    kept = svg.thinned(len(history), LIMIT, cursor)
+    snapshots, motions = [history[k] for k in kept], np.array(kept, float)
+    box, step = _box(PAIRED_WIDTH), _x_step(len(history) - 1)
+    first = _draw_E(box, step, snapshots, motions, cursor, E_true)
+    return _alone(first), _alone(_draw_angles(box, step, snapshots, motions, cursor, joints))
+
+
+def paired_axis(last: int) -> tuple[float, float, int]:
+    """The x axis of each of a pair: shares of the drawing's width at which it begins and ends, and the motions at its
+    end. last: motion."""
+    left, _, right, _ = _box(PAIRED_WIDTH)
+    return left / PAIRED_WIDTH, right / PAIRED_WIDTH, 4 * _x_step(last)
 
 
 def moment_links(address: str, last: int, width: int = 424) -> str:
@@ -78,6 +97,10 @@ def _box(width: int) -> Box:
     """Of each plot."""
     beside = width >= SIDE_BY_SIDE
     return LEFT, TOP, ((width - 28) / 2 if beside else width) - RIGHT, (CARD_HEIGHT if beside else TAB_HEIGHT) - BOTTOM
+
+
+def _alone(inside: str) -> str:
+    return f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {PAIRED_WIDTH} {TAB_HEIGHT}">{inside}</svg></div>'
 
 
 def _plots(width: int, first: str, second: str) -> str:

@@ -18,15 +18,15 @@ STRIDE = 5.0  # px between the points of a line that are kept free
 
 
 class Labels:
-    """Rectangles (left, top, right, bottom) px that are taken, within bounds."""
+    """Rectangles (left, top, right, bottom) px that are taken, within bounds. letter: px of one."""
 
     def __init__(self, left: float, top: float, right: float, bottom: float):
-        self.bounds = left, top, right, bottom
+        self.bounds, self.letter = (left, top, right, bottom), CHARACTER
         self._taken = np.empty((0, 4))
 
     def copy(self) -> "Labels":
         other = Labels(*self.bounds)
-        other._taken = self._taken
+        other._taken, other.letter = self._taken, self.letter
         return other
 
     def take(self, rectangles: ArrayLike) -> None:
@@ -67,14 +67,14 @@ class Labels:
 
     def beside(self, x: float, y: float, words: str, classes: str, distance: float) -> str:
         """A label next to a mark, on the first side with room."""
-        size = np.array([CHARACTER * len(words), LINE])
+        size = np.array([self.letter * len(words), LINE])
         middle = np.array([x, y]) + BESIDE * (distance + size / 2)
         place = self.take_first_free(np.concatenate([middle - size / 2, middle + size / 2], 1))
         return "" if place is None else _text(place, words, classes)
 
     def led(self, x: float, y: float, words: str, kind: str, to_left: bool) -> str:
         """A label with a line of class `kind` that leads from the mark to it."""
-        place = self.take_first_free(_led_places(x, y, CHARACTER * len(words), to_left))
+        place = self.take_first_free(_led_places(x, y, self.letter * len(words), to_left))
         if place is None:
             return ""
         left, top, right, _ = place.tolist()

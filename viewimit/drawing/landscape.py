@@ -27,16 +27,20 @@ INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
 NOW = 5.8  # px, radius of the big dot
+STAYS = 100  # motions for which labels that nothing covers stay; what a path takes of the plot grows with each
 CLEAR = 3.0  # px on both sides of the path that labels leave free
 
 
 @dataclass(frozen=True)
 class Placed:
-    """Labels over a path. about: its moments and its cursor; present: the last of it; free: what leaves the learner's
-    own label free; others: (k, 4) px, where the rest stand; own, words: the drawings of both."""
+    """Labels over a path. since: the motion for which they were placed; about: the path's moments and its cursor;
+    present: the last of it; line: what the path and the marks take; free: that, and the labels but the learner's own;
+    others: (k, 4) px, where these stand; own, words: the drawings of both."""
 
+    since: int
     about: tuple[int, int]
     present: Snapshot
+    line: Labels
     free: Labels
     others: NDArray
     own: str
@@ -130,9 +134,9 @@ class LandscapePicture:
         if cursor and np.abs(now - start).max() > 20:
             words = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
         words += self._labels(labels)
-        others = labels.since(free)[1 if own else 0 :]
+        others, line = labels.since(free)[1 if own else 0 :], free.copy()
         free.take(others)
-        return Placed((len(history), cursor), present, free, others, own, words)
+        return Placed(cursor, (len(history), cursor), present, line, free, others, own, words)
 
     def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> "Placed | None":
         """While more motions keep off the labels, these stay: they do not jump, and need not be placed."""
@@ -140,7 +144,7 @@ class LandscapePicture:
         if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
             return None
         since = history[placed.about[1] : cursor + 1]
-        if since[0] is not placed.present:
+        if since[0] is not placed.present or cursor - placed.since > STAYS:
             return None
         line = self._plane.place(np.degrees([moment.theta for moment in since]))
         path = Labels(*placed.free.bounds)
@@ -148,10 +152,13 @@ class LandscapePicture:
         path.take_points(line[-1], NOW)
         if path.covers(placed.others).any():
             return None
-        free = placed.free.copy()
-        free.take(path.since(Labels(*path.bounds)))
+        new, taken, free = path.since(Labels(*path.bounds)), placed.line.copy(), placed.free.copy()
+        taken.take(new)
+        free.take(new)
         own = self._now(free.copy(), present.theta, cursor)
-        return replace(placed, about=(len(history), cursor), present=present, free=free, own=own) if own else None
+        if not own and self._now(taken.copy(), present.theta, cursor):
+            return None  # it would have room if the others stood elsewhere
+        return replace(placed, about=(len(history), cursor), present=present, line=taken, free=free, own=own)
 
     def _now(self, labels: Labels, theta: NDArray, cursor: int) -> str:
         """The learner's own label at theta, (m,) rad."""

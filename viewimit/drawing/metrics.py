@@ -59,7 +59,7 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
     if known:
         place = int(lengths.argmax())
         mean, largest = float(lengths.mean()), float(lengths.flat[place])
-        where = f" px · point {svg.point_name(int(np.flatnonzero(snapshot.usable)[place // 2]))}"
+        where = f" px at {svg.point_name(int(np.flatnonzero(snapshot.usable)[place // 2]))}"
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 from ..simulation.scene import Scene
 from . import svg
 from .axes import Axes, angle_ticks
-from .labels import Labels
+from .labels import CHARACTER, Labels
 
 WIDTH = 424
 LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot
 MOST_HIGH = 212  # px of the plot
-ASKED = 14  # px behind the note, for a "?"
+ASKED = 18  # px behind the note, for a "?"
+TICK = 38, 26  # px that the numbers at an axis are apart at least, side by side and above each other
+GAP = 8  # px between words in a line
 PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene without two moving joints
 
 
@@ -29,7 +31,7 @@ class PosturePlane:
         margins: tuple[float, float, float, float] = MARGINS,
         range_deg: Sequence[tuple[float, float]] | None = None,
     ):
-        self._width = width
+        self._width, self._right = width, width - margins[1]
         left, right, self._top, self._bottom = margins
         self.has_plane = len(scene.moving_joints) == 2
         ranges = (range_deg or scene.range_deg) if self.has_plane else PAPER_RANGE_DEG
@@ -93,25 +95,50 @@ class PosturePlane:
             ]
         )
 
-    def axes(self, note: str = "", contours: str = "E in px²") -> str:
-        """The frame with ticks and names. note: below, at the right; contours: what they are of."""
+    def axes(self, note: str = "", contours: str = "E in px²", named: bool = True) -> str:
+        """The frame with ticks and names. note: below, at the right; contours: what they are of; named: as contours."""
         left, top, w, h = self.box
         bottom = top + h
-        parts = [
-            self.frame("vi-axis"),
-            svg.text(left, bottom + 29, f"contours: {contours}", "vi-2nd"),
-            svg.text(left + w / 2, bottom + 29, self._joints[1], "vi-mid"),
-            svg.text(left + w - ASKED, bottom + 29, note, "vi-2nd vi-end") if note else "",
-            svg.text(left - 8, top + h / 4 + 4, self._joints[0], "vi-end"),
-        ]
-        ticks = []
-        for angle, words in angle_ticks(self._low[1], self._high[1]):
+        parts, ticks = [self.frame("vi-axis")], []
+        across, up = [], [top, bottom]  # px of the numbers
+        for angle, words in angle_ticks(self._low[1], self._high[1], TICK[0] / self.scale):
             x = float(self._axes.x_px(angle))
             ticks.append(f"M{x:.1f} {bottom:.1f}v4")
+            across.append(x)
             anchor = "vi-2nd vi-end" if x > self._width - 16 else "vi-2nd vi-mid"
             parts.append(svg.text(min(x, self._width - 2), bottom + 15, words, anchor))
-        for angle, words in angle_ticks(self._low[0], self._high[0]):
+        for angle, words in angle_ticks(self._low[0], self._high[0], TICK[1] / self.scale):
             y = float(self._axes.y_px(angle))
             ticks.append(f"M{left:.1f} {y:.1f}h-4")
+            up.append(y)
             parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), words, "vi-2nd vi-end"))
+        parts.append(svg.text(left - 8, _widest_gap(up) + 4, self._joints[0], "vi-end"))
+        parts += self._below(bottom, f"{'contours: ' if named else ''}{contours}", note, across)
         return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
+
+    def _below(self, bottom: float, contours: str, note: str, numbers: list[float]) -> list[str]:
+        """The line under the numbers: contours at the left, the note at the right, and in the middle the axis' name,
+        which goes aside or up between the numbers where they meet. numbers: px."""
+        left, _, w, _ = self.box
+        end = self._right - ASKED if note else self._right
+        begin = min(left, max(0.0, end - _length(note) - GAP - _length(contours)))
+        free = begin + _length(contours) + GAP, end - _length(note) - GAP
+        half, x, y = _length(self._joints[1]) / 2, left + w / 2, bottom + 29
+        if free[1] - free[0] >= 2 * half:
+            x = float(np.clip(x, free[0] + half, free[1] - half))
+        else:
+            x, y = _widest_gap([left, left + w, *numbers]), bottom + 15
+        words = [svg.text(begin, y_line := bottom + 29, contours, "vi-2nd"), svg.text(x, y, self._joints[1], "vi-mid")]
+        return [*words, svg.text(end, y_line, note, "vi-2nd vi-end")] if note else words
+
+
+def _length(words: str) -> float:
+    """px at most"""
+    return CHARACTER * len(words)
+
+
+def _widest_gap(places: list[float]) -> float:
+    """The middle of the first of the widest between neighbours."""
+    places = sorted(places)
+    k = int(np.argmax(np.diff(places).round(3)))
+    return (places[k] + places[k + 1]) / 2

@@ -35,13 +35,7 @@ Level = tuple[str, NDArray]  # words, and places (k, 4) px for them
 def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
     """E: (rows, columns) at px grid = (x of columns, y of rows); box: x, y, w, h px of the plot."""
     every = 2 if min(E.shape) >= FINE_GRID else 1  # whoever shows it interpolates
-    E = E[::every, ::every]
-    top = np.nanmax(E)
-    bottom = max(np.nanmin(E), top / FLOOR, 1e-12)
-    with np.errstate(invalid="ignore"):
-        height = np.log(np.maximum(E, bottom) / bottom) / max(np.log(top / bottom), 1e-9)
-    blind = np.isnan(height)
-    alpha = np.where(blind, 0, 255 * DARKEST * np.clip(height, 0, 1) ** 0.85)
+    alpha, blind = _alpha(E[::every, ::every])
     parts = [_masked(grid, every, alpha, box, "vi-hills")]
     if blind.any():
         name = f"vi-h{_OWN}-{next(_ids)}"
@@ -51,6 +45,27 @@ def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> s
         )
         parts.append(_masked(grid, every, 255.0 * blind, box, f'" fill="url(#{name})'))
     return "".join(parts)
+
+
+def shades(E: NDArray, shape: tuple[int, int]) -> bytes:
+    """E: (rows, columns) → a coarser grid of that shape, a byte each, row for row: 0 valley … 255, and where E is not
+    known 0, too."""
+    rows, columns = (np.rint(np.linspace(0, count - 1, few)).astype(int) for count, few in zip(E.shape, shape))
+    coarse = E[np.ix_(rows, columns)]
+    if np.isnan(coarse).all():
+        return bytes(coarse.size)
+    alpha, _ = _alpha(coarse)
+    return np.rint(alpha).astype(np.uint8).tobytes()
+
+
+def _alpha(E: NDArray) -> tuple[NDArray, NDArray]:
+    """Opacity, 0 … 255, and where E is not known."""
+    top = np.nanmax(E)
+    bottom = max(np.nanmin(E), top / FLOOR, 1e-12)
+    with np.errstate(invalid="ignore"):
+        height = np.log(np.maximum(E, bottom) / bottom) / max(np.log(top / bottom), 1e-9)
+    blind = np.isnan(height)
+    return np.where(blind, 0, 255 * DARKEST * np.clip(height, 0, 1) ** 0.85), blind
 
 
 def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, float, float], fill: str) -> str:

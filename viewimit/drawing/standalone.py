@@ -20,11 +20,13 @@ INSTALL = "pip install 'viewimit[plot]'"  # what brings the renderer
 PNG_FONTS = [str(ROOT / "fonts" / f"Inter-{style}.ttf") for style in ("Regular", "SemiBold")]
 
 _ROOT = re.compile(r'<svg class="([^"]*)" viewBox="0 0 ([\d.]+) ([\d.]+)"[^>]*>(.*)</svg>', re.DOTALL)
+_APART = re.compile(r"/\*.*?\*/|@[^{};]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", re.DOTALL)  # comments, rules of some windows
 _RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
 
 
-def standalone(drawing: str, title: str, description: str = "") -> str:
-    """drawing: HTML with one <svg class="vi …" viewBox="0 0 w h">. The same drawing gives the same file."""
+def standalone(drawing: str, title: str, description: str = "", css: str = DRAWING_CSS) -> str:
+    """drawing: HTML with one <svg class="vi …" viewBox="0 0 w h">; css: what its classes are looked up in. The same
+    drawing gives the same file."""
     found = _ROOT.search(drawing)
     if found is None:
         raise ValueError("the drawing has no <svg class=… viewBox=…>")
@@ -37,16 +39,16 @@ def standalone(drawing: str, title: str, description: str = "") -> str:
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" '
         f'viewBox="{-MARGIN} {-MARGIN} {width:g} {height:g}" class="{classes}" font-family="{FONTS}" font-size="11">'
-        f"{told}<style>{styles_of(drawing)}{own_size}</style>"
+        f"{told}<style>{styles_of(drawing, css)}{own_size}</style>"
         f'<rect {frame} fill="{ROLES["paper"][0]}"/>{inside}</svg>\n'
     )
 
 
-def styles_of(drawing: str) -> str:
-    """The rules of the drawings' stylesheet that apply to it, with colours in place of variables."""
+def styles_of(drawing: str, css: str = DRAWING_CSS) -> str:
+    """The rules of a stylesheet that apply to it in any window, with colours in place of variables."""
     used = {name for group in re.findall(r'class="([^"]*)"', drawing) for name in group.split()}
     rules = []
-    for selectors, declarations in _RULE.findall(re.sub(r"/\*.*?\*/", "", DRAWING_CSS, flags=re.DOTALL)):
+    for selectors, declarations in _RULE.findall(_APART.sub("", css)):
         kept = [each.strip() for each in selectors.split(",") if set(re.findall(r"\.([\w-]+)", each)) <= used]
         if kept:
             rules.append(f"{','.join(kept)}{{{declarations.strip()}}}")
@@ -69,14 +71,14 @@ def require_renderer(path: Path) -> None:
         raise ValueError(f"{path}: .png needs {RENDERER}: {INSTALL}; .svg does not")
 
 
-def as_png(drawing: str) -> bytes:
-    """A standalone drawing as PNG. Needs `can_render`."""
+def as_png(drawing: str, scale: int = PNG_SCALE) -> bytes:
+    """A standalone drawing as PNG. scale: pixels a px. Needs `can_render`."""
     import resvg_py
 
     return bytes(
         resvg_py.svg_to_bytes(
             svg_string=drawing,
-            zoom=PNG_SCALE,
+            zoom=scale,
             font_files=PNG_FONTS,
             font_family="Inter",
             sans_serif_family="Inter",

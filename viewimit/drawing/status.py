@@ -112,9 +112,10 @@ def describe(
     playing: bool = True,
     assessment: Assessment | None = None,
     joints: Sequence[int] = (),
+    advises: bool = True,
 ) -> Said:
     """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
-    from 1 of those that move."""
+    from 1 of those that move; advises: whether it says what to do next, which nobody can in a replay."""
     if snapshot.to_rehearse is not None and snapshot.rehearses:
         sentence = f"watches itself, with nobody to imitate; {len(snapshot.to_rehearse)} postures to go."
         return Said("moving" if playing else "paused", sentence)
@@ -122,18 +123,20 @@ def describe(
         return Said("lost", _too_few(int(snapshot.usable.sum())))
     E, doubt = f"E {svg.short_E(snapshot.E)} px²", _exchanged(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == "stopped":
-        return Said("stopped", f"{E} after {MAX_HISTORY} motions, the most that are made; reset to go on.", doubt=doubt)
+        advice = "; reset to go on" if advises else ""
+        return Said("stopped", f"{E} after {MAX_HISTORY} motions, the most that are made{advice}.", doubt=doubt)
     if snapshot.status in AT_REST:
-        said = _resting(snapshot, E, assessment, joints)
+        said = _resting(snapshot, E, assessment, joints, advises)
         return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
-        return Said("ready", f"{E}; press space, or drag the demonstrator.", doubt=doubt)
+        advice = "; press space, or drag the demonstrator" if advises else ""
+        return Said("ready", f"{E}{advice}.", doubt=doubt)
     state, doing = "moving" if playing else "paused", _says(snapshot)
     trend = "" if snapshot.probe else _trend(snapshot, previous)
     return Said(state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt, probe=snapshot.probe)
 
 
-def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int]) -> Said:
+def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool) -> Said:
     says, after = _says(snapshot), f"after {_motions(snapshot.motion)}"
     why = f"; {says}." if says else "."
     known = snapshot.certificate if assessment is None else assessment.certificate
@@ -148,7 +151,8 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
         return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")
     if snapshot.status == "rests":
         return Said("rests", f"{E} {after}{why}")
-    return Said("stalled", f"{E} {after}{why if says else ', and it no longer falls; move an arm or reset.'}")
+    advice = "; move an arm or reset" if advises else ""
+    return Said("stalled", f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:

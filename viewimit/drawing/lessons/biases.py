@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 
 from .. import svg
 from ..axes import Axes, log10
+from . import narrow
 
 SIZE = (640, 342)  # units
 PLOT = (56, 34, 480, 288)  # left, top, right, bottom
+NARROW, NARROW_PLOT = (narrow.WIDTH, 300), (46, 50, 240, 252)
 LAYERS = ("curves", "here", "foretold", "found")
 FLOOR = 0.01  # degrees, to which smaller ones are raised
 HIGHEST = 30.0
@@ -33,25 +35,30 @@ def draw_biases(
     asked: float,
     guess: float | None = None,
     transfer: str = "epipolar",
+    in_narrow: bool = False,
 ) -> str:
     """HTML. times: (K,); degrees: by transfer, (K,), None while they are computed; here: the present distance; asked:
     the distance at which the visitor foretold `guess`, in degrees."""
-    plot = Axes(*PLOT, (1.0, 30.0), (FLOOR, HIGHEST), log10, log10)
+    size, box = (NARROW, NARROW_PLOT) if in_narrow else (SIZE, PLOT)
+    left, top, right, bottom = box
+    plot = Axes(*box, (1.0, 30.0), (FLOOR, HIGHEST), log10, log10)
+    title, note = "From the smallest E to the demonstrator", "the joint that is farthest off"
     parts = [
-        plot.title("From the smallest E to the demonstrator", "the joint that is farthest off", 4, 16),
+        plot.title(title, "" if in_narrow else note, 4, 16),
+        svg.text(4, 33, note, "vi-2nd") if in_narrow else "",
         plot.rules(Y_TICKS) + plot.beside(Y_TICKS, 8) + plot.below(X_TICKS, 18),
-        f'<path class="vi-axis" d="M{PLOT[0]} {PLOT[1]}V{PLOT[3]}H{PLOT[2]}"/>',
-        svg.text((PLOT[0] + PLOT[2]) / 2, PLOT[3] + 42, "distance of the eyes", "vi-mid"),
+        f'<path class="vi-axis" d="M{left} {top}V{bottom}H{right}"/>',
+        svg.text((left + right) / 2, bottom + 42, "distance of the eyes", "vi-mid"),
     ]
     if degrees is None:
-        parts.append(svg.text((PLOT[0] + PLOT[2]) / 2, 150, "computing …", "vi-2nd vi-mid"))
-        return _wrap("".join(parts))
+        parts.append(svg.text((left + right) / 2, 150, "computing …", "vi-2nd vi-mid"))
+        return _wrap("".join(parts), size)
     shown = {name: np.clip(values, FLOOR, HIGHEST) for name, values in degrees.items()}
     if "here" in layers:
         x = float(plot.x_px(here))
-        parts.append(f'<path class="vi-here-line" d="M{x:.1f} {PLOT[1]}V{PLOT[3]}"/>')
-        aside, end = (-6, " vi-end") if x > PLOT[2] - 60 else (6, "")
-        parts.append(svg.text(x + aside, PLOT[1] + 11, "here", f"vi-b vi-halo{end}"))
+        parts.append(f'<path class="vi-here-line" d="M{x:.1f} {top}V{bottom}"/>')
+        aside, end = (-6, " vi-end") if x > right - 60 else (6, "")
+        parts.append(svg.text(x + aside, top + 11, "here", f"vi-b vi-halo{end}"))
     if "curves" in layers:
         labels = []
         for name in reversed(STYLES):  # what is used last, on top
@@ -66,7 +73,7 @@ def draw_biases(
         known = plot.place(times[:1], shown[transfer][:1])
         parts.append(f'<path class="vi-bias-dots vi-bias-used" d="{svg.dots(known)}"/>')
     parts.append(_foretold(plot, times, degrees[transfer], layers, asked, guess))
-    return _wrap("".join(parts))
+    return _wrap("".join(parts), size)
 
 
 def _foretold(
@@ -89,9 +96,10 @@ def _foretold(
     return "".join(parts)
 
 
-def _wrap(inside: str) -> str:
+def _wrap(inside: str, size: tuple[int, int]) -> str:
     label = "How far the smallest E is from the demonstrator, over the distance of the eyes"
+    kind = narrow.CLASS if size is NARROW else ""
     return (
-        f'<svg class="vi vi-worded vi-biases" viewBox="0 0 {SIZE[0]} {SIZE[1]}" role="img" aria-label="{label}">'
+        f'<svg class="vi vi-worded vi-biases{kind}" viewBox="0 0 {size[0]} {size[1]}" role="img" aria-label="{label}">'
         f"{inside}</svg>"
     )

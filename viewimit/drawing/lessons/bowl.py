@@ -11,7 +11,7 @@ from ...simulation.scene import Scene
 from .. import relief, svg
 from ..posture_plane import PosturePlane
 from ..theme import OBSERVED
-from . import mark
+from . import mark, narrow
 
 WIDTH, MOST_HIGH = 640, 330  # units
 MARGINS = (40, 12, 12, 36)
@@ -32,13 +32,14 @@ class Way:
     best: int
 
 
-def plane_of(scene: Scene) -> PosturePlane:
-    return PosturePlane(scene, WIDTH, MOST_HIGH, MARGINS)
+def plane_of(scene: Scene, in_narrow: bool = False) -> PosturePlane:
+    """in_narrow: of a window that is."""
+    return PosturePlane(scene, narrow.WIDTH if in_narrow else WIDTH, MOST_HIGH, MARGINS)
 
 
-def unplace(scene: Scene, at: NDArray) -> NDArray:
+def unplace(scene: Scene, at: NDArray, in_narrow: bool = False) -> NDArray:
     """(2,) units of the drawing → degrees of the two joints, within their range."""
-    plane = plane_of(scene)
+    plane = plane_of(scene, in_narrow)
     corners = np.array(scene.range_deg, float).T
     first, last = plane.place(corners)
     low, high = corners
@@ -54,11 +55,14 @@ def draw_bowl(
     guess: NDArray | None = None,
     distance: str = "",
     note: str = "",
+    in_narrow: bool = False,
+    others: NDArray | None = None,
 ) -> str:
     """HTML. found: None while it is computed; theta_demo: (2,) rad; guess: (2,) degrees, the visitor's mark; distance:
-    in words, from there to the smallest E."""
-    plane = plane_of(scene)
+    in words, from there to the smallest E; others: (k, 2) degrees, a class's marks."""
+    plane = plane_of(scene, in_narrow)
     labels = plane.labels.copy()
+    labels.letter = narrow.LETTER if in_narrow else labels.letter
     parts, above = [plane.frame("vi-plane")], []
     lowest = None
     levels: list[relief.Level] = []
@@ -72,6 +76,8 @@ def draw_bowl(
             lowest = plane.place(np.degrees(found.minimum))
             parts += [relief.shading(grid, found.E, plane.box), relief.contours(grid, found.E)]
             levels = relief.level_places(grid, found.E, labels.bounds, lowest)
+    if others is not None:
+        above.append(mark.crowd(plane.place(others)))
     for way in ways:
         points = plane.place(way.postures_deg)
         labels.take_line(points, CLEAR)
@@ -79,6 +85,9 @@ def draw_bowl(
     if lowest is not None and "smallest" in layers:
         above.append(svg.cross(lowest, 8))
         labels.take_points(lowest, 9)
+    width = narrow.WIDTH if in_narrow else WIDTH
+    if guess is not None:
+        labels.take(mark.room(plane.place(guess), "your mark", width))
     if "demonstrator" in layers:
         demo = plane.place(np.degrees(theta_demo))
         above.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 2)}"/>')
@@ -95,12 +104,12 @@ def draw_bowl(
         at = plane.place(guess)
         if "apart" in layers and lowest is not None:
             above.append(mark.distance(at, lowest, distance))
-        above.append(mark.cross_hair(at, "your mark", (WIDTH, plane.height)))
-    axes = plane.axes(note)
+        above.append(mark.cross_hair(at, "your mark", (width, plane.height)))
+    axes = plane.axes(note, named=not in_narrow)
     inside = "".join(parts) + relief.draw_levels(levels, labels) + axes + "".join(above)
     label = "The landscape of E over both joints"
-    box = f"0 0 {WIDTH} {plane.height:.1f}"
-    return f'<svg class="vi vi-bowl" viewBox="{box}" role="img" aria-label="{label}">{inside}</svg>'
+    box, kind = f"0 0 {width} {plane.height:.1f}", narrow.CLASS if in_narrow else ""
+    return f'<svg class="vi vi-bowl{kind}" viewBox="{box}" role="img" aria-label="{label}">{inside}</svg>'
 
 
 def _way(points: NDArray, way: Way) -> str:

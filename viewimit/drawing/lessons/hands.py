@@ -141,7 +141,9 @@ def _curve(curve: Curve, top: float, so_far: int | None) -> str:
     count = max((len(values) for _, _, values in curve.values), default=2)
     plot = Axes(40, top + 37, WIDTH - 12, top + CURVE_HIGH - 8, (0.0, count - 1.0), y, up=log10)
     ticks = decade_ticks(*y, 3)
-    parts = [f'<g class="vi-hand-plot">{plot.frame(curve.title, curve.unit, (), ticks, 40)}</g>']
+    parts = [
+        f'<g class="vi-hand-plot">{plot.title(curve.title, curve.unit, 0, top + 26)}{plot.frame("", "", (), ticks)}</g>'
+    ]
     for name, role, values in curve.values:
         shown = values[: None if so_far is None else so_far + 1]
         points = plot.place(np.arange(len(shown), dtype=float), np.maximum(shown, y[0]))

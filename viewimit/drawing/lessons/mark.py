@@ -6,11 +6,12 @@ from numpy.typing import NDArray
 from .. import svg
 
 RADIUS, ARM = 9.5, 15  # units: of the ring, and how far its lines go
+CROWD = 4.5  # units from the middle of one of a crowd's marks to its ends, to either side
 PILL = (52, 19)  # units
 
 
-def cross_hair(at: NDArray, name: str, size: tuple[float, float]) -> str:
-    """At (2,) units of a drawing of that size."""
+def cross_hair(at: NDArray, name: str, size: tuple[float, float], below: bool = False) -> str:
+    """At (2,) units of a drawing of that size. below: its name is, not beside it."""
     x, y = at.tolist()
     inner = ARM - 8
     lines = "".join(
@@ -19,8 +20,19 @@ def cross_hair(at: NDArray, name: str, size: tuple[float, float]) -> str:
     )
     hair = svg.circles(at[None], RADIUS) + lines
     left = x > size[0] - 90
-    words = svg.text(x + (-20 if left else 20), y + 4, name, f"vi-b vi-halo{' vi-end' if left else ''}")
+    place, anchor = (
+        ((x, y + 29), " vi-mid") if below else ((x + (-20 if left else 20), y + 4), " vi-end" if left else "")
+    )
+    words = svg.text(*place, name, f"vi-b vi-halo{anchor}")
     return f'<g class="vi-you"><path class="vi-you-case" d="{hair}"/><path class="vi-you-line" d="{hair}"/>{words}</g>'
+
+
+def room(at: NDArray, name: str, width: float) -> NDArray:
+    """(2, 4) left, top, right, bottom: what a cross hair and its name take in a drawing of that width."""
+    x, y = at.tolist()
+    long = 7.2 * len(name) + 20
+    left = x - long if x > width - 90 else x
+    return np.array([[x - ARM, y - ARM, x + ARM, y + ARM], [left, y - 8, left + long, y + 8]])
 
 
 def distance(at: NDArray, to: NDArray, words: str) -> str:
@@ -35,3 +47,10 @@ def distance(at: NDArray, to: NDArray, words: str) -> str:
     w, h = PILL
     pill = f'<rect class="vi-pill" x="{x - w / 2:.1f}" y="{y - h / 2:.1f}" width="{w}" height="{h}" rx="{h / 2}"/>'
     return dash + pill + svg.text(x, y + 4, words, "vi-pill-words vi-b vi-mid")
+
+
+def crowd(at: NDArray) -> str:
+    """Crosses that lean, without a name, at (k, 2) units of a drawing."""
+    d = 2 * CROWD
+    crosses = "".join(f"M{x - CROWD:.1f} {y - CROWD:.1f}l{d:g} {d:g}m0-{d:g}l-{d:g} {d:g}" for x, y in at.tolist())
+    return f'<path class="vi-crowd-case" d="{crosses}"/><path class="vi-crowd" d="{crosses}"/>'

@@ -75,7 +75,7 @@ def _landscape(scene: Scene, shape: Shape, theta_demo: NDArray, most: float, ste
         for k, place in enumerate(plane.place(minima[:MOST_CROSSES])):
             parts.append(svg.cross(place, 7 if k == 0 else 3.5))
         words = f"{'1 bottom; ' if len(minima) == 1 else ''}E up to {_rounded(float(np.nanmax(found.E)))} px²"
-        parts.append(svg.text(x + 0.14 * w, h + 12, f"a posture every {step_deg:g}°", "vi-2nd vi-grid-words"))
+        parts.append(svg.text(x + 0.14 * w, h + 12, f"grid of {step_deg:g}°", "vi-2nd vi-grid-words"))
     if shape.found is not None and not shape.hidden and not shape.flat:
         demo = plane.place(np.degrees(theta_demo))
         parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], 5)}"/>')

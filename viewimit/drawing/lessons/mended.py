@@ -11,6 +11,7 @@ from ...simulation.scene import Scene
 from .. import relief, svg
 from ..posture_plane import PosturePlane
 from ..theme import OBSERVED
+from . import narrow
 
 WIDTH, MOST_HIGH, HEAD = 520, 236, 30  # units: of each, and of its title
 MARGINS = (40, 12, 4, 36)
@@ -29,18 +30,24 @@ class Case:
     off_deg: float
 
 
-def draw_mended(scene: Scene, theta_demo: NDArray, cases: Sequence[Case], layers: Collection[str]) -> str:
+def draw_mended(
+    scene: Scene, theta_demo: NDArray, cases: Sequence[Case], layers: Collection[str], in_narrow: bool = False
+) -> str:
     """HTML. theta_demo: (2,) rad. A case whose layer is not shown leaves its plane empty, without its
     title."""
-    plane = PosturePlane(scene, WIDTH, MOST_HIGH, MARGINS)
+    width = narrow.WIDTH if in_narrow else WIDTH
+    plane = PosturePlane(scene, width, MOST_HIGH, MARGINS)
+    if in_narrow:
+        plane.labels.letter = narrow.LETTER
     each = plane.height + HEAD
     drawn = "".join(
         f'<g transform="translate(0 {k * each:.1f})">{_case(plane, case, theta_demo, case.layer in layers)}</g>'
         for k, case in enumerate(cases)
     )
-    box = f"0 0 {WIDTH} {each * len(cases):.1f}"
+    box = f"0 0 {width} {each * len(cases):.1f}"
     label = "Landscapes of E: " + ", ".join(case.title for case in cases if case.layer in layers)
-    return f'<svg class="vi vi-mended" viewBox="{box}" role="img" aria-label="{label}">{drawn}</svg>'
+    kind = narrow.CLASS if in_narrow else ""
+    return f'<svg class="vi vi-mended{kind}" viewBox="{box}" role="img" aria-label="{label}">{drawn}</svg>'
 
 
 def _case(plane: PosturePlane, case: Case, theta_demo: NDArray, shown: bool) -> str:

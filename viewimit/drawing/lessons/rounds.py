@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from .. import svg
 from ..axes import Axes, decade_ticks, log10
+from . import narrow
 
 SIZE = (480, 460)  # units
 PLOT = (46, 62, 470, 420)  # units: left, top, right, bottom
+NARROW, NARROW_PLOT = (narrow.WIDTH, 360), (40, 82, 358, 318)
 RANGE = (0.01, 180.0)  # degrees
 
 
@@ -37,26 +39,32 @@ class Choice:
     now: bool
 
 
-def draw_rounds(methods: Sequence[Method], count: int, most_motions: int, within: float) -> str:
+def draw_rounds(
+    methods: Sequence[Method], count: int, most_motions: int, within: float, in_narrow: bool = False
+) -> str:
     """HTML. count: of runs each; most_motions: of a run; within: degrees of the demonstrator, that count as there."""
-    plot = Axes(*PLOT, (0.4, count + 0.6), RANGE, up=log10)
+    size, box = (NARROW, NARROW_PLOT) if in_narrow else (SIZE, PLOT)
+    left, top, right, _ = box
+    plot = Axes(*box, (0.4, count + 0.6), RANGE, up=log10)
     ticks = [(k, str(k)) for k in range(1, count + 1) if k == 1 or k % 5 == 0]
     parts = [
         plot.frame(
             "Off the demonstrator at the end",
-            f"degrees, after {most_motions} motions at most",
+            "degrees" if in_narrow else f"degrees, after {most_motions} motions at most",
             ticks,
             decade_ticks(*RANGE, 4),
-            38,
+            left - 8,
         )
     ]
-    parts.append(svg.text((PLOT[0] + PLOT[2]) / 2, SIZE[1] - 6, "start", "vi-2nd vi-mid"))
+    parts.append(svg.text((left + right) / 2, size[1] - 6, "start", "vi-2nd vi-mid"))
     parts.append(plot.level(within, "vi-goal"))
+    x_goal, y = (2, 44) if in_narrow else (300, 18)
     parts.append(
-        '<path class="vi-goal" d="M300 13h30"/>' + svg.text(337, 18, f"within {within:g}°: there", "vi-of-found")
+        f'<path class="vi-goal" d="M{x_goal} {y - 5}h30"/>'
+        + svg.text(x_goal + 37, y, f"within {within:g}°: there", "vi-of-found")
     )
     if not any(len(one.off_deg) for one in methods):
-        middle = (PLOT[0] + PLOT[2]) / 2, (PLOT[1] + float(plot.y_px(within))) / 2
+        middle = (left + right) / 2, (top + float(plot.y_px(within))) / 2
         parts.append(svg.text(*middle, f"both will be run from the same {count} starts", "vi-2nd vi-halo vi-mid"))
     places = [plot.place(np.arange(1.0, len(one.off_deg) + 1), np.clip(one.off_deg, *RANGE)) for one in methods]
     if len(places) == 2 and len(places[0]):
@@ -66,8 +74,10 @@ def draw_rounds(methods: Sequence[Method], count: int, most_motions: int, within
         parts.append(_marks(one.role, at) + _marks(one.role, np.array([[x + 8, 13.0]])))
         parts.append(svg.text(x + 22, 18.0, one.name, f"vi-hand-name vi-way-{one.role}-words"))
     label = "Off the demonstrator at the end, by start"
-    box = f"0 0 {SIZE[0]} {SIZE[1]}"
-    drawn = f'<svg class="vi vi-rounds" viewBox="{box}" role="img" aria-label="{label}">{"".join(parts)}</svg>'
+    kind, view_box = narrow.CLASS if in_narrow else "", f"0 0 {size[0]} {size[1]}"
+    drawn = (
+        f'<svg class="vi vi-rounds{kind}" viewBox="{view_box}" role="img" aria-label="{label}">{"".join(parts)}</svg>'
+    )
     return drawn + _table(methods, within)
 
 

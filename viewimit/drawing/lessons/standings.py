@@ -17,14 +17,15 @@ HEADS = (
 
 @dataclass(frozen=True)
 class Row:
-    """reached: motions until E was below the goal, None if it never was; off_deg: largest joint, the truth."""
+    """reached: motions until E was below the goal, None if it never was; off_deg: largest joint, the truth; E, off_deg:
+    at the end, None before that."""
 
     name: str
     role: str
     reached: int | None
     motions: int
-    E: float
-    off_deg: float
+    E: float | None
+    off_deg: float | None
     why: str
 
 
@@ -40,8 +41,12 @@ def _row(row: Row) -> str:
         f'<svg class="vi vi-way-sample" viewBox="0 0 40 12"><path class="vi-way vi-way-{row.role}" d="M2 6H38"/>'
         f'<path class="vi-way-dots vi-way-{row.role}" d="M20 6h0"/></svg>'
     )
-    reached = "never" if row.reached is None else str(row.reached)
-    cells = reached, str(row.motions), svg.short(row.E), f"{svg.number(row.off_deg, 1)}°", row.why
+    if row.E is None or row.off_deg is None:
+        never, ends = "…", ("…", "…")
+    else:
+        never, ends = "never", (svg.short(row.E), f"{svg.number(row.off_deg, 1)}°")
+    reached = never if row.reached is None else str(row.reached)
+    cells = reached, str(row.motions), *ends, row.why
     kind = ' class="vi-own-row"' if row.role == "you" else ""
     return (
         f"<tr{kind}><td>{line}{svg.escape(row.name)}</td>"

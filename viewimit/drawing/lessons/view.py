@@ -13,15 +13,21 @@ from ...snapshot import Snapshot
 from ...views import Pairs
 from .. import svg
 from ..theme import HEAD
-from . import mark
+from . import mark, narrow
 from .ellipse import draw_ellipse
 from .pair import draw_pairs
+from .see_through import LAYERS as OF_SEE_THROUGH
+from .see_through import SeeThrough, draw_see_through
 
-SIZES = {
-    False: dict.fromkeys("lrLR", (340, 500)),
-    True: dict.fromkeys("lr", (200, 226)) | dict.fromkeys("LR", (200, 294)),
+SIZES = {  # by how it is shown, and by its name
+    "large": dict.fromkeys("lrLR", (340, 500)),
+    "small": dict.fromkeys("lr", (200, 226)) | dict.fromkeys("LR", (200, 294)),
+    "narrow": dict.fromkeys("lrLR", (300, 420)),
+    "half": dict.fromkeys("lrLR", (narrow.HALF, 262)),
+    "small half": dict.fromkeys("lr", (narrow.HALF, 200)) | dict.fromkeys("LR", (narrow.HALF, 262)),
 }
 MARGIN = 14  # image px around the arm
+HEAD_ROOM = 16  # units above it, for the name
 CAPTIONS = {
     "l": "left eye",
     "r": "right eye",
@@ -30,7 +36,7 @@ CAPTIONS = {
 }
 LAYERS = (
     "points", "own points", "recovered points", "arrows", "skeleton", "chosen", "line from l", "line from r",
-    "crossing", "own chosen", "arrow", "ellipse", "framed", "pair",
+    "crossing", "own chosen", "arrow", "ellipse", "framed", "pair", *OF_SEE_THROUGH,
 )  # fmt: skip
 EYES = {"line from l": 0, "line from r": 1}
 LABEL_ALONG = (0.78, 0.22)  # of a line's chord, where its name stands
@@ -53,18 +59,22 @@ class Window:
         return points / self.scale + self.corner
 
 
-def window_of(view: str, bodies: Bodies, moment: Snapshot, small: bool = False) -> Window:
-    """That holds the arm, and in L and R the recovered points. small: at the side."""
+def window_of(
+    view: str, bodies: Bodies, moment: Snapshot, shown: str = "large", see_through: SeeThrough | None = None
+) -> Window:
+    """That holds the arm, and in L and R the recovered points and a see-through arm. shown: of SIZES."""
     side = "lrLR".index(view) % 2
     arm = bodies.demo if view in "lr" else bodies.own
     parts = [arm.hulls[side].reshape(-1, 2), arm.origins[side]]
     if view in "LR" and moment.transfer is not None:
         parts.append(moment.recovered[moment.usable][:, 2 * side : 2 * side + 2])
+    if view in "LR" and see_through is not None:
+        parts.append(see_through.room[side])
     points = np.concatenate(parts)
     low, high = points.min(0) - MARGIN, points.max(0) + MARGIN
-    size = np.array(SIZES[small][view], float)
-    scale = float((size / (high - low)).min())
-    return Window((low + high - size / scale) / 2, scale, SIZES[small][view])
+    above, size = np.array([0, HEAD_ROOM]), np.array(SIZES[shown][view], float)
+    scale = float(((size - above) / (high - low)).min())
+    return Window((low + high - (size + above) / scale) / 2, scale, SIZES[shown][view])
 
 
 def draw_view(
@@ -75,13 +85,16 @@ def draw_view(
     chosen: int | None = None,
     guess: NDArray | None = None,
     distance: str = "",
-    small: bool = False,
+    shown: str = "large",
     spread: Construction | None = None,
     pairs: Pairs = (),
+    see_through: SeeThrough | None = None,
+    others: NDArray | None = None,
 ) -> str:
-    """HTML. guess: (2,) px, the visitor's mark; distance: in words, from there to the recovered point; spread: of the
-    chosen point, for its ellipse; pairs: points that may be taken for each other."""
-    window = window_of(view, bodies, moment, small)
+    """HTML. guess: (2,) px, the visitor's mark; distance: in words, from there to the recovered point; shown: of SIZES;
+    spread: of the chosen point, for its ellipse; pairs: points that may be taken for each other; see_through: of which
+    the layers about it show what is asked for; others: (k, 2) px, of a class."""
+    window = window_of(view, bodies, moment, shown, see_through)
     side, (w, h) = "lrLR".index(view) % 2, window.size
     parts = [_arm(bodies.demo if view in "lr" else bodies.own, side, window, view)]
     images = (moment.views.demo if view in "lr" else moment.views.own)[:, 2 * side : 2 * side + 2]
@@ -90,6 +103,8 @@ def draw_view(
     if "skeleton" in layers and bodies.recovered is not None:
         parts.append(f'<path class="vi-bone vi-found" d="{svg.path(window.place(bodies.recovered[side]))}"/>')
     parts += _points(view, moment, layers, points, seen, window, side)
+    if see_through is not None and view in "LR":
+        parts += draw_see_through(see_through, side, layers, window.place)
     if spread is not None and "ellipse" in layers and view in "LR":
         at, half_axes = window.place(spread.recovered[side]), window.scale * spread.half_axes[side]
         parts.append(draw_ellipse(at, half_axes, float(spread.direction[side])))
@@ -97,6 +112,8 @@ def draw_view(
         parts.append(draw_pairs(points, pairs, window.size))
     if chosen is not None and seen[chosen]:
         parts += _chosen(view, moment, layers, points[chosen], chosen, window, side)
+    if others is not None:
+        parts.append(mark.crowd(window.place(others)))
     if guess is not None:
         parts.append(_guess(view, moment, layers, window.place(guess), chosen, window, side, distance))
     frame = " vi-framed" if "framed" in layers else ""
@@ -105,7 +122,8 @@ def draw_view(
     plane = f'<rect class="vi-plane{frame}" x=".5" y=".5" width="{w - 1}" height="{h - 1}" rx="4"/>'
     inside = f"{plane}{''.join(parts)}{name}"
     label = f"Image {view}: {CAPTIONS[view]}"
-    return f'<svg class="vi vi-large-view" viewBox="0 0 {w} {h}" role="img" aria-label="{label}">{inside}</svg>'
+    kind = narrow.CLASS if shown in ("narrow", "half", "small half") else ""
+    return f'<svg class="vi vi-large-view{kind}" viewBox="0 0 {w} {h}" role="img" aria-label="{label}">{inside}</svg>'
 
 
 def _arm(arm: ArmImages, side: int, window: Window, view: str) -> str:
@@ -159,7 +177,7 @@ def _chosen(
             )
         if "crossing" in layers:
             x, y = found.tolist()
-            left = x > window.size[0] - 130
+            left = x > window.size[0] - 150
             side_x, end = (x - 15, " vi-end") if left else (x + 15, "")
             words = svg.text(side_x, y - 6, "recovered point", f"vi-of-found vi-halo{end}")
             words += svg.text(side_x, y + 8, "where the two lines cross", f"vi-2nd vi-halo{end}")
@@ -227,4 +245,4 @@ def _guess(
     if "crossing" in layers and chosen is not None:
         found = window.place(moment.recovered[chosen, 2 * side : 2 * side + 2])
         between = mark.distance(at, found, said)
-    return between + mark.cross_hair(at, "your mark", window.size)
+    return between + mark.cross_hair(at, "your mark", window.size, below="crossing" in layers)

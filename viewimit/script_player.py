@@ -30,7 +30,7 @@ def do(session: Session, deed: Deed) -> None:
     elif isinstance(deed, Posed):
         session.pose(deed.theta_demo)
     elif isinstance(deed, Changed):
-        session.change(**_converted(deed.fields))
+        session.change(**converted(deed.fields))
     elif isinstance(deed, Rehearsed):
         session.rehearse(np.array(deed.postures, float))
     elif isinstance(deed, Began):
@@ -39,7 +39,7 @@ def do(session: Session, deed: Deed) -> None:
         session.remember(None)
 
 
-def _converted(fields: Mapping[str, Any]) -> dict[str, Any]:
+def converted(fields: Mapping[str, Any]) -> dict[str, Any]:
     """As the fields' types have them. Raises ValueError for a name or value that is none."""
     try:
         whole = msgspec.convert(dict(fields), Settings)

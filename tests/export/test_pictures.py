@@ -1,0 +1,133 @@
+"""Pictures of panels stand alone, in colours of print, and say what they show and what repeats them."""
+
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from quiet_page import QuietPage
+from viewimit.app.control.commands.saving import ChooseFormat, ChoosePicture, SavePicture, SaveReplay
+from viewimit.app.control.commands.session import Step
+from viewimit.app.control.saving import PICTURES
+
+import viewimit
+from viewimit.drawing import standalone
+from viewimit.drawing.theme import ROLES
+from viewimit.export.citation import cite
+from viewimit.export.figures import drawings_in, four_images, laid_over, stacked, written
+from viewimit.export.panels import draw_panels
+from viewimit.export.perspective import Eye, default_eye, draw_space
+from viewimit.session import Session
+from viewimit.settings import BEST
+from viewimit.viewer.furniture import bases_of
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def session():
+    session = Session(BEST)
+    session.run(3)
+    return session
+
+
+def text_of(picture):
+    return " ".join("".join(each.itertext()) for each in ET.fromstring(picture).iter(f"{SVG}text"))
+
+
+def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session):
+    drawn, citation = draw_panels(session, [3], 7), cite(session)
+    figures = (
+        four_images(drawn.images[0], "The four images"),
+        laid_over([drawn.grounds[0], drawn.path[0]], "E over the postures"),
+        stacked([drawn.conflict[0], drawn.angles[0]], "Both curves"),
+        draw_space(session.world, session.snapshot),
+    )
+    for figure in figures:
+        picture = figure.captioned(citation)
+        root, said = ET.fromstring(picture), text_of(picture)
+        assert "var(--" not in picture and "http" not in picture.replace("http://www.w3.org/2000/svg", "")
+        assert figure.title in said and "seed 7" in said and f"viewimit {viewimit.__version__}" in said
+        assert "".join(citation.command.split()) in "".join(said.split())
+        assert ROLES["paper"][0] in picture and ROLES["paper"][1] not in picture
+        assert float(root.get("height")) > figure.height
+    own = [one for one in drawings_in(drawn.images[0]) if "vi-at-L" in one.classes][0]
+    points = re.search(r'<path class="vi-own" d="[^"]*"/>', own.inside)[0]
+    assert points in figures[0].captioned(citation)  # the page's very drawing
+
+
+def test_the_scene_is_seen_as_a_pinhole_camera_at_the_eye_would(session):
+    world, moment = session.world, session.snapshot
+    eye = default_eye(world, moment)
+    points = world.points_world(moment.theta, bases_of(world)["learner"])
+    places, depth = eye.see(points)
+    # by a projection matrix of its own making: x = f X / Z about the middle, y down
+    forward = (eye.target - eye.position) / np.linalg.norm(eye.target - eye.position)
+    assert np.allclose(depth, (points - eye.position) @ forward)
+    width, height = 424, 424 / eye.aspect
+    assert ((places > 0) & (places < (width, height))).all()
+    focal = height / 2 / np.tan(eye.fov / 2)
+    middle, _ = eye.see(eye.target)
+    assert np.allclose(middle, (width / 2, height / 2))
+    above, far = eye.see(eye.target + [0, 0, 0.1])
+    across = np.sqrt(1 - forward[2] ** 2)
+    assert middle[1] - above[1] == pytest.approx(focal * 0.1 * across / far)
+    drawn = draw_space(world, moment, eye).inside
+    assert drawn.count(f'fill="{ROLES["learner"][0]}"') >= len(points)
+    behind = draw_space(world, moment, Eye(eye.target, eye.position)).inside  # nothing is drawn of what lies behind
+    assert behind.count("<path") < 0.7 * drawn.count("<path")
+
+
+def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypatch):
+    picture = draw_space(session.world, session.snapshot).captioned(cite(session))
+    assert written(picture, ".svg") == picture.encode()
+    monkeypatch.setattr(standalone, "can_render", lambda: False)
+    with pytest.raises(ValueError, match=r"PNG needs resvg_py: pip install 'viewimit\[plot\]'; SVG does not"):
+        written(picture, ".png")
+
+
+def test_the_page_hands_out_a_replay_and_every_picture():
+    page, got = QuietPage(BEST), {}
+    page.page.model.saving._send = got.__setitem__
+    page.page.put(Step())
+    page.tick(1.0)
+
+    def save(command, name):
+        page.page.put(command)
+        page.tick_until(lambda: name in got)
+        return got[name]
+
+    replay = save(SaveReplay(), "viewimit-replay.html").decode()
+    assert "1 motions" not in replay and 'id="run"' in replay
+    for what in PICTURES:
+        page.page.put(ChoosePicture(what))
+        name = f"viewimit-{what.split()[0].lower()}.svg"
+        assert "seed 7" in text_of(save(SavePicture(), name).decode())
+    if standalone.can_render():
+        page.page.put(ChoosePicture("Curves"))
+        page.page.put(ChooseFormat("PNG"))
+        png = save(SavePicture(), "viewimit-curves.png")
+        assert png[:4] == b"\x89PNG" and int.from_bytes(png[16:20]) == 4 * 440  # px: 15 cm at 300 an inch
+
+
+def test_a_lesson_hands_out_its_figures():
+    page, got = QuietPage(address="/page/x"), {}
+    page.page.model.saving._send = got.__setitem__
+    lesson = next(iter(page.page.model.guided.lessons))
+    page.page.model.guided.begin(lesson)
+    course = page.page.model.guided.course
+    while course.stage is None or not course.stage.step.main:
+        assert course.go(1)
+    page.page.put(SavePicture())
+    page.tick_until(lambda: "viewimit-lesson.svg" in got)
+    assert course.lesson.title in text_of(got["viewimit-lesson.svg"].decode())
+
+
+def test_a_copy_of_a_session_does_not_follow_it():
+    session = Session(BEST)
+    session.run(2)
+    copied, script = session.copy(), session.script
+    session.step()
+    session.pose(np.radians((40, -80)))
+    assert len(copied.history) == 3 and copied.snapshot.motion == 2 and copied.script == script
+    assert copied.world is session.world

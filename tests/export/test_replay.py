@@ -1,0 +1,195 @@
+"""A replay is one file that asks nobody for anything, and shows at each moment what the page showed."""
+
+import base64
+import io
+import re
+import zlib
+
+import msgspec
+import numpy as np
+import pytest
+from PIL import Image
+from waiting import wait_until
+
+import viewimit
+from viewimit.drawing.images.panel import draw_images
+from viewimit.export.citation import cite
+from viewimit.export.panels import MOST_MOMENTS, farthest_off, kept_motions
+from viewimit.script import Posed
+from viewimit.session import Session
+from viewimit.settings import BEST, Settings
+from viewimit.viewer.appearance import Appearance
+
+replace = msgspec.structs.replace
+MB = 1_000_000
+ARM = """<robot name="r"><link name="base"/>
+<link name="upper"><visual><geometry><cylinder length="0.4" radius="0.05"/></geometry></visual></link>
+<link name="fore"><visual><geometry><box size="0.3 0.06 0.08"/></geometry></visual></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="b" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.4" rpy="0.3 0 0"/>
+<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
+
+
+def told(replay):
+    """What the file has packed."""
+    packed = re.search(r'id="run">([^<]*)<', replay.html)[1]
+    return msgspec.json.decode(zlib.decompress(base64.b64decode(packed)))
+
+
+@pytest.fixture(scope="module")
+def session():
+    """A run in toed-in cameras, whose demonstrator moves in the end."""
+    session = Session(replace(BEST, scene="panda-toed", start_deg=(25, -45), frames=1))
+    session.run(20)
+    session.pose(np.radians((50, -80)))
+    session.step()
+    return session
+
+
+@pytest.fixture(scope="module")
+def replay(session):
+    return viewimit.replay(session)
+
+
+def test_at_every_moment_it_shows_what_the_page_would(session, replay):
+    run = told(replay)
+    assert run["motions"] == list(range(len(session.history)))
+    appearance, chosen = Appearance(session.world, session.history[0]), farthest_off(session.history[0])
+    for k in (0, 3, len(session.history) - 1):
+        moment = session.history[k]
+        bodies, windows = appearance.of(moment)
+        outline = draw_images(moment, bodies, windows, chosen)
+        shown = run["panels"]["images"][k]
+        for kind in ("vi-own", "vi-found", "vi-e", "vi-hull"):
+            drawn = re.findall(rf'<path class="{kind}" d="[^"]*"', outline)
+            assert drawn and all(path in shown for path in drawn)
+        off = np.degrees(np.abs(moment.theta - moment.theta_demo).max())
+        assert f"{off:.1f}° off" in run["panels"]["claims"][k] or off < 0.05
+        assert "Viewer only" in run["panels"]["claims"][k] and "press space" not in run["panels"]["claims"][k]
+    grounds = run["panels"]["ground"]
+    assert grounds[0] == 0 and grounds[-1] == 1  # of the demonstrator's other posture
+
+
+def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
+    path = tmp_path / "someones-folder" / "my-arm.urdf"
+    path.parent.mkdir()
+    path.write_text(ARM)
+    session = Session(replace(BEST, scene=str(path), start_deg=(20, 30), demonstrator_deg=(40, 40), points=10))
+    session.run(4)
+    replay = viewimit.replay(session)
+    cited = cite(session)
+    assert "someones-folder" not in replay.html and "--scene=my-arm.urdf" in cited.command
+    words = cited.command.replace("my-arm.urdf", str(path)).split()
+    _, result = ask_json(*words[1:-1])
+    assert result["final_deg"] == pytest.approx(np.degrees(session.snapshot.theta), abs=1e-6)
+    assert f"viewimit {viewimit.__version__}" in replay.html and "seed 7" in replay.html
+    assert len(told(replay)["space"]["links"]) >= 2 and len(replay.html) < 0.5 * MB
+
+
+@pytest.mark.parametrize(
+    "settings, motions, status",
+    [
+        (Settings(servo="gradient-retuned", start_deg=(25, -45)), 100, "stalled"),
+        (Settings(points=16, missing=0.75, transfer="linear"), 3, "stopped"),
+        (
+            replace(BEST, joints=(1, 2, 3, 4, 5, 6, 7), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30)),
+            3,
+            "",
+        ),
+    ],
+)
+def test_long_failed_and_many_jointed_runs_are_small(settings, motions, status):
+    session = Session(settings)
+    session.run(motions, patience=3)
+    replay = viewimit.replay(session)
+    assert session.snapshot.status == (status or session.snapshot.status)
+    assert len(replay.html) < 0.8 * MB and len(told(replay)["motions"]) == len(session.history)
+
+
+def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
+    long = [session.history[0].with_fields(motion=k) for k in range(1000)]
+    kept = kept_motions(long)
+    assert len(kept) <= MOST_MOMENTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
+    assert kept_motions([long[k - k % 8] for k in range(1000)])[1] % 8 == 0  # what stands for others, once
+
+
+def test_what_it_cannot_show_it_says(session):
+    with pytest.raises(ValueError, match="no point 10; there are 10"):
+        viewimit.replay(session, chosen=10)
+    assert any(isinstance(deed, Posed) for deeds in session.log.deeds.values() for deed in deeds)
+    assert cite(session).command is None and "session.pose(" in cite(session).python
+
+
+def test_the_command_writes_it_and_says_its_size(tmp_path, ask):
+    path = tmp_path / "run.html"
+    status, _, said = ask("imitate", "--max-motions", 2, "--out", path)
+    assert status == 1 and f"written to {path}, {path.stat().st_size / MB:.2f} MB" in said
+    status, _, said = ask("imitate", "--out", tmp_path / "run.docx")
+    assert status == 2 and "there are .csv, .npz, .html" in said
+
+
+def colours(page):
+    picture = Image.open(io.BytesIO(page.locator("#space").screenshot())).convert("RGB")
+    return len(picture.getcolors(picture.width * picture.height))
+
+
+@pytest.mark.browser
+def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(browser, session, replay, tmp_path):
+    path = tmp_path / "run.html"
+    assert replay.save(path) == path.stat().st_size < 0.5 * MB
+    page = browser.new_page(viewport={"width": 1280, "height": 720}, color_scheme="light")
+    faults, requests = [], []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+    page.on("request", lambda request: requests.append(request.url))
+    page.goto(path.as_uri())
+    last, time = len(session.history) - 1, page.locator("#time")
+    wait_until(
+        lambda: page.evaluate(
+            "document.querySelector('#path svg') && document.querySelector('#labels span').style.transform"
+        )
+    )
+    assert colours(page) > 200
+    assert page.evaluate("document.documentElement.scrollHeight") == 720  # all is seen together
+
+    start = page.locator("#claims").inner_text()
+    time.fill("3")
+    assert page.locator("#where").inner_text() == f"3 of {last}" and page.locator("#claims").inner_text() != start
+    page.keyboard.press("End")
+    assert page.locator("#where").inner_text() == f"{last} of {last}"
+    page.keyboard.press("ArrowLeft")
+    assert page.locator("#where").inner_text() == f"{last - 1} of {last}"
+    page.locator("#speed").select_option("25")
+    page.locator("#play").click()  # on from there, to the end
+    wait_until(lambda: page.evaluate(f"document.querySelector('#where').value == '{last} of {last}'"))
+    wait_until(lambda: page.locator("body.playing").count() == 0)
+    box = page.locator("#conflict").bounding_box()
+    page.mouse.click(box["x"] + 0.1 * box["width"], box["y"] + 0.5 * box["height"])  # the curve's left end
+    assert page.locator("#where").inner_text() == f"0 of {last}"
+
+    run = told(replay)["space"]
+    columns = page.evaluate(
+        """async () => { const {space} = await unpacked("run").json(), {learner} = space.moments.at(-1);
+        let T = new Float32Array(space.bases.learner); const frames = [[...T]];
+        space.joints.forEach((joint, k) => { T = M4.mul(M4.mul(T, new Float32Array(joint.T)),
+          M4.turn(joint.axis, learner[k])); frames.push([...T]); }); return frames; }"""
+    )
+    frames = np.array(columns).reshape(-1, 4, 4).swapaxes(1, 2)
+    world, points = session.world, np.array(run["points"]["local"])
+    placed = np.einsum("nij,nj->ni", frames[run["points"]["link"]], np.column_stack([points, np.ones(len(points))]))
+    truth = world.points_world(session.history[-1].theta, world.T_world_own)
+    assert np.allclose(placed[:, :3], truth, atol=2e-4)  # m; coordinates are kept to a tenth of a mm
+
+    page.keyboard.press("d")
+    assert page.evaluate("getComputedStyle(document.body).color") == "rgb(240, 242, 245)"
+    page.set_viewport_size({"width": 390, "height": 844})
+    wait_until(lambda: page.evaluate("document.querySelector('#space').width < 800"))
+    assert page.evaluate("document.documentElement.scrollWidth") == 390 and colours(page) > 200
+    assert page.locator("#play").is_visible()
+    assert [url for url in requests if not url.startswith(("file:", "data:"))] == [] and len(requests) <= 3
+    assert faults == []
+
+    page.set_content(f"<body>{replay._repr_html_()}</body>")  # a cell of a notebook
+    page.frame_locator("iframe").locator("#path svg").wait_for()
+    page.close()

@@ -1,0 +1,36 @@
+"""viewimit docs: the documentation, which is part of the wheel."""
+
+import argparse
+import sys
+import webbrowser
+from pathlib import Path
+
+from . import BadInput
+from .options import DONE
+
+PACKAGE = Path(__file__).parents[1]
+BEGIN = "index.html"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--print", action="store_true", dest="only_print", help="only print where it is")
+
+
+def run(args: argparse.Namespace) -> int:
+    begin = first_page(PACKAGE)
+    print(begin)
+    if not args.only_print and not webbrowser.open(begin.as_uri()):
+        print("viewimit docs: no browser is found; open that file with one", file=sys.stderr)
+    return DONE
+
+
+def first_page(package: Path) -> Path:
+    """Of an installed wheel, or what docs/build.py has made of a clone. Raises BadInput with what makes it."""
+    source = package.parent / "docs" / "build.py"
+    found = package / "site" / BEGIN if not source.is_file() else package.parent / "build" / "site" / BEGIN
+    if found.is_file():
+        return found
+    if source.is_file():
+        python, clone = sys.executable, package.parent
+        raise BadInput(f"not built yet in this clone: {python} -m pip install -e '{clone}[docs]' && {python} {source}")
+    raise BadInput("this installation was made without it; pip install viewimit from a wheel, or build it in a clone")

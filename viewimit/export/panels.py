@@ -1,0 +1,98 @@
+"""The page's drawings of every moment of a session."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..analysis.construction import construct
+from ..analysis.self_assessment import assess
+from ..drawing import svg
+from ..drawing.curves import draw_curve_pair
+from ..drawing.images.panel import draw_images
+from ..drawing.landscape import LandscapePicture
+from ..drawing.status import describe, describe_truth, draw_status
+from ..session import Session
+from ..snapshot import AT_REST, Snapshot
+from ..viewer.appearance import Appearance
+from ..viewer.landscapes import TOO_FEW, MadeLandscape, landscape_key, make_landscape
+
+MOST_MOMENTS = 150  # of a longer run they are spread evenly
+MOST_LANDSCAPES = 24  # one for each posture of the demonstrator that is looked at
+LOOKS_BACK = 5  # motions
+FOLLOWS = "The landscape follows the demonstrator."
+
+
+@dataclass
+class Panels:
+    """One entry a moment, HTML: four images, claims (what the learner says beside what is true), E and joint angles
+    over the motions, the path over the landscape; ground: which of `grounds` lies under that."""
+
+    images: list[str] = field(default_factory=list)
+    claims: list[str] = field(default_factory=list)
+    conflict: list[str] = field(default_factory=list)
+    angles: list[str] = field(default_factory=list)
+    path: list[str] = field(default_factory=list)
+    ground: list[int] = field(default_factory=list)
+    grounds: list[str] = field(default_factory=list)
+
+
+def kept_motions(history: Sequence[Snapshot]) -> list[int]:
+    """Of the moments that a replay shows: no more than MOST_MOMENTS."""
+    there = [k for k, moment in enumerate(history) if moment.motion == k]  # others have been thinned out before
+    return [there[i] for i in svg.thinned(len(there), MOST_MOMENTS)]
+
+
+def farthest_off(moment: Snapshot) -> int | None:
+    """The point with the largest residual, which shows best what a conflict is; None without a transfer."""
+    return None if moment.transfer is None else int(np.argmax(np.nansum(moment.e**2, -1)))
+
+
+def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) -> Panels:
+    """Of a session in a scene, at these motions. chosen: a body point, whose construction the images show."""
+    history, scene, panels = session.history, session.scene, Panels()
+    appearance = Appearance(session.world, history[0])
+    for k in motions:  # windows have widened before the first is drawn
+        appearance.of(history[k])
+    landscapes = _Landscapes(session, [history[k] for k in motions])
+    last = history[-1].motion
+    assessment = assess(session) if session.cursor == last and history[-1].status in AT_REST else None
+    for k in motions:
+        moment, made = history[k], landscapes.of(history[k])
+        bodies, windows = appearance.of(moment)
+        picked = chosen if chosen is not None and chosen < len(moment.views.demo) else None
+        built = None if picked is None else construct(moment, picked)
+        panels.images.append(draw_images(moment, bodies, windows, picked, construction=built))
+        before, joints = history[max(k - LOOKS_BACK, 0) : k], scene.moving_joints
+        said = describe(moment, before, k < last, assessment if k == last else None, joints, advises=False)
+        panels.claims.append(draw_status(said, describe_truth(joints, moment.theta, moment.theta_demo)))
+        conflict, angles = draw_curve_pair(history, k, made.E_true, joints)
+        panels.conflict.append(conflict)
+        panels.angles.append(angles)
+        panels.path.append(made.picture.draw_path(history, k))
+        if made.picture.html not in panels.grounds:
+            panels.grounds.append(made.picture.html)
+        panels.ground.append(panels.grounds.index(made.picture.html))
+    return panels
+
+
+class _Landscapes:
+    """Each computed when it is first asked for, and once."""
+
+    def __init__(self, session: Session, moments: Sequence[Snapshot]):
+        self._world = session.world
+        self._many = len({landscape_key(moment) for moment in moments}) > MOST_LANDSCAPES
+        self._made: dict[tuple, MadeLandscape] = {}
+
+    def of(self, moment: Snapshot) -> MadeLandscape:
+        key = () if self._many else landscape_key(moment)
+        if key not in self._made:
+            self._made[key] = self._make(moment)
+        return self._made[key]
+
+    def _make(self, moment: Snapshot) -> MadeLandscape:
+        if self._many:
+            return MadeLandscape(self._world, LandscapePicture(None, self._world.scene, moment, FOLLOWS), None)
+        if moment.transfer is None and not moment.usable.any():
+            return MadeLandscape(self._world, LandscapePicture(None, self._world.scene, moment, TOO_FEW), None)
+        return make_landscape(self._world, moment)

@@ -1,0 +1,190 @@
+"""The furniture of the 3-D scene as plain arrays: what the arms stand on, the head, its frusta, their image plates, and
+what names them. Whoever draws it gives it its colours and its light."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.rigid import rotation_about_axis
+from ..simulation.appearance import extreme_vertices
+from ..simulation.camera import Camera
+from ..simulation.link_meshes import link_meshes
+from ..simulation.world import World
+from ..views import VIEWS
+from . import shapes
+from .view import looking
+
+PLATE = 0.17  # m from the camera to its image plate
+LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
+LINE, HALF_NAME = 0.1, 0.25  # m: the height of a line of text, half the length of a base's name
+MOST_STEPS = 8  # by which a name is moved
+SUNK = 0.05  # m, of a base's shape under its origin: less is how it is mounted
+VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
+POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}  # m across: spheres, octahedra
+
+
+class Solid(NamedTuple):
+    """colour: a field of `Look`; vertices (V, 3), faces (F, 3): m in its own frame, which stands at position (3,) m,
+    turned by turn (3, 3)."""
+
+    name: str
+    colour: str
+    vertices: NDArray
+    faces: NDArray
+    position: NDArray
+    turn: NDArray
+
+
+class Label(NamedTuple):
+    """A word in the scene, in the colour of an arm's role. position: (3,) m, its middle."""
+
+    name: str
+    text: str
+    role: str
+    position: NDArray
+
+
+class Look(NamedTuple):
+    """What of the 3-D scene differs between light and dark: intensities, and colours 0 … 255."""
+
+    sky: float
+    sun: float
+    cells: tuple[int, int, int]
+    sections: tuple[int, int, int]
+    pedestal: tuple[int, int, int]
+    metal: tuple[int, int, int]
+    lens: tuple[int, int, int]
+    plate: tuple[int, int, int]
+
+
+LOOKS = {
+    False: Look(
+        3.0, 2.3, (236, 238, 241), (214, 218, 224), (176, 180, 188), (120, 128, 140), (44, 50, 60), (245, 246, 248)
+    ),
+    True: Look(2.7, 1.7, (34, 35, 37), (52, 54, 58), (86, 89, 95), (112, 118, 128), (30, 33, 38), (58, 60, 64)),
+}
+
+
+def cameras_of(world: World) -> tuple[Camera, ...]:
+    """In the order of VIEWS."""
+    return (*world.demo_cameras, *world.own_cameras)
+
+
+def bases_of(world: World) -> dict[str, NDArray]:
+    """T_world_base (4, 4) by arm."""
+    return {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
+
+
+def solids(world: World) -> Iterator[Solid]:
+    """Pedestals and the head."""
+    for arm, T_world_base in bases_of(world).items():
+        yield _pedestal(world, arm, T_world_base)
+    yield from _head(world)
+
+
+def labels(world: World) -> Iterator[Label]:
+    """Names of the arms and of the images."""
+    for arm, T_world_base in bases_of(world).items():
+        yield Label(f"{arm}_label", arm, arm, name_at(world, T_world_base))
+    for view, camera, role in zip(VIEWS, cameras_of(world), VIEW_ROLES):
+        plate, eye = on_plate(camera, corners(camera), world.scene.size), camera.T_world_camera[:3, 3]
+        corner = plate[0] if view == "l" else plate[1]  # where no other frustum is
+        yield Label(f"name_{view}", view, role, corner + 0.25 * (corner - eye))
+
+
+def frustum(camera: Camera, size: float) -> NDArray:
+    """(8, 2, 3) m: the edges of a camera's image plate, and from its eye to the corners. size: the scene's."""
+    plate, eye = on_plate(camera, corners(camera), size), camera.T_world_camera[:3, 3]
+    return np.array([(plate[i], plate[(i + 1) % 4]) for i in range(4)] + [(eye, corner) for corner in plate])
+
+
+def landmarks(world: World) -> NDArray:
+    """(k, 3) m: what the default view must hold of it."""
+    bases = bases_of(world).values()
+    feet = [T[:3, 3] * [1, 1, 0] for T in bases]
+    head, size = np.array(world.scene.head.position) * [1, 1, 0], world.scene.size
+    plates = [on_plate(camera, corners(camera), size) for camera in cameras_of(world)]
+    aside = size * looking()[:, 0]
+    names = [name_at(world, T) + side * aside for T in bases for side in (-HALF_NAME, HALF_NAME)]
+    return np.concatenate([*plates, [head], feet, names])
+
+
+def arm_landmarks(world: World, theta: NDArray, theta_demo: NDArray) -> NDArray:
+    """(k, 3) m: and of the arms, where they are and at the ends of their range. theta, theta_demo: (m,) rad."""
+    postures = theta, theta_demo, world.scene.lower, world.scene.upper
+    outline = {link: extreme_vertices(mesh.vertices) for link, mesh in link_meshes(world.scene.robot).items()}
+    points: list[NDArray] = []
+    for T_world_base in bases_of(world).values():
+        for posture in postures:
+            T = world.link_frames(posture, T_world_base)
+            points += [V @ T[link, :3, :3].T + T[link, :3, 3] for link, V in outline.items()]
+    return np.concatenate(points)
+
+
+def name_at(world: World, T_world_base: NDArray) -> NDArray:
+    """(3,) m, where nothing of what stands still hides an arm's name in the default view."""
+    base = link_meshes(world.scene.robot)[0].vertices @ T_world_base[:3, :3].T + T_world_base[:3, 3]
+    size = world.scene.size
+    return unhidden(T_world_base[:3, 3] * [1, 1, 0] + size * LABEL_OFFSET, base, size)
+
+
+def unhidden(place: NDArray, body: NDArray, size: float) -> NDArray:
+    """(3,) m on the floor, there or as much nearer to the default view as nothing of a body (k, 3) m hides a name
+    there. size: the scene's."""
+    right, _, forward = looking().T
+    nearer = -forward * [1, 1, 0]
+    shadow = np.linalg.norm(nearer) / -forward[2]  # m on the floor behind a metre of height
+    nearer /= np.linalg.norm(nearer)
+    for _ in range(MOST_STEPS):
+        aside, along = (body - place) @ right, (body - place) @ nearer
+        hides = (np.abs(aside) < HALF_NAME * size) & (along > 0) & (along - shadow * body[:, 2] < LINE * size)
+        if not hides.any():
+            break
+        place = place + (along[hides].max() + LINE * size / 2) * nearer
+    return place
+
+
+def on_plate(camera: Camera, image: NDArray, size: float = 1.0) -> NDArray:
+    """image: (k, 2) px → (k, 3) m on the plate in front of the camera, where their rays meet it. size: the scene's."""
+    return camera.T_world_camera[:3, 3] + size * PLATE * camera.ray(image)
+
+
+def corners(camera: Camera) -> NDArray:
+    """(4, 2) px, clockwise from the top left."""
+    return np.array([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]], float)
+
+
+def _pedestal(world: World, arm: str, T_world_base: NDArray) -> Solid:
+    x, y, height = T_world_base[:3, 3] + [0, 0, _below(world, T_world_base)]
+    size = world.scene.size
+    vertices, faces = shapes.pedestal(max(height / size, 0.03))
+    return Solid(f"{arm}_pedestal", "pedestal", size * vertices, faces, np.array([x, y, height]), np.eye(3))
+
+
+def _below(world: World, T_world_base: NDArray) -> float:
+    """m from a base's origin down to the lowest of what is drawn of it, as of a body that stands on legs; what is drawn
+    of a base that is mounted begins there."""
+    lowest = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())
+    return lowest if lowest < -SUNK * world.scene.size else 0.0
+
+
+def _head(world: World) -> Iterator[Solid]:
+    """The head between its two gazes: a stand, a bar of the baseline's length, a camera at each end."""
+    centre, size = np.array(world.scene.head.position), world.scene.size
+    below = centre - [0, 0, 0.045 * size]
+    forward = sum(camera.T_world_camera[:3, 2] for camera in cameras_of(world)) * [1, 1, 0]
+    turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
+    half = world.scene.head.baseline / 2 / size
+    yield _solid("stand", "metal", shapes.stand(below[2] / size), size, below, turn)
+    yield _solid("bar", "metal", shapes.box((0.04, 2 * half + 0.06, 0.025)), size, below, turn)
+    for side in (-1, 1):
+        place = centre + size * (turn @ [-0.035, side * half, 0])
+        yield _solid(f"camera{side}", "lens", shapes.box((0.07, 0.09, 0.065)), size, place, turn)
+
+
+def _solid(
+    name: str, colour: str, shape: tuple[NDArray, NDArray], size: float, position: NDArray, turn: NDArray
+) -> Solid:
+    return Solid(name, colour, size * shape[0], shape[1], position, turn)

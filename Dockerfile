@@ -2,7 +2,7 @@
 FROM --platform=linux/amd64 python:3.11-slim
 WORKDIR /src
 COPY deploy/requirements.lock deploy/install.sh deploy/
-COPY pyproject.toml setup.py README.md LICENSE ./
+COPY pyproject.toml build_backend.py setup.py README.md LICENSE ./
 COPY viewimit viewimit
 COPY app app
 COPY assets assets

@@ -11,6 +11,7 @@ import numpy as np
 
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.viewer.landscapes import make_landscape
 
 from .control.commands.display import ChoosePoint
 from .control.page_model import PageModel
@@ -19,7 +20,7 @@ from .control.services import Services
 from .control.shedding import LoadShedding
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
-from .jobs.landscapes import LandscapeWorker, make_landscape
+from .jobs.landscapes import LandscapeWorker
 from .panels.images import ImagesPanel
 from .panels.landscape import LandscapePanel
 from .panels.panel import Layout

@@ -222,6 +222,16 @@ def processes_of(pid: int) -> list[int]:
     return found
 
 
+def workers_of(server: "Server") -> list[int]:
+    """Process ids of a server's workers."""
+    found = []
+    for pid in processes_of(server.process.pid)[1:]:
+        with open(f"/proc/{pid}/cmdline") as line:
+            if "spawn_main" in line.read():
+                found.append(pid)
+    return found
+
+
 def stat_of(pid: int) -> list[str]:
     """What the system counts of a process, from its state on (proc(5))."""
     with open(f"/proc/{pid}/stat") as stat:

@@ -8,6 +8,7 @@ import sys
 
 import segno
 
+from .lecturer import ROOT as LECTURER
 from .origins import lan_address
 
 PORTS_TO_TRY = 100
@@ -60,6 +61,11 @@ def address(host: str, port: int) -> str:
     """What to type into a browser on this machine."""
     shown = {"0.0.0.0": "localhost", "::": "localhost"}.get(host, f"[{host}]" if ":" in host else host)
     return f"http://{shown}:{port}"
+
+
+def invite_lecturer(host: str, port: int, secret: str) -> None:
+    """Print what who leads the class opens. To standard output alone: it is no line of a log."""
+    print(f"the lecturer opens {address(host, port)}{LECTURER}{secret}\nand shows it to nobody", flush=True)
 
 
 def invite(host: str, port: int) -> None:

@@ -47,12 +47,13 @@ class Host(Protocol):
 
 class GuardedConnection(ServerConnection):
     """A connection whose `recv` returns messages that were checked only. token: of its browser, None without one;
-    network: where it comes from."""
+    lecturer: whether that is the lecturer's; network: where it comes from."""
 
     def __init__(self, host: Host, *args, **limits):
         super().__init__(*args, **limits)
         self._host = host
         self.token: str | None = None
+        self.lecturer = False
         self.network = network_of(None)
         self._unsent = Unsent()
         self._received = b""  # of a request that has not come as a whole
@@ -63,6 +64,7 @@ class GuardedConnection(ServerConnection):
         self._refusals = TokenBucket(REFUSALS_A_SECOND, REFUSALS_AT_ONCE)
         self._validator: MessageValidator | None = None
         self._failing: asyncio.Task | None = None
+        self._late: asyncio.TimerHandle | None = None
         self._starts: asyncio.TimerHandle | None = None
         self._looks: asyncio.TimerHandle | None = None
 
@@ -82,17 +84,18 @@ class GuardedConnection(ServerConnection):
         self.network = network_of(self.remote_address)
         transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, UNSENT)
         self._host.pending.add(self, self.network, transport.abort)
+        self._late = self.loop.call_later(self._host.limits.head_within, self._end_if_late)
         self._look()
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._host.leave(self)
-        for timer in (self._starts, self._looks):
+        for timer in (self._late, self._starts, self._looks):
             if timer is not None:
                 timer.cancel()
         super().connection_lost(exc)
 
-    def take_seat(self, token: str | None) -> None:
-        self.token = token
+    def take_seat(self, token: str | None, lecturer: bool = False) -> None:
+        self.token, self.lecturer = token, lecturer
         self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
 
     def data_received(self, data: bytes) -> None:
@@ -120,6 +123,12 @@ class GuardedConnection(ServerConnection):
         if self._head is not None and not self._head.websocket and self.protocol.state is State.CONNECTING:
             return True
         return super().eof_received()
+
+    def _end_if_late(self) -> None:
+        """Who has begun a request and not said all of its head is told so; who has said nothing is left as it is."""
+        if self._head is None and self._received and not self._refused:
+            within = self._host.limits.head_within
+            self._refuse(NotAnswered(HTTPStatus.REQUEST_TIMEOUT, f"a head that was not whole after {within:g} s"))
 
     def _refuse(self, refusal: NotAnswered) -> None:
         """Say why, and read no more. It is not closed at once, or what the client still sends would undo the answer."""

@@ -11,23 +11,23 @@ _TOKEN = re.compile(r"[\w-]{32}")
 Headers = Mapping[str, str] | Message  # of a request; both know names in any case
 
 
-def cookie_for(headers: Headers) -> str:
-    """Set-Cookie with a new token."""
+def cookie_for(headers: Headers, name: str | None = None, value: str | None = None) -> str:
+    """Set-Cookie, if nothing else is said, with a new token."""
     secure = "; Secure" if headers.get("X-Forwarded-Proto") == "https" else ""
-    value = secrets.token_urlsafe(24)
-    return f"{_name(headers)}={value}; Path=/; Max-Age={MAX_AGE}; HttpOnly; SameSite=Strict{secure}"
+    value = value or secrets.token_urlsafe(24)
+    return f"{name or cookie_name(headers)}={value}; Path=/; Max-Age={MAX_AGE}; HttpOnly; SameSite=Strict{secure}"
 
 
 def token_of(headers: Headers) -> str | None:
     """The token of a request, None without a good one."""
     try:
-        morsel = SimpleCookie(headers.get("Cookie", "") or "").get(_name(headers))
+        morsel = SimpleCookie(headers.get("Cookie", "") or "").get(cookie_name(headers))
     except CookieError:
         return None
     return morsel.value if morsel is not None and _TOKEN.fullmatch(morsel.value) else None
 
 
-def _name(headers: Headers) -> str:
+def cookie_name(headers: Headers) -> str:
     """Cookies do not tell ports apart: two servers on one machine must not take each other's."""
     port = re.search(r":(\d{1,5})$", headers.get("Host", "") or "")
     return f"viewimit-{port.group(1)}" if port else "viewimit"

@@ -12,6 +12,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from functools import partial
+from http import HTTPStatus
 from http.client import HTTPException, parse_headers
 
 from .cookie import token_of
@@ -20,6 +21,7 @@ from .limits.pending_connections import PendingConnections
 from .options import ServerOptions
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .request_head import MOST_HEAD, is_whole
+from .responses import plain_response
 from .seat_counts import SeatCounts
 from .touches import worker_of
 
@@ -113,7 +115,10 @@ class Dispatcher:
         with connection:  # the worker gets a descriptor of its own
             try:
                 head = await asyncio.wait_for(_head(connection), HEAD_WITHIN)
-            except (OSError, asyncio.TimeoutError):
+            except asyncio.TimeoutError:
+                _refuse_late(connection)
+                return
+            except OSError:
                 return
             if head:
                 self._hand(connection, self._worker(head))
@@ -130,6 +135,15 @@ class Dispatcher:
             self._log.warn(f"a connection could not be handed over: {error}")
             return
         self._placing.handed[worker] += 1
+
+
+def _refuse_late(connection: socket.socket) -> None:
+    """Who has begun a request and not said all of its head is told so; who has said nothing is left as it is."""
+    with contextlib.suppress(OSError):
+        if connection.recv(MOST_HEAD):  # read, or what is unread would undo the answer
+            said = f"a head that was not whole after {HEAD_WITHIN:g} s\n"
+            connection.send(plain_response(HTTPStatus.REQUEST_TIMEOUT, said).serialize())
+            connection.shutdown(socket.SHUT_WR)
 
 
 def _cancel(task: asyncio.Task) -> None:

@@ -15,6 +15,9 @@ import viser
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
+from ..classroom.boards import open_board
+from ..classroom.classroom import Classroom
+from ..control.classroom.attendance import Attendee
 from ..control.scheduler import Scheduler
 from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
@@ -30,6 +33,8 @@ from ..sessions.resume import SessionKeys, token_of_client
 from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
+from .connection import GuardedConnection
+from .lecturer import class_name
 from .options import ServerOptions
 from .seat_counts import SeatCounts
 from .touches import Touches
@@ -51,7 +56,7 @@ def serving(
     """
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening)
+    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, options.lecturer)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
@@ -59,6 +64,8 @@ def serving(
         server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
     app = App(server, options, scheduler, autosave, access.touches)
     access.guard(server)
+    gc.collect()
+    gc.freeze()  # what is there for good need not be looked through whenever a tab is closed
     try:
         yield server.get_port()
     finally:
@@ -90,7 +97,9 @@ class App:
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
         camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
         workers = LandscapeWorker(), ExperimentWorker(), camera
-        self.services = Services(*workers, scheduler.shedding, share, {**options.lessons, **shipped()})
+        classroom = _classroom(options)
+        lessons = {**options.lessons, **shipped()}
+        self.services = Services(*workers, scheduler.shedding, share, lessons, classroom=classroom)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
@@ -109,12 +118,15 @@ class App:
             for client_id in list(self._pages):
                 self._retire(client_id, max(until - time.monotonic(), 0.0))
             self._autosave.stop()
+        if self.services.classroom is not None:
+            self.services.classroom.stop()
         self.services.experiments.stop()
         self.services.basins.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
         place = self._keys.take(client)
         key = place.key
+        viser_private.wake_directly(client)
         token = token_of_client(self._server, client.client_id)
         address = None if token is None else self._touches.new_address()
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
@@ -138,7 +150,9 @@ class App:
 
     def _page(self, client: viser.ClientHandle, key: str | None, keep, resumed, address: str | None) -> Page:
         """What was kept goes on, or the page says why it does not."""
-        reach = Reach(address, viser_private.origin_of(self._server, client.client_id))
+        connection = viser_private.connection_of(self._server, client.client_id)
+        of_class = Attendee(key, isinstance(connection, GuardedConnection) and connection.lecturer)
+        reach = Reach(address, viser_private.origin_of(self._server, client.client_id), of_class)
         try:
             page = Page(client, self.services, self._settings, keep, resumed, reach)
         except CannotResume as error:
@@ -171,6 +185,7 @@ class App:
             self._touches.close(page.address)
             self._scheduler.remove(page)
             self.services.landscapes.forget(client_id)
+            self.services.files.forget(client_id)
             self.services.experiments.forget(client_id)
             self.services.basins.forget(client_id)
             whole = page.close(within)
@@ -178,3 +193,13 @@ class App:
                 if whole:  # else what was handed over some seconds ago stays
                     self._autosave.keep(key, page.memory())
                 self._keys.leave(key)
+
+
+def _classroom(options: ServerOptions) -> Classroom | None:
+    """Where there is a lecturer. Raises OSError for a store that cannot be used."""
+    if options.lecturer is None:
+        return None
+    name = class_name(options.lecturer)
+    classroom = Classroom(open_board(options.store, name, options.workers > 1), name)
+    classroom.start()
+    return classroom

@@ -9,7 +9,7 @@ import msgspec
 import zstandard
 
 from viewimit.history import MAX_HISTORY
-from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script
+from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script, file_name
 from viewimit.settings import Settings
 from viewimit.simulation.scene import robot_names, scene_names
 
@@ -40,7 +40,8 @@ class Linked(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 def written(linked: Linked) -> str:
-    """Letters, digits, - and _. Raises ValueError for what is too long."""
+    """Letters, digits, - and _; files of the server by their names alone. Raises ValueError for what is too long."""
+    linked = msgspec.structs.replace(linked, script=linked.script.renamed(file_name))
     packed = zstandard.compress(msgspec.msgpack.encode(linked), 19)
     text = FORM + base64.urlsafe_b64encode(packed).decode().rstrip("=")
     if len(text) > MOST_CHARS:
@@ -62,6 +63,8 @@ def read(text: str, begun: Settings) -> Linked:
         linked = msgspec.msgpack.decode(plain, type=Linked)
     except (binascii.Error, ValueError, zstandard.ZstdError, msgspec.MsgspecError, RecursionError) as error:
         raise ValueError(f"the link is damaged: {str(error)[:120]}") from None
+    own = {file_name(place): place for place in (begun.scene, begun.robot) if place is not None}
+    linked = msgspec.structs.replace(linked, script=linked.script.renamed(lambda name: own.get(name, name)))
     _require(linked, begun)
     return linked
 

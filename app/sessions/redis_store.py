@@ -1,5 +1,6 @@
 """Sessions in a Redis, one hash each: what several servers behind one proxy share."""
 
+import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -32,14 +33,22 @@ redis.call('DEL', KEYS[2])
 return 1
 """
 LOOKED_AT_EVERY = 16  # part of the most bytes that this process writes between two looks at how many there are
+LOOKED_AT_AFTER_S = 60.0  # at the latest, for others write as well, and one that has just begun knows of none of it
 
 
 class RedisStore:
     """See Store. Redis itself removes what has had no sign of life. most_bytes: of all sessions in it, about."""
 
-    def __init__(self, url: str, most_bytes: int = MOST_BYTES, timeout_s: float = TIMEOUT_S):
+    def __init__(
+        self,
+        url: str,
+        most_bytes: int = MOST_BYTES,
+        timeout_s: float = TIMEOUT_S,
+        clock: Callable[[], float] = time.monotonic,
+    ):
         once = Retry(NoBackoff(), 1, (redis.ConnectionError,))  # it may have been restarted; one that hangs still does
-        self._most_bytes, self._unseen = most_bytes, 0
+        self._most_bytes, self._unseen, self._clock = most_bytes, 0, clock
+        self._looked_at = -LOOKED_AT_AFTER_S  # s, at how many bytes there are
         try:
             self._redis = redis.Redis.from_url(
                 url, socket_timeout=timeout_s, socket_connect_timeout=timeout_s, retry=once
@@ -99,7 +108,8 @@ class RedisStore:
         gone_names = list(gone)
         saved = self._run(save, key)
         self._unseen += sum(map(len, parts.values()))
-        if self._unseen * LOOKED_AT_EVERY > self._most_bytes:
+        much = self._unseen * LOOKED_AT_EVERY > self._most_bytes
+        if much or self._clock() - self._looked_at >= LOOKED_AT_AFTER_S:
             self._make_room(key)
         return saved
 
@@ -111,7 +121,7 @@ class RedisStore:
 
     def _make_room(self, key: str) -> None:
         """Remove the oldest of the other sessions until those that are left are not too large."""
-        self._unseen = 0
+        self._unseen, self._looked_at = 0, self._clock()
         found = self._ask(lambda: list(self._redis.scan_iter(_name("*"), 1_000)))
         names = [name for name in found if not name.endswith(LEASE)]
         with self._redis.pipeline(transaction=False) as pipe:

@@ -30,7 +30,7 @@ Speed = Annotated[float, msgspec.Meta(ge=0, le=MOST_SPEED)]  # NaN is neither
 class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it;
     lessons: what was answered in them; lesson: the one that goes on; offered: whether the first one is; log: how the
-    session came to where it is."""
+    session came to where it is; name: that a student has typed."""
 
     version: str = __version__
     begun: Settings
@@ -46,6 +46,7 @@ class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     lesson: str | None = None
     offered: bool = False
     log: Log | None = None
+    name: Annotated[str, msgspec.Meta(max_length=80)] = ""
 
 
 @dataclass(frozen=True, eq=False)

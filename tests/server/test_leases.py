@@ -11,13 +11,16 @@ from waiting import stays, wait_until
 TAKEN = "another tab has taken this session"
 
 
-@pytest.fixture(params=["file", "redis"])
-def where(request, tmp_path):
-    return str(tmp_path / "state") if request.param == "file" else request.getfixturevalue("redis_url")
+@pytest.fixture(scope="module", params=["file", pytest.param("redis", marks=pytest.mark.slow)])
+def where(request, tmp_path_factory):
+    if request.param == "redis":
+        return request.getfixturevalue("redis_url")
+    return str(tmp_path_factory.mktemp("leases") / "state")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def two_servers(where):
+    """Each test comes to them with a browser of its own; the last one kills one of them."""
     servers = Server("--store", where), Server("--store", where)
     yield servers
     for server in servers:
@@ -64,21 +67,6 @@ def test_a_tab_is_reloaded_at_another_process_and_has_its_session_at_once(two_se
         tab.close()
 
 
-def test_sessions_of_a_process_that_is_killed_come_free(two_servers, where):
-    here, there = two_servers
-    cookie = browser_of(here.url)
-    tabs = [open_at(here, cookie) for _ in range(2)]
-    for tab, angle in zip(tabs, (62.0, 63.0)):
-        choose(tab, angle)
-    kept = lambda: [kept_of(where, cookie, tab) for tab in (0, 1)]
-    wait_until(lambda: all(page and page.cursor == 1 for page in kept()))
-    with open_at(there, cookie) as third:
-        assert third.value("θ₂") == 45.0
-        here.process.kill()
-        with open_at(there, cookie) as one, open_at(there, cookie) as two:
-            assert (one.value("θ₂"), two.value("θ₂")) == (62.0, 63.0)
-
-
 def test_a_laptop_that_slept_comes_back_at_another_process(two_servers, where):
     here, there = two_servers
     relay, cookie = Relay(here.url), browser_of(here.url)
@@ -105,3 +93,18 @@ def test_a_page_whose_session_another_has_taken_says_so_and_writes_no_more(two_s
             stalled.put("θ₂", 66.0)
     with open_at(there, cookie) as tab:
         assert tab.value("θ₂") == 65.0
+
+
+def test_sessions_of_a_process_that_is_killed_come_free(two_servers, where):
+    here, there = two_servers
+    cookie = browser_of(here.url)
+    tabs = [open_at(here, cookie) for _ in range(2)]
+    for tab, angle in zip(tabs, (62.0, 63.0)):
+        choose(tab, angle)
+    kept = lambda: [kept_of(where, cookie, tab) for tab in (0, 1)]
+    wait_until(lambda: all(page and page.cursor == 1 for page in kept()))
+    with open_at(there, cookie) as third:
+        assert third.value("θ₂") == 45.0
+        here.process.kill()
+        with open_at(there, cookie) as one, open_at(there, cookie) as two:
+            assert (one.value("θ₂"), two.value("θ₂")) == (62.0, 63.0)

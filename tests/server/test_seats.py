@@ -95,6 +95,19 @@ def test_a_tab_that_stops_reading_is_left_and_a_slow_one_is_not(here):
         stays(lambda: reads_on() and len(server.access.seats) == 1, 2.5 * BRIEF.stalled_within)
 
 
+def test_who_never_ends_the_head_of_a_request_is_told_so(here):
+    server = here(Limits(head_within=0.3, closed_within=0.3))
+    with connected(server.url) as half, connected(server.url) as silent:
+        half.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n")
+        received = b""
+        while data := half.recv(4096):
+            received += data
+        assert received.startswith(b"HTTP/1.1 408 ") and b"not whole" in received
+        silent.settimeout(0.1)
+        with pytest.raises(TimeoutError):  # it has asked for nothing
+            silent.recv(1)
+
+
 def test_a_ping_that_never_leaves_closes_the_connection(here):
     server = here(Limits(stalled_within=600, ping_every=0.3, written_within=0.5, closed_within=0.3))
     with deaf(server.url) as client:
@@ -129,7 +142,7 @@ def test_the_oldest_of_an_address_that_has_too_many_goes_else_the_oldest_of_all(
     assert len(pending) == 3
 
 
-@pytest.mark.parametrize("options", [(), ("--workers", "2")])
+@pytest.mark.parametrize("options", [(), pytest.param(("--workers", "2"), marks=pytest.mark.slow)])
 def test_silent_connections_lock_nobody_out(options):
     server = Server(*options)
     with contextlib.ExitStack() as held:

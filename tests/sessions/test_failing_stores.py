@@ -217,6 +217,25 @@ def test_the_oldest_of_a_redis_make_room(redis_url):
     store.close()
 
 
+def test_a_redis_that_others_fill_is_looked_at_before_long(redis_url):
+    from viewimit.app.sessions.redis_store import LOOKED_AT_AFTER_S, RedisStore
+
+    now = [0.0]
+    own = RedisStore(redis_url, most_bytes=LARGE, clock=lambda: now[0])
+    own._redis.flushall()
+    assert own.save("own", "a", {"0": b"little"})
+    with own._redis.pipeline() as others:
+        for k in range(12):
+            others.hset(f"viewimit:other {k}", "part:0", secrets.token_bytes(PART))
+            others.expire(f"viewimit:other {k}", 1_000 + k)
+        others.execute()
+    there = lambda: [k for k in range(12) if own.names(f"other {k}")]
+    assert own.save("own", "a", {"0": b"little"}) and there() == list(range(12))
+    now[0] += LOOKED_AT_AFTER_S
+    assert own.save("own", "a", {"0": b"little"}) and there() == [8, 9, 10, 11]
+    own.close()
+
+
 def test_a_session_that_made_room_is_written_whole(tmp_path, kept):
     store = SqliteStore(tmp_path, most_bytes=LARGE)
     autosave = Autosave(store)

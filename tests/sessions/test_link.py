@@ -14,8 +14,8 @@ from viewimit.app.sessions import link
 from viewimit.app.sessions.link import Linked, read, written
 
 from viewimit.rehearsal import begin_rehearsal
-from viewimit.replay import play
-from viewimit.script import Changed, Posed, Rehearsed, Script, Stepped
+from viewimit.script import Began, Changed, Posed, Rehearsed, Script, Stepped
+from viewimit.script_player import play
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 
@@ -117,3 +117,17 @@ def test_a_link_of_the_servers_own_scene_is_followed():
     assert read(text, begun).script.settings == begun
     with pytest.raises(ValueError, match="not here"):
         read(text, Settings())
+
+
+def test_a_link_tells_no_folder_of_the_server():
+    begun = Settings(scene="/home/ada/my arms/arm.urdf", robot="C:\\arms\\arm 2.urdf")
+    deeds = (
+        Changed({"scene": "panda", "robot": "iiwa"}),
+        Changed({"scene": begun.scene, "robot": begun.robot}),
+        Began(begun),
+    )
+    linked = Linked(script=Script(begun, deeds))
+    text = written(linked)
+    plain = zstandard.decompress(base64.urlsafe_b64decode(text[1:] + "==="), 1 << 18)
+    assert b"ada" not in plain and b"arms" not in plain and b"arm 2.urdf" in plain
+    assert read(text, begun) == linked

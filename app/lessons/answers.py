@@ -65,15 +65,20 @@ def draw_options(rows: Sequence[tuple[str, bool]], choice: int | None, revealed:
     return f'<div class="vi-options">{"".join(drawn)}</div>'
 
 
-def _scale(ask: Number, chosen: float | None, address: str | None) -> str:
-    """Numbers to choose from, each a link."""
+def scale_of(ask: Number) -> list[float]:
+    """The numbers to choose from."""
     if ask.logarithmic:
         values = np.geomspace(ask.low, ask.high, NUMBERS)
     else:
         count = NUMBERS if ask.step is None else round((ask.high - ask.low) / ask.step) + 1
         values = np.linspace(ask.low, ask.high, count)
+    return [float(f"{number:.2g}") for number in values]
+
+
+def _scale(ask: Number, chosen: float | None, address: str | None) -> str:
+    """Each a link."""
     drawn = []
-    for value in (float(f"{number:.2g}") for number in values):
+    for value in scale_of(ask):
         here = chosen is not None and abs(value - chosen) < 1e-9
         kind = "vi-option" + (" vi-chosen-one" if here else "")
         words = f"{shown(value)}{ask.unit}"

@@ -22,15 +22,20 @@ LEADS = {
 }
 
 
-def draw_lesson(course: Course, address: str | None) -> str:
-    """The whole page of a lesson but for its sliders. address: that its links begin with, None for no links."""
+def draw_lesson(course: Course, address: str | None, refusal: str = "", below: str = "", held: bool = False) -> str:
+    """The whole page of a lesson but for its sliders. address: that its links begin with, None for no links; refusal:
+    why what was done last could not be; below: HTML at the end of the card; held: the step is somebody else's to leave
+    and to reveal."""
     step, stage = course.step, course.stage
-    body = _ending(course, address) if stage is None or step is None else _body(course, stage, address)
+    body = _ending(course, address) if stage is None or step is None else _body(course, stage, address, held)
     kind = "" if stage is None or step is None else f" vi-guide-{step.id}{' vi-sliding' if slides(course) else ''}"
     figures = "" if stage is None or step is None else draw_figures(stage, address)
-    card = f'<div class="vi-guide-card">{_head(course, address)}{body}{_foot(course, address)}</div>'
+    refused = f'<p class="vi-guide-refused" role="alert">{escape(refusal)}</p>' if refusal else ""
+    head, foot = (part(course, None if held else address) for part in (_head, _foot))
+    card = f'<div class="vi-guide-card">{head}{body}{below}{refused}{foot}</div>'
     label = f"Lesson: {escape(course.lesson.title)}"
-    told = f'data-screen="{course.screen.id}" data-spoken="{"" if stage is None else escape(spoken(stage))}"'
+    told = "" if address is None else f'data-lesson="{address}/lesson/" '
+    told += f'data-screen="{course.screen.id}" data-spoken="{"" if stage is None else escape(spoken(stage))}"'
     return f'<section class="vi-guide{kind}" aria-label="{label}" {told}>{card}{figures}</section>{sink()}'
 
 
@@ -75,23 +80,29 @@ def _button(address: str, what: str, words: str, kind: str) -> str:
     return button(address, f"lesson/{what}", re.sub(r"[←→] ?| ?[←→]", "", words), inside)
 
 
-def _body(course: Course, stage: Stage, address: str | None) -> str:
+def _body(course: Course, stage: Stage, address: str | None, held: bool) -> str:
     step, given = stage.step, stage.given
     parts = [heading(escape(step.title))]
     if not given.revealed or step.ask is None:
         parts.append(f"<p>{inline(fill(step.text, stage))}</p>")
     if step.ask is not None:
         parts.append(draw_ask(stage, address))
-    if not given.revealed and step.ask is not None and not isinstance(step.ask, Do) and address is not None:
+    if (
+        not given.revealed
+        and step.ask is not None
+        and not isinstance(step.ask, Do)
+        and address is not None
+        and not held
+    ):
         off = '<span class="vi-button vi-wide vi-off" role="button" aria-disabled="true">Show me</span>'
         parts.append(_button(address, "show", "Show me", "vi-wide vi-filled vi-guide-main") if course.answered else off)
     parts += [f'<p class="vi-guide-failed">Not computed: {escape(why)}.</p>' for why in course.failed]
     if given.revealed:
         parts.append(draw_reveal(stage))
-        if step.deal and address is not None:
+        if step.deal and address is not None and not held:
             parts.append(_button(address, "again", f"Again, {AGAIN[bool(step.dealt)]}", "vi-wide vi-plain"))
             parts.append(_seeds(address, given.seed, "scene" if step.dealt else "start"))
-    elif step.deal and address is not None and len(given.path) > 1:
+    elif step.deal and address is not None and not held and len(given.path) > 1:
         parts.append(_button(address, f"seed,{given.seed}", "Start again", "vi-wide vi-plain"))
     return "".join(parts)
 

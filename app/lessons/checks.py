@@ -17,6 +17,7 @@ from .measures import MEASURES, named_in
 from .reading import WORDS_A_MINUTE, reading_minutes
 from .works import WORKS
 
+GUESSED = ("guess 1", "guess 2")
 MOST_STEPS, MOST_SLIDERS, MOST_NUMBERS = 60, 3, 40
 ID = re.compile(r"[a-z][a-z0-9-]{0,30}")
 Faults = Iterator[tuple[str, str]]  # the field, as .step[2].ask, and what is wrong
@@ -163,10 +164,12 @@ def _of_ask(step: Step) -> Faults:
         yield from _of_number(ask)
     elif isinstance(ask, Do) and (ask.below is None) == (ask.above is None):
         yield ".ask", "needs below or above, one of them"
-    if isinstance(ask, Do | Pose) and not step.sliders:
-        yield ".ask", f"{'pose' if isinstance(ask, Pose) else 'do'} needs sliders in its step"
-    if isinstance(ask, Pose) and step.sliders and len(step.sliders) != 2:
-        yield ".sliders", f"a pose is of two joints, not {len(step.sliders)}"
+    if isinstance(ask, Do) and not step.sliders:
+        yield ".ask", "do needs sliders in its step"
+    if isinstance(ask, Pose) and [slider.name for slider in step.sliders] != [*GUESSED]:
+        yield ".sliders", f"a pose is of two joints: it needs the sliders {' and '.join(GUESSED)}"
+    elif not isinstance(ask, Pose) and any(slider.name.startswith("guess ") for slider in step.sliders):
+        yield ".sliders", "a see-through arm is turned where its posture is asked for, by ask with kind = 'pose'"
     if isinstance(ask, Place | Pose) and ask.near <= 0:
         yield ".ask.near", "must be above 0"
 

@@ -4,8 +4,7 @@ is as it was when the lesson is left."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import msgspec
@@ -14,22 +13,22 @@ from numpy.typing import NDArray
 
 from viewimit.session import Session
 from viewimit.settings import Settings
-from viewimit.simulation.appearance import Silhouettes
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.world import World
+from viewimit.snapshot import Snapshot
 
-from .dealing import deal, deal_start
 from .figures import FIGURES
 from .format import Choice, Do, Lesson, Number, Place, Pose, Select, Step
 from .measures import MEASURES
 from .progress import Given, Outcome, Progress, fitting
 from .scenes import SLIDERS, Staging
+from .screens import Screen, answers_by_id, asked_on, right_among, screens_of
 from .stage import Stage
+from .step_session import StepSession
 from .works import WORKS
 from .works.work import Task
 
 MOST_PATH = 200  # motions by hand
 MOST_SEED = 9999
+JOINTS = ("own ", "guess ")  # of sliders that stand at first where the learner does
 FARTHEST = 1e4  # units of a drawing: no figure is as large
 MOST_OUTCOMES = 50  # that are kept of a step
 LEAST_DELAY, PLAYED = 0.35, 24  # s of a motion that is played; so many motions are, then all
@@ -37,31 +36,38 @@ Work = Callable[[str, Callable[[], object], Callable[[object], None]], None]
 replace = msgspec.structs.replace
 
 
-@dataclass(frozen=True)
-class Screen:
-    """What is shown at once: a step, a question before or after all, or the end. id: by which its answer is kept."""
-
-    kind: str
-    id: str
-    number: int
-
-
 class Course:
     """work(kind, make, take): make() beside the page, then take(what came of it, or the exception) in the page's own
-    time. changes: how often anything that is shown has changed; failed: what could not be computed, and why."""
+    time. changes: how often anything that is shown has changed; failed: what could not be computed, and why; others:
+    what a class has placed in the step's figure, in its unit."""
 
     def __init__(self, lesson: Lesson, progress: Progress, work: Work):
         self.lesson, self._work = lesson, work
-        self.screens = _screens(lesson)
+        self.screens = screens_of(lesson)
         self.steps = {step.id: step for step in lesson.step}
-        at, answers = int(np.clip(progress.at, 0, len(self.screens) - 1)), self._answers
+        at, answers = int(np.clip(progress.at, 0, len(self.screens) - 1)), answers_by_id(lesson)
         given = {id: one for id, one in progress.given.items() if id in answers and fitting(one, *answers[id])}
         self.progress = replace(progress, at=at, given=given)
         self.changes, self._visits, self.played = 0, 0, 0
-        self.session, self.staging = Session(), Staging()
-        self._silhouettes: tuple[World, Silhouettes] | None = None
+        self._at_work, self._narrow = StepSession(), False
+        self.others: tuple[tuple[float, float], ...] = ()
         self._next: float | None = None
         self._enter()
+
+    @property
+    def session(self) -> Session:
+        """Its own, of the step that is shown."""
+        return self._at_work.session
+
+    @property
+    def staging(self) -> Staging:
+        """What is different in its scene."""
+        return self._at_work.staging
+
+    @property
+    def moments(self) -> Sequence[Snapshot]:
+        """What was seen since the step began, the last of them shown."""
+        return self._at_work.moments
 
     @property
     def screen(self) -> Screen:
@@ -82,20 +88,22 @@ class Course:
         step = self.step
         if step is None:
             return None
-        world, moment = self.session.world, self.moments[-1]
-        if self._silhouettes is None or self._silhouettes[0] is not world:
-            meshes = {link: mesh.vertices for link, mesh in link_meshes(world.scene.robot).items()}
-            self._silhouettes = world, Silhouettes(meshes, world)
-        bodies = self._silhouettes[1].bodies(moment)
         return Stage(
             step, self.session, self.moments, self.given, self.progress.given, self.steps, self.made,
-            self._played_so_far, bodies,
+            self._played_so_far, self._at_work.bodies, self._narrow, self.others,
         )  # fmt: skip
 
     @property
     def _played_so_far(self) -> int | None:
         """Motions that are shown where they are played; None for all."""
         return None if self.step is None or self.step.play is None or self.played >= PLAYED else self.played
+
+    @property
+    def see_through(self) -> NDArray | None:
+        """(m,) rad: the posture that the visitor gives a see-through arm; None where none is asked for."""
+        if self.step is None or not isinstance(self.step.ask, Pose) or len(self.given.sliders) != 2:
+            return None
+        return np.radians(self.given.sliders)
 
     @property
     def answered(self) -> bool:
@@ -113,15 +121,12 @@ class Course:
 
     def question(self) -> tuple[str, tuple[str, ...]]:
         """Words and answers of a question before or after all, in the order in which they are shown."""
-        asked = self.lesson.question[self.screen.number]
-        before = self.screen.kind == "before"
-        answers = asked.answers if before else asked.answers_after
-        turned = _order(self.screen.number, len(answers), before)
-        return (asked.before if before else asked.after), tuple(answers[k] for k in turned)
+        return asked_on(self.lesson, self.screen)
 
     def right_before_and_after(self) -> tuple[int, int]:
         """How many of the lesson's questions were answered rightly."""
-        return self._right("before"), self._right("after")
+        before, after = (right_among(self.lesson, kind, self.progress.given) for kind in ("before", "after"))
+        return before, after
 
     # What a visitor does
 
@@ -168,6 +173,8 @@ class Course:
         if step is None or not 0 <= k < len(step.sliders):
             raise ValueError("there is no such slider here")
         slider = step.sliders[k]
+        if slider.name.startswith("guess ") and self.given.revealed:
+            raise ValueError("what is true is shown: the posture has been answered")
         if slider.name.startswith("own ") and len(self.given.path) > MOST_PATH:
             raise ValueError(f"{MOST_PATH} motions by hand are the most; begin the step again")
         value = float(np.clip(value, slider.low, slider.high))
@@ -176,7 +183,7 @@ class Course:
             return
         stands[k] = value
         self._give(sliders=tuple(stands))
-        if isinstance(step.ask, Pose) and not self.given.revealed:
+        if isinstance(step.ask, Pose):
             self._give(place=(stands[0], stands[1]))
         self._turned(slider.name, value)
         self._look_whether_done()
@@ -185,10 +192,33 @@ class Course:
         """What is true."""
         if not self.answered:
             raise ValueError("an answer comes first")
+        self.reveal(self.others)
+
+    def reveal(self, others: tuple[tuple[float, float], ...] = ()) -> None:
+        """What is true, be it answered or not. others: what a class has placed, in the figure's unit."""
+        self.show_others(others)
         if not self.given.revealed:
-            self._give(revealed=True)
-            self._meet()
-            self._ask_for("revealed")
+            self._reveal()
+
+    def present(self) -> None:
+        """On, before a class: to what is true, though nobody has answered here, or else to the next screen."""
+        step = self.step
+        if step is None or self.given.revealed or isinstance(step.ask, Do | Select):
+            self.go(1)
+        else:
+            self._reveal()
+
+    def show_others(self, others: tuple[tuple[float, float], ...]) -> None:
+        """What a class has placed, in the figure's unit."""
+        if others != self.others:
+            self.others = others
+            self.changes += 1
+
+    def ask_anew(self) -> None:
+        """The step is as if nobody had answered it."""
+        fresh = {id: one for id, one in self.progress.given.items() if id != self.screen.id}
+        self.progress = replace(self.progress, given=fresh)
+        self._enter()
 
     def again(self, seed: int | None = None) -> None:
         """From a new start, or that of a seed."""
@@ -211,6 +241,12 @@ class Course:
         self._enter()
         return True
 
+    def fit(self, narrow: bool) -> None:
+        """Into a window that is narrow, or not."""
+        if narrow != self._narrow:
+            self._narrow = narrow
+            self.changes += 1
+
     def tick(self, now: float, still: bool = False) -> None:
         """Show one more motion, where they are played; still: all of them, as nothing is to move."""
         step = self.step
@@ -228,6 +264,11 @@ class Course:
 
     # What follows from it
 
+    def _reveal(self) -> None:
+        self._give(revealed=True)
+        self._meet()
+        self._ask_for("revealed")
+
     def _give(self, **fields) -> None:
         given = replace(self.given, **fields)
         self.progress = replace(self.progress, given={**self.progress.given, self.screen.id: given})
@@ -240,84 +281,63 @@ class Course:
         self.made: dict[str, object] = {}
         self.failed: tuple[str, ...] = ()
         self.played, self._next = 0, None
+        self.others = ()
         step = self.step
         if step is None:
-            self.moments = [self.session.snapshot]
+            self._at_work.rest()
             return
         self._begin(step)
         given = self.given
         if step.ask is None and not given.revealed:
             self._give(revealed=True)
         for posture in given.path[1:]:
-            self._look_at(np.radians(posture))
+            self._at_work.move_learner(np.radians(posture))
         if given.revealed:
             self._meet()
         for slider, value in zip(step.sliders, given.sliders):
-            if not slider.name.startswith("own ") and slider.name not in SLIDERS:
+            if not slider.name.startswith(JOINTS) and slider.name not in SLIDERS:
                 self._turned(slider.name, value)
-        if any(slider.name.startswith("own ") for slider in step.sliders) and not given.sliders:
+        if any(slider.name.startswith(JOINTS) for slider in step.sliders) and not given.sliders:
             self._give(sliders=tuple(self._stands(slider.name, slider.start) for slider in step.sliders))
         self._ask_for("entered", "turned", *(["revealed"] if self.given.revealed else []))
 
     def _begin(self, step: Step) -> None:
         """Its session, in its scene as it is dealt and as the sliders have it; its start may be that of the step whose
         path goes on here."""
-        settings = msgspec.convert({**self.lesson.settings, **step.settings}, Settings)
         dealt = step if step.deal else self.steps.get(step.carry or "")
         dealt = dealt if dealt is not None and dealt.deal else None
         seed = self.progress.given.get(dealt.id, Given()).seed if dealt else 0
-        fields, head = deal(dealt.dealt, settings, seed) if dealt and dealt.dealt else ({}, {})
-        settings = replace(settings, **fields)
-        moved = {name: value for name, value in self._sliders(step).items() if name in SLIDERS}
-        staging = Staging(step.scene, head, moved)
-        if staging == self.staging:
-            self.session.begin(settings)
-        else:
-            self.staging, self.session = staging, Session(settings, staging.open_eyes)
-        if dealt:
-            start = deal_start(self.session.scene, self.session.snapshot.theta_demo, seed)
-            self.session.begin(replace(settings, start_deg=start))
-        self.moments = [self.session.snapshot]
+        fields = {**self.lesson.settings, **step.settings}
+        self._at_work.begin(step, fields, self._sliders(step), dealt, seed)
 
     def _turned(self, name: str, value: float) -> None:
         kind, _, number = name.partition(" ")
         if kind == "own" and number.isdigit():
-            theta = self.moments[-1].theta.copy()
-            theta[int(number) - 1] = np.radians(value)
-            self._look_at(theta)
-            path = self.given.path or (_degrees(self.moments[0].theta),)
-            E = self.given.E or (round(self.moments[0].E, 6),)
-            self._give(path=(*path, _degrees(theta)), E=(*E, round(self.moments[-1].E, 6)))
+            self._at_work.turn_learner(int(number), np.radians(value))
+            first, now = self.moments[0], self.moments[-1]
+            path = self.given.path or (_degrees(first.theta),)
+            E = self.given.E or (round(first.E, 6),)
+            self._give(path=(*path, _degrees(now.theta)), E=(*E, round(now.E, 6)))
         elif kind == "demo" and number.isdigit():
-            theta = self.session.snapshot.theta_demo.copy()
-            theta[int(number) - 1] = np.radians(value)
-            self.session.pose(theta)
-            self.moments = [self.moments[0], self.session.snapshot]
+            self._at_work.turn_demonstrator(int(number), np.radians(value))
             self._ask_for("turned")
         elif name in SLIDERS and self.step is not None:
             self._begin(self.step)
             self._ask_for("turned")
         elif name in Settings.__struct_fields__:
-            self.session.change(**{name: value})
-            self.moments = [self.session.snapshot]
+            self._at_work.change(**{name: value})
             self._ask_for("turned")
 
     def _meet(self) -> None:
         """Where the step ends with both arms alike, they are."""
         if self.step is not None and self.step.meets:
-            self._look_at(self.moments[-1].theta_demo)
-
-    def _look_at(self, theta: NDArray) -> None:
-        """The learner is moved there by hand."""
-        now = self.moments[-1]
-        where = {"motion": now.motion + 1, "commanded": theta, "look": now.look + 1}
-        self.moments.append(self.session.observe(theta, now, **where))
+            self._at_work.move_learner(self.moments[-1].theta_demo)
 
     def _stands(self, name: str, start: float) -> float:
         """Where a slider stands at first: a joint's where that joint is."""
         kind, _, number = name.partition(" ")
         moment = self.moments[-1]
-        theta = {"own": moment.theta, "demo": moment.theta_demo}.get(kind)
+        theta = {"own": moment.theta, "guess": moment.theta, "demo": moment.theta_demo}.get(kind)
         return start if theta is None else round(float(np.degrees(theta[int(number) - 1])), 3)
 
     def _look_whether_done(self) -> None:
@@ -378,41 +398,6 @@ class Course:
         """Where they stand, by name."""
         stands = self.given.sliders or tuple(slider.start for slider in step.sliders)
         return {slider.name: value for slider, value in zip(step.sliders, stands)}
-
-    @property
-    def _answers(self) -> dict[str, tuple[Step | None, int]]:
-        """Each screen's step, and among how many answers it is chosen there, by its id."""
-        answers: dict[str, tuple[Step | None, int]] = {"end": (None, 0)}
-        for step in self.lesson.step:
-            answers[step.id] = step, len(step.ask.answers) if isinstance(step.ask, Choice) else 0
-        for k, asked in enumerate(self.lesson.question):
-            answers |= {f"{kind} {k}": (None, len(asked.answers)) for kind in ("before", "after")}
-        return answers
-
-    def _right(self, kind: str) -> int:
-        count = 0
-        for k, asked in enumerate(self.lesson.question):
-            given = self.progress.given.get(f"{kind} {k}", Given())
-            order = _order(k, len(asked.answers), kind == "before")
-            count += given.choice is not None and order[given.choice] == 0
-        return count
-
-
-def _screens(lesson: Lesson) -> tuple[Screen, ...]:
-    """Questions before, steps, questions after, and the end."""
-
-    def asked(kind: str) -> list[Screen]:
-        return [Screen(kind, f"{kind} {k}", k) for k in range(len(lesson.question))]
-
-    steps = [Screen("step", step.id, k) for k, step in enumerate(lesson.step)]
-    end = [Screen("end", "end", 0)] if lesson.question else []
-    return (*asked("before"), *steps, *asked("after"), *end)
-
-
-def _order(number: int, count: int, before: bool) -> list[int]:
-    """Of a question's answers, the first of which is right: turned by so many that it stands elsewhere each time."""
-    by = (number + (1 if before else 2)) % count
-    return [(k + by) % count for k in range(count)]
 
 
 def _degrees(theta: NDArray) -> tuple[float, ...]:

@@ -83,7 +83,8 @@ class Do(msgspec.Struct, tag="do", tag_field="kind", **FIELDS):
 
 
 class Pose(msgspec.Struct, tag="pose", tag_field="kind", **FIELDS):
-    """A posture of a see-through arm, set by two sliders. truth: a measure that is a posture; near: degrees."""
+    """A posture of a see-through arm, set by two sliders, `guess 1` and `guess 2`. truth: a measure that is a posture;
+    near: degrees."""
 
     question: str
     truth: str
@@ -118,9 +119,9 @@ Ask = Choice | Place | Number | Do | Pose | Select
 
 
 class Slider(msgspec.Struct, **FIELDS):
-    """name: what figures and measures know it by: `demo 1`, `own 1` … are joints, by their place among those that move;
-    that of a field of `Settings` sets it, and those of `scenes.SLIDERS` move the eyes. unit: behind its number, None
-    for no number at all."""
+    """name: what figures and measures know it by: `demo 1`, `own 1`, `guess 1` … are joints, of the demonstrator, the
+    learner and a see-through arm, by their place among those that move; that of a field of `Settings` sets it, and
+    those of `scenes.SLIDERS` move the eyes. unit: behind its number, None for no number at all."""
 
     name: str
     label: str

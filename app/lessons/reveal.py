@@ -6,6 +6,7 @@ import numpy as np
 from viewimit.drawing.svg import escape
 
 from .format import Choice, Do, Number, Place, Pose
+from .judging import is_near
 from .measures import MEASURES, fill
 from .stage import Stage
 from .words import inline
@@ -13,7 +14,7 @@ from .words import inline
 
 def draw_reveal(stage: Stage) -> str:
     step, parts = stage.step, []
-    if step.told is not None:
+    if step.told is not None and (step.ask is None or _has_answer(stage)):
         note = f"<small>{inline(fill(step.told.note, stage))}</small>" if step.told.note else ""
         value = escape(MEASURES[step.told.measure].told(stage))
         parts.append(f'<div class="vi-guide-told"><span>{escape(step.told.label)}</span><b>{value}</b>{note}</div>')
@@ -24,6 +25,12 @@ def draw_reveal(stage: Stage) -> str:
         parts.append(f"<p>{inline(fill(step.after, stage))}</p>")
     parts.append(f'<div class="vi-guide-say"><small>Now you can say</small>{inline(fill(step.say, stage))}</div>')
     return "".join(parts)
+
+
+def _has_answer(stage: Stage) -> bool:
+    """Or it was shown to a class."""
+    given, ask = stage.given, stage.step.ask
+    return given.place is not None or not isinstance(ask, Place | Pose)
 
 
 def spoken(stage: Stage) -> str:
@@ -43,7 +50,7 @@ def verdict(stage: Stage) -> str:
     if isinstance(ask, Choice):
         return "" if given.choice is None else ask.answers[given.choice].because
     if isinstance(ask, Place | Pose) and given.place is not None:
-        off = np.linalg.norm(np.array(given.place) - MEASURES[ask.truth].of(stage))
+        off = MEASURES["px apart"].of(stage)
         if np.isnan(off):
             return ""
         if off <= ask.near:
@@ -56,9 +63,6 @@ def verdict(stage: Stage) -> str:
         truth = float(MEASURES[ask.truth].of(stage))
         if np.isnan(truth):
             return ""
-        if ask.factor is not None:
-            near = truth > 0 and 1 / ask.factor <= given.number / truth <= ask.factor
-        else:
-            near = abs(given.number - truth) <= (ask.within or 0.0)
+        near = is_near(ask, given.number, truth)
         return ask.close if near else ask.less if ask.less is not None and given.number < truth else ask.far
     return ""

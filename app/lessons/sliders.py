@@ -10,11 +10,14 @@ from .words import shown
 
 
 def slides(course: Course) -> bool:
-    """Whether the step's sliders are in reach: where something is to be done, or once it is revealed."""
+    """Whether the step's sliders are in reach: where something is to be done, or once it is revealed; those of a
+    see-through arm until then."""
     step = course.step
     if step is None or not step.sliders:
         return False
-    return isinstance(step.ask, Do | Pose) or course.given.revealed
+    if isinstance(step.ask, Pose):
+        return not course.given.revealed
+    return isinstance(step.ask, Do) or course.given.revealed
 
 
 def draw_sliders(course: Course, address: str | None) -> str:

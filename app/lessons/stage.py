@@ -16,7 +16,7 @@ from viewimit.session import Session
 from viewimit.simulation.appearance import Bodies
 from viewimit.snapshot import Snapshot
 
-from .format import Do, Step
+from .format import Do, Pose, Step
 from .progress import Given
 
 
@@ -32,7 +32,8 @@ class Race:
 class Stage:
     """session: the lesson's own; moments: what was seen since the step began, the last of them shown; given: what was
     answered here, and by_id in all steps; made: what the step's works have come to so far, by name; played: motions
-    that are shown, None for all; bodies: what both arms look like."""
+    that are shown, None for all; bodies: what both arms look like; narrow: the window is; others: what a class has
+    placed, in the unit of the step's figure."""
 
     step: Step
     session: Session
@@ -43,6 +44,8 @@ class Stage:
     made: Mapping[str, Any]
     played: int | None
     bodies: Bodies
+    narrow: bool = False
+    others: Sequence[tuple[float, float]] = ()
 
     @property
     def moment(self) -> Snapshot:
@@ -67,13 +70,29 @@ class Stage:
         """The visitor's mark in the step's figure, in its unit."""
         return None if self.given.place is None else np.array(self.given.place)
 
+    @cached_property
+    def guessed(self) -> Snapshot | None:
+        """What would be seen where the see-through arm is; None where no posture is asked for."""
+        if not isinstance(self.step.ask, Pose):
+            return None
+        posture = self.given.place or self.given.sliders
+        theta = np.radians(posture) if posture else self.moments[0].theta
+        return self.session.observe(theta, self.moment)
+
     def slider(self, name: str) -> float:
         """Where one of the step's sliders stands."""
         k = next(k for k, slider in enumerate(self.step.sliders) if slider.name == name)
         return self.given.sliders[k] if k < len(self.given.sliders) else self.step.sliders[k].start
 
+    def shown(self, small: bool) -> str:
+        """How an image is: of `SIZES`. small: at the side."""
+        if not self.narrow:
+            return "small" if small else "large"
+        return "small half" if small else "half" if len(self.step.main) > 1 else "narrow"
+
     def window(self, view: str) -> Window:
-        return window_of(view, self.bodies, self.moment)
+        """Of a large one."""
+        return window_of(view, self.bodies, self.moment, self.shown(False))
 
     @cached_property
     def goal(self) -> float | None:

@@ -53,7 +53,7 @@ def _of_world(step: Step, session: Session, fields: dict[str, Any]) -> Faults:
         yield ".chosen", f"no point {step.chosen}; there are {points}, counted from 0"
     for k, slider in enumerate(step.sliders):
         kind, _, number = slider.name.partition(" ")
-        if kind in ("own", "demo") and number.isdigit() and not 1 <= int(number) <= joints:
+        if kind in ("own", "demo", "guess") and number.isdigit() and not 1 <= int(number) <= joints:
             yield f".sliders[{k}].name", f"no joint {number} among those that move; there are {joints}, from 1"
         if slider.name in Settings.__struct_fields__:
             try:

@@ -4,6 +4,7 @@ import re
 
 import pytest
 from browsing import PATIENCE_MS, open_page, press, wait_for_count, wait_until_complete
+from viewimit.app.lessons.source import shipped
 
 pytestmark = pytest.mark.browser
 
@@ -14,21 +15,25 @@ OWN_FIGURES_ARE_HIDDEN = (
     ".every(one => getComputedStyle(one).visibility === 'hidden')"
 )
 PHONE = {"width": 390, "height": 844}
+LOOK_MS = 25
 
 
 def screen(page):
     return page.get_attribute(GUIDE, "data-screen")
 
 
+def wait_until_true(page, condition, arg):
+    """Looked at often: Playwright's own waits look each half second after a while, or as often as the page is drawn."""
+    page.wait_for_function(condition, arg=arg, timeout=PATIENCE_MS, polling=LOOK_MS)
+
+
 def wait_for(page, selector):
-    page.wait_for_selector(selector, timeout=PATIENCE_MS)
+    wait_until_true(page, "selector => document.querySelector(selector)", selector)
 
 
 def wait_for_another(page, before):
     """Until another screen is shown, or none."""
-    page.wait_for_function(
-        "before => document.querySelector('.vi-guide')?.dataset.screen !== before", arg=before, timeout=PATIENCE_MS
-    )
+    wait_until_true(page, "before => document.querySelector('.vi-guide')?.dataset.screen !== before", before)
 
 
 def tab_to(page, selector):
@@ -84,20 +89,25 @@ class Finger:
 
 def answer(page, hand):
     """What the screen asks for, and show what is true."""
-    if page.locator(".vi-options a").count():
+    if page.locator(".vi-fields a").count():
+        for key in "15":
+            page.keyboard.press(key)
+        wait_for(page, MAIN)
+    elif page.locator(".vi-options a").count():
         hand.choose(page)
         wait_for(page, ".vi-options a[aria-pressed=true]")
     elif page.locator("[data-place]").count():
         hand.mark(page)
         wait_for(page, MAIN)
+    elif page.locator("#vi-guide-slider-1").count() and not page.locator(".vi-meter,.vi-guide-say").count():
+        for k in (0, 1):
+            hand.turn(page, k)
+        wait_for(page, MAIN)
     elif page.locator(".vi-meter").count():
         for k in (0, 1):
             spoken = page.get_attribute(GUIDE, "data-spoken")
             hand.turn(page, k)
-            page.wait_for_function(
-                "before => document.querySelector('.vi-guide').dataset.spoken !== before", arg=spoken,
-                timeout=PATIENCE_MS,
-            )  # fmt: skip
+            wait_until_true(page, "before => document.querySelector('.vi-guide').dataset.spoken !== before", spoken)
         wait_for(page, ".vi-guide-say")
     if re.fullmatch(r"(before|after) \d|end", screen(page)) is None and not page.locator(".vi-guide-say").count():
         hand.go(page)
@@ -108,6 +118,11 @@ def walk(page, hand):
     """From the offer to the end. The screens that were seen."""
     wait_for(page, OFFER)
     hand.begin(page)
+    return walk_on(page, hand)
+
+
+def walk_on(page, hand):
+    """To the end. The screens that were seen."""
     wait_for(page, GUIDE)
     seen = []
     while page.locator(GUIDE).count():
@@ -144,6 +159,54 @@ def test_the_tour_by_a_finger_alone(browser, server):
     offer = page.locator(OFFER).bounding_box()
     assert offer["x"] >= 0 and offer["x"] + offer["width"] <= PHONE["width"]
     assert walk(page, Finger) == TOUR
+    page.close()
+    assert page.problems == []
+
+
+@pytest.mark.slow
+def test_all_other_lessons_by_keyboard_on_a_phone(browser, server):
+    page = open_page(browser, server, "small", reduced_motion="reduce")
+    page.set_viewport_size(PHONE)
+    press(page, "Escape")
+    for name, lesson in shipped().items():
+        if name != "tour":
+            page.locator(f'.vi-lessons a[href$="begin,{name}"]').evaluate("link => link.click()")
+            assert walk_on(page, Keys) == [step.id for step in lesson.step]
+    page.close()
+    assert page.problems == []
+
+
+def test_a_lesson_is_shown_to_a_class_and_sent_to_it(browser, server):
+    """By a remote alone: the lesson goes on without an answer; L shows a link that opens its step elsewhere."""
+    page = open_page(browser, f"{server}?present", "small")
+    wait_for(page, ".vi-presents .vi-pointer")
+    truth = page.locator(".vi-truth")
+    assert not truth.is_visible()
+    page.keyboard.press("t")
+    assert truth.is_visible()
+    page.keyboard.press("Enter")  # it is offered
+    for key, shown in [*[("PageDown", f"before {k}") for k in range(3)], ("ArrowRight", "eyes")]:
+        wait_for(page, f'[data-screen="{shown}"]')
+        page.keyboard.press(key)
+    wait_for(page, ".vi-guide-say")
+    page.keyboard.press("PageDown")
+    wait_for(page, '[data-screen="line"]')
+    page.keyboard.press("PageUp")
+    wait_for(page, '[data-screen="eyes"]')
+    assert page.evaluate("getComputedStyle(document.querySelector('.vi-guide-card')).zoom") == "1.5"
+    page.keyboard.press("l")
+    wait_for(page, ".vi-share pre")
+    link = page.text_content(".vi-share pre")
+    page.keyboard.press("Escape")
+    wait_for_count(page, ".vi-share", 0, exactly=True)
+    assert screen(page) == "eyes"
+    page.keyboard.press("p")
+    wait_for_count(page, ".vi-presents", 0, exactly=True)
+    page.keyboard.press(" ")
+    wait_for(page, ".vi-guide-refused")  # a key of the page's
+    page.goto(link)
+    wait_for(page, '[data-screen="eyes"]')
+    assert page.url.rstrip("/") == server.rstrip("/")
     page.close()
     assert page.problems == []
 

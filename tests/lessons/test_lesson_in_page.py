@@ -6,6 +6,7 @@ import pytest
 from page_fakes import BUTTONS, CONTROLS
 from quiet_page import QuietPage
 from sameness import assert_same
+from viewimit.app.control.command_loop import MESSAGE_STAYS
 from viewimit.app.control.commands.display import LetGo
 from viewimit.app.control.commands.lessons import VERBS
 from viewimit.app.lessons.source import shipped
@@ -17,6 +18,7 @@ from viewimit.settings import BEST
 
 ADDRESS = "/touch/0.x"
 FIRST = next(iter(shipped()))
+REFUSED = "vi-guide-refused"
 
 
 @pytest.fixture
@@ -127,9 +129,19 @@ def test_the_pages_own_controls_rest_and_say_so(page, name):
     page.page.queue.put_value(CONTROLS["noise_px"], 2.0)
     page.tick(1.0)
     assert "In a lesson the page's own controls rest: Esc leaves it." in page.page.model.message.text
+    assert REFUSED in page.shown and "own controls rest: Esc leaves it." in page.page.panel(LessonPanel).html
     touch(page, "leave")
     assert kept(page)[0] == before[0]
     assert_same(kept(page)[1], before[1])
+
+
+def test_what_cannot_be_answered_is_told_on_the_card_for_a_while(page):
+    touch(page, f"begin,{FIRST}")
+    for verb, why in (("choose,7", "no answer 8 here"), ("seed,0", "no start is dealt"), ("next,1", "nothing in a")):
+        touch(page, verb)
+        assert why in page.page.panel(LessonPanel).html.partition(REFUSED)[2]
+    page.tick(MESSAGE_STAYS + 1)
+    assert REFUSED not in page.shown
 
 
 def test_escape_leaves_at_once(page):

@@ -8,6 +8,7 @@ from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.reveal import verdict
 from viewimit.app.lessons.scenes import at_distance, spread
+from viewimit.app.lessons.sliders import draw_sliders
 from viewimit.app.lessons.works.minimum import TIMES
 from walking import course_at
 
@@ -136,3 +137,11 @@ def test_it_is_drawn_before_and_after_and_the_works_are_quick(course):
     begun = time.process_time()
     course.turn(0, 5)
     assert time.process_time() - begun < 2
+
+
+def test_a_reader_is_told_what_a_logarithmic_slider_shows(course):
+    course.guess(1.0)
+    course.show()
+    course.turn(0, 10.0)
+    drawn = draw_sliders(course, "/x")
+    assert 'value="1" aria-valuetext="10 ×"' in drawn and "<output>10 ×</output>" in drawn

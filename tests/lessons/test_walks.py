@@ -8,15 +8,41 @@ import numpy as np
 import pytest
 from sameness import assert_same
 from viewimit.app.lessons import figures, measures, works
+from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.course import MOST_SEED, Course
-from viewimit.app.lessons.format import MOST_WORDS, Choice, Do, Lesson, Place
+from viewimit.app.lessons.format import MOST_WORDS, Choice, Do, Lesson, Place, Select
 from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.progress import Given, Progress
 from viewimit.app.lessons.reading import WORDS_A_MINUTE, reading_minutes
 from viewimit.app.lessons.source import shipped
-from walking import answer, begun, said, unfilled, words
+from viewimit.app.static import stylesheet
+from walking import ADDRESS, answer, begun, said, unfilled, words
 
 LESSONS = shipped()
+PHONE = {"width": 390, "height": 844}
+LABELS = """html => {
+  document.body.innerHTML = html;
+  const faults = [], sides = ["left", "right", "top", "bottom"];
+  for (const svg of document.querySelectorAll(".vi-guide-stage svg")) {
+    const drawing = svg.getBoundingClientRect(), seen = [];
+    for (const text of svg.querySelectorAll("text")) {
+      const box = text.getBoundingClientRect(), scale = Math.hypot(text.getScreenCTM().a, text.getScreenCTM().b);
+      if (!text.textContent.trim() || !box.width) continue;
+      const px = parseFloat(getComputedStyle(text).fontSize) * scale, spare = Math.max(0, box.height - px) * 0.55;
+      const [top, bottom] = [box.top + spare, box.bottom - spare];
+      const it = {words: text.textContent, left: box.left, right: box.right, top, bottom};
+      if (px < 11) faults.push(`${it.words}: ${px.toFixed(1)} px`);
+      if (it.left < drawing.left - 1 || it.right > drawing.right + 1) faults.push(`${it.words}: cut off`);
+      for (const one of seen)
+        if (Math.min(it.right, one.right) - Math.max(it.left, one.left) > 0.5 &&
+            Math.min(it.bottom, one.bottom) - Math.max(it.top, one.top) > 0.5 && it.words !== one.words)
+          faults.push(`${it.words} on ${one.words}`);
+      seen.push(it);
+    }
+  }
+  return faults;
+}"""
+drawn_narrow = {}  # screens as a phone shows them, once they are answered, by the lesson's name
 decode = msgspec.msgpack.Decoder(Progress).decode
 
 
@@ -37,7 +63,7 @@ def name(request):
 @pytest.fixture(scope="module")
 def walks(name, few_rounds):
     """All of a lesson's screens, answered rightly, and answered wrongly."""
-    found = []
+    found, drawn_narrow[name] = [], []
     for rightly in (True, False):
         course, screens = begun(LESSONS[name]), []
         for _ in course.screens:
@@ -45,6 +71,9 @@ def walks(name, few_rounds):
             if course.screen.kind != "end":
                 answer(course, rightly)
             told = {m: MEASURES[m].told(course.stage) for m in said(course)} if course.step else {}
+            course.fit(narrow=True)
+            drawn_narrow[name].append((course.screen.id, draw_lesson(course, ADDRESS)))
+            course.fit(narrow=False)
             screens.append((course.screen, before, words(course), told, course.given, course.progress))
             course.go(1)
         found.append(screens)
@@ -55,6 +84,16 @@ def test_it_is_walked_to_its_end(name, walks):
     for screens in walks:
         assert len(screens) == len(begun(LESSONS[name]).screens)
         assert all(given.revealed for screen, *_, given, _ in screens if screen.kind == "step")
+
+
+@pytest.mark.browser
+def test_labels_on_a_phone_are_large_enough_and_do_not_touch(name, walks, browser):
+    """In all drawings of all screens, answered rightly and wrongly: 11 px and more."""
+    page = browser.new_page(viewport=PHONE)
+    page.set_content(f"<style>body{{margin:0}}{stylesheet()}</style>")
+    faults = {id: found for id, html in drawn_narrow[name] if (found := page.evaluate(LABELS, html))}
+    page.close()
+    assert faults == {}
 
 
 def test_all_that_is_to_be_done_can_be(name, walks):
@@ -125,6 +164,20 @@ def test_back_and_on_again_change_no_answer(name, walks):
             course.go(by)
     assert course.progress == progress
     assert not course.go(1) and course.screen == course.screens[-1]
+
+
+def test_before_a_class_a_lesson_goes_on_though_nobody_answers(name):
+    """What is true is shown first, where it needs no answer, and nothing is told that needs one."""
+    course = begun(LESSONS[name])
+    for screen in course.screens[:-1]:
+        asks = course.step and course.step.ask and not isinstance(course.step.ask, Do | Select)
+        if asks:
+            course.present()
+            assert course.screen == screen and course.given.revealed and course.given.choice is None
+            assert "✗" not in words(course) and not unfilled(words(course).replace("computing …", ""))
+        course.present()
+        assert course.screen != screen
+    assert course.screen == course.screens[-1]
 
 
 def test_every_step_can_be_skipped(name):

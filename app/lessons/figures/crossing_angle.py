@@ -19,8 +19,7 @@ def _crossing(stage: Stage, layers: Collection[str], small: bool) -> str:
         at, moved_at = geometry.crossing(two), geometry.crossing(aside)
         found = Crossing(two, at, aside[1], moved_at, point.half_axes[0], float(point.direction[0]))
     angle, shift = (MEASURES[name].told(stage) for name in ("crossing angle", "crossing moves"))
-    angle, shift = (MEASURES[name].told(stage) for name in ("crossing angle", "crossing moves"))
-    return draw_crossing(found, layers, "L", angle, shift)
+    return draw_crossing(found, layers, "L", angle, shift, stage.narrow)
 
 
 FIGURES: Mapping[str, FigureKind] = {"crossing": FigureKind(_crossing, crossing.LAYERS)}

@@ -15,7 +15,7 @@ def _biases(stage: Stage, layers: Collection[str], small: bool) -> str:
     found = stage.made.get("biases")
     degrees = None if found is None else found.degrees
     here, transfer = stage.slider("distance"), stage.session.settings.transfer
-    return draw_biases(TIMES, degrees, layers, here, TIMES_ASKED, stage.given.number, transfer)
+    return draw_biases(TIMES, degrees, layers, here, TIMES_ASKED, stage.given.number, transfer, stage.narrow)
 
 
 FIGURES: Mapping[str, FigureKind] = {"biases": FigureKind(_biases, biases.LAYERS, works=("biases", "minimum"))}

@@ -23,8 +23,9 @@ def _clouds(stage: Stage, layers: Collection[str], small: bool) -> str:
         for layer, frames in zip(("one", "averaged"), FRAMES)
         if frames in made
     ]
-    note = f"a dot a run, {RUNS} runs, noise {svg.short(stage.session.settings.noise_px)} px in all four images"
-    return draw_cloud(joint_names(stage.session.scene), stage.moment.theta_demo, found, layers, note)
+    noise = f"noise {svg.short(stage.session.settings.noise_px)} px in all four images"
+    note = f"a dot a run, {RUNS} runs, {noise}"
+    return draw_cloud(joint_names(stage.session.scene), stage.moment.theta_demo, found, layers, note, stage.narrow)
 
 
 FIGURES: Mapping[str, FigureKind] = {"clouds": FigureKind(_clouds, cloud.LAYERS, works=("clouds",))}

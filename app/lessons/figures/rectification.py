@@ -21,7 +21,7 @@ TITLES = {"as seen": "As the eyes see", "rectified": "Rectified by matches alone
 def _mended(stage: Stage, layers: Collection[str], small: bool) -> str:
     made = mendings(stage)
     cases = [Case(name, title, *_found(made.get(name)), off_deg(stage, name)) for name, title in TITLES.items()]
-    return draw_mended(stage.session.scene, stage.moment.theta_demo, cases, layers)
+    return draw_mended(stage.session.scene, stage.moment.theta_demo, cases, layers, stage.narrow)
 
 
 def _found(mending: Mending | None) -> tuple[Landscape | None, NDArray | None]:

@@ -21,7 +21,7 @@ def _rounds(stage: Stage, layers: Collection[str], small: bool) -> str:
         _method("your choice", "you", rounds.yours),
         _method("the page's choice", "learner", rounds.pages),
     )
-    drawn = draw_rounds(methods, ROUNDS, MOST_MOTIONS, WITHIN_DEG)
+    drawn = draw_rounds(methods, ROUNDS, MOST_MOTIONS, WITHIN_DEG, stage.narrow)
     if stage.revealed and len(rounds.yours) < ROUNDS:
         now = (
             f"start {len(rounds.yours) + 1} of {ROUNDS} is being run; all take 10 to 30 seconds if nothing else goes on"

@@ -17,6 +17,7 @@ from . import (
     minimum,
     noise,
     observability,
+    posture,
     rectification,
     rest,
     rounds,
@@ -26,11 +27,13 @@ from .measure import Measure
 
 
 def _distance(stage: Stage) -> float:
-    """From the visitor's mark to what is true, in the unit of the figure."""
+    """From the visitor's mark to what is true, in the unit of the figure; of a posture, by its joint that is farthest
+    off."""
     ask = stage.step.ask
     if stage.guess is None or not isinstance(ask, Place | Pose):
         return np.nan
-    return float(np.linalg.norm(stage.guess - MEASURES[ask.truth].of(stage)))
+    apart = stage.guess - MEASURES[ask.truth].of(stage)
+    return float(np.abs(apart).max() if isinstance(ask, Pose) else np.linalg.norm(apart))
 
 
 MEASURES: Mapping[str, Measure] = {
@@ -42,6 +45,7 @@ MEASURES: Mapping[str, Measure] = {
     **four_points.MEASURES,
     **observability.MEASURES,
     **rest.MEASURES,
+    **posture.MEASURES,
     **noise.MEASURES,
     **exchange.MEASURES,
     **rectification.MEASURES,

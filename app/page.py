@@ -10,6 +10,7 @@ from viser import ClientHandle
 
 from viewimit.settings import Settings
 
+from .control.classroom.attendance import Attendance
 from .control.command_loop import CommandLoop
 from .control.commands.command import Command
 from .control.commands.experiments import LoadMotion
@@ -55,6 +56,7 @@ class Page:
         self.queue, self._redraw = CommandQueue(), Redraw()
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
+        self._attendance = Attendance(services.classroom, reach.of_class, self.model, self.queue)
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures)
         if resumed is not None:
             self._resume(resumed)
@@ -65,6 +67,7 @@ class Page:
                 panel.build(layout, state)
             layout.dock()
             self._scene = Scene3D(client, self.queue, services.share)
+        self.model.eye = self._scene.eye
         self._docking = Docking(client, waits=reach.address is not None)
 
     def put(self, command: Command) -> None:
@@ -92,8 +95,10 @@ class Page:
         if self._commands.drawable:
             with self._client.atomic():  # viser's thread is woken once
                 self._show(now)
-        if not self._commands.busy and self._redraw.due("kept", now, KEPT_EVERY):
-            self.model.unsaved = self._keep(self.memory())
+        if not self._commands.busy:
+            self._attendance.tick(now)
+            if self._redraw.due("kept", now, KEPT_EVERY):
+                self.model.unsaved = self._keep(self.memory())
 
     def memory(self) -> SavedSession:
         """What of the page is kept."""
@@ -112,6 +117,7 @@ class Page:
 
     def close(self, within: float = LEAVES_WITHIN) -> bool:
         """The page is gone. Whether its last turn has ended, within so many s, so that what `memory` tells is whole."""
+        self._attendance.end()
         ended = self._commands.wait(within)
         if ended:
             self.model.close()

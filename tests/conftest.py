@@ -21,6 +21,7 @@ from viewimit.cli import main
 LONG = ("test_types.py", "test_readme.py", "test_extension.py")
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
+os.environ["VIEWIMIT_CACHE"] = ""  # nothing of the user's own is read or written
 hypothesis.settings.register_profile("patient", deadline=None)  # how long an example takes is the machine's matter
 hypothesis.settings.load_profile("patient")
 

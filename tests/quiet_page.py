@@ -4,6 +4,7 @@ import contextlib
 import time
 from types import SimpleNamespace
 
+from viewimit.app.control.classroom.attendance import Attendee
 from viewimit.app.control.scheduler import TICK
 from viewimit.app.control.services import Services
 from viewimit.app.control.shedding import LoadShedding
@@ -17,6 +18,7 @@ from viewimit.app.quiet_client import QuietClient, QuietHandle
 from viewimit.settings import Settings
 
 PERSON = 1  # a client's id
+ALONE = Attendee()
 
 
 class Widget(QuietHandle):
@@ -44,6 +46,9 @@ class Gui(QuietHandle):
     def add_html(self, content, visible=True):
         return self._add("", content=content, visible=visible)
 
+    def add_text(self, label, initial_value, **_):
+        return self._add(label, value=initial_value)
+
     def add_dropdown(self, label, options, initial_value=None, visible=True, **_):
         options = tuple(options)
         return self._add(label, options=options, value=initial_value or options[0], visible=visible)
@@ -64,12 +69,23 @@ class Gui(QuietHandle):
 class QuietPage:
     """Ticked by hand, in a clock of its own."""
 
-    def __init__(self, settings=None, keep=lambda memory: None, resumed=None, address=None):
+    def __init__(
+        self,
+        settings=None,
+        keep=lambda memory: None,
+        resumed=None,
+        address=None,
+        classroom=None,
+        of_class=ALONE,
+        landscapes=None,
+    ):
         self.client, self.now = QuietClient(id(self)), 100.0
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
-        services = Services(LandscapeWorker(), ExperimentWorker(), camera, shedding, lambda robot, arm: None)
-        self.page = Page(self.client, services, settings or Settings(), keep, resumed, Reach(address))
+        workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
+        services = Services(*workers, shedding, lambda robot, arm: None, classroom=classroom)
+        reach = Reach(address, of_class=of_class)
+        self.page = Page(self.client, services, settings or Settings(), keep, resumed, reach)
         self.page.queue._clock = lambda: self.now
 
     def widget(self, label):

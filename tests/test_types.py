@@ -1,4 +1,4 @@
-"""What the code says of its types is true: mypy over the package as it is installed."""
+"""What the code says of its types is true: mypy over the package as it is installed, and the examples that use it."""
 
 import os
 import shutil
@@ -15,6 +15,8 @@ def test_the_type_checker_finds_nothing(tmp_path):
     for inside in ("app", "assets"):  # where they are installed
         shutil.copytree(ROOT / inside, package / inside)
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    command = [sys.executable, "-m", "mypy", "-p", "viewimit", "--cache-dir", os.devnull]  # nobody reads it again
+    shutil.copytree(ROOT / "examples", tmp_path, dirs_exist_ok=True)
+    what = ["-p", "viewimit", *(word for path in (ROOT / "examples").glob("*.py") for word in ("-m", path.stem))]
+    command = [sys.executable, "-m", "mypy", *what, "--cache-dir", os.devnull]  # nobody reads it again
     found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert found.returncode == 0, found.stdout + found.stderr

@@ -132,6 +132,10 @@ class CommandLoop:
 
     def _apply(self, command: Command, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
+        held = None if self._model.student is None else self._model.student.held_back(command)
+        if held is not None:
+            self._model.refuse(held, now + MESSAGE_STAYS)
+            return
         if self._model.guided.course is not None and not command.in_lesson:
             self._model.refuse("In a lesson the page's own controls rest: Esc leaves it.", now + MESSAGE_STAYS)
             return

@@ -6,8 +6,9 @@ from viewimit.drawing.transfers import draw_together, waiting
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
+from viewimit.viewer.landscapes import landscape_key
 
-from ..jobs.landscapes import ComparedTransfer, LandscapeWorker, landscape_key, make_compared
+from ..jobs.landscapes import ComparedTransfer, LandscapeWorker, make_compared
 from .commands.command import Arrival
 from .queue import CommandQueue
 

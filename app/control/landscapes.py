@@ -11,17 +11,10 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
+from viewimit.viewer.landscapes import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
 
 from ..jobs.experiments import ExperimentWorker, Request, Run
-from ..jobs.landscapes import (
-    COARSE_DEG,
-    Ground,
-    LandscapeWorker,
-    MadeLandscape,
-    landscape_key,
-    make_ground,
-    make_landscape,
-)
+from ..jobs.landscapes import Ground, LandscapeWorker, make_ground
 from .commands.command import Arrival
 from .queue import CommandQueue
 

@@ -26,7 +26,3 @@ def servo_names() -> dict[str, str]:
 def modified(preset: str) -> str:
     """A preset whose settings have been changed; first of all that, as a narrow list cuts off what is last."""
     return f"(modified) {preset}"
-
-
-def motions(count: int) -> str:
-    return "1 motion" if count == 1 else f"{count} motions"

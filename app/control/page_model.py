@@ -3,8 +3,8 @@
 Commands are carried out on it; `state` tells the panels what to show.
 """
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -17,20 +17,26 @@ from viewimit.analysis.motion import encode as encode_motion
 from viewimit.drawing.images.construction import last_stage
 from viewimit.drawing.images.planes import Windows
 from viewimit.embodiment.in_scene import complete
+from viewimit.export.panels import farthest_off
+from viewimit.export.perspective import Eye
 from viewimit.rehearsal import POSTURES, begin_rehearsal
-from viewimit.replay import play
+from viewimit.script import Changed, Deed, Posed, Stepped
+from viewimit.script_player import converted, do, play
 from viewimit.session import Session
 from viewimit.settings import BodyPoint, Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
+from viewimit.viewer.appearance import Appearance
 
 from ..jobs.experiments import Run
 from ..jobs.session_eyes import RemoteEyes, SessionEyes
 from ..lessons.course import Course
 from ..sessions.autosave import SavedPage, SavedSession
 from ..sessions.link import Linked
-from .appearance import Appearance
+from .classroom.lecturer import Lecturer
+from .classroom.student import Student
+from .classroom.summaries import name_of
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .duel import Duel
@@ -50,6 +56,7 @@ from .player import DENSE, Player
 from .points.editing import PointEditing
 from .presets import Preset, presets_from
 from .queue import CommandQueue
+from .saving import Saving
 from .services import Services
 from .state import SWITCHES, Message, PageState, View
 
@@ -70,12 +77,12 @@ class PageModel:
         queue: CommandQueue,
         send: Callable[[str, bytes], None],
     ):
-        self._page_id, self.begun, self._services, self._queue = page_id, settings, services, queue
+        self._page_id, self.begun, self._services, self._queue, self.send = page_id, settings, services, queue, send
         self._eyes, self._opponents_eyes = SessionEyes(services.camera), SessionEyes(services.camera)
         self.session = Session(settings, self._eyes, DENSE)
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
-        self.view = View(chosen=_farthest_off(self.session.snapshot))
+        self.view = View(chosen=farthest_off(self.session.snapshot))
         self.freedom, self.on_the_way = Freedom(), OnTheWay()
         self.see_through, self.imitated = SeeThrough(self.session), Imitated(self.session)
         self.building = BuildingUp()
@@ -94,23 +101,30 @@ class PageModel:
         self.comparison = Comparison(page_id, services.landscapes, queue)
         self.basins = Basins(page_id, services.basins, queue)
         self.guided = Guided(page_id, services.lessons, services.landscapes, queue)
+        self.eye: Callable[[], Eye | None] = lambda: None  # that looks at the 3-D scene, as the page knows it
+        self.saving = Saving(page_id, services.files, send, self._take_saved_later)
+        self.student: Student | None = None  # in a class
+        self.lecturer: Lecturer | None = None
         self._appearance: Appearance | None = None  # made when it is first shown
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
         self.unsaved: str | None = None  # why the session is not kept, as far as is known
         self._encoded: tuple[Motion, bytes] | None = None
 
-    def pose(self, theta: NDArray) -> None:
-        """Move the demonstrator to theta, (m,) rad."""
-        with self._kept():
+    def pose(self, theta: NDArray, keep: bool = True) -> None:
+        """Move the demonstrator to theta, (m,) rad. keep: what is lost by that, Undo brings back."""
+        with self._kept() if keep else nullcontext():
             self.session.pose(theta)
         self.duel.follow()
         self.player.wake()
 
     def change(self, **fields) -> None:
         """Some of the settings."""
+        self._change(fields)
+
+    def _change(self, fields: Mapping[str, Any], keep: bool = True) -> None:
         world = self.session.world
-        with self._kept():
+        with self._kept() if keep else nullcontext():
             self.session.change(**fields)
         self.player.wake()
         if self.session.world is not world:
@@ -169,6 +183,16 @@ class PageModel:
         self.past.keep_branch(self._sessions, self.preset, self.player.speed)
 
     @property
+    def present(self) -> Left:
+        """What is here now."""
+        return self.past.present(self._sessions, self.preset, self.player.speed)
+
+    def leave_here(self, left: Left) -> None:
+        """What Undo brings back from here."""
+        if left.runs[0][0] != tuple(self.session.history) or left.runs[0][1] != self.session.cursor:
+            self.past.leave_here(left, self.player.cursor)
+
+    @property
     def left_here(self) -> Left | None:
         """What was left behind at the moment that is shown, and can be brought back."""
         return self.past.at(self.player.cursor, len(self._sessions))
@@ -181,7 +205,7 @@ class PageModel:
     def show_word(self, key: str, preset: Preset) -> None:
         """Begin with what shows an entry of the glossary; what was there before the first of them is kept."""
         first, playing = self.shown_word, self.player.playing
-        left = self.past.present(self._sessions, self.preset, self.player.speed)
+        left = self.present
         before = first or BeforeWord(key, preset, left, self.past.everything, self.view, playing)
         self.begin_preset(preset)
         self._before_word = replace(before, key=key, preset=preset)
@@ -203,7 +227,9 @@ class PageModel:
         self.player.pause()
         self._go_on_with(before.left)
         self.past.go_back_to(before.past)
-        self.view = replace(before.view, help=False, wide=self.view.wide, prefers_dark=self.view.prefers_dark)
+        self.view = replace(
+            before.view, help=False, wide=self.view.wide, narrow=self.view.narrow, prefers_dark=self.view.prefers_dark
+        )
         if before.playing:
             self.player.play()
 
@@ -247,6 +273,7 @@ class PageModel:
     def follow_lesson(self, now: float) -> None:
         """Move on what moves by itself in it."""
         if self.guided.course is not None:
+            self.guided.course.fit(self.view.narrow)
             self.guided.course.tick(now, self.player.still)
 
     def begin_anew(self) -> None:
@@ -288,25 +315,54 @@ class PageModel:
         view = self.view
         show = {name: on for name in SWITCHES if isinstance(on := getattr(view, name), bool)}
         chosen, speed = view.chosen, self.player.speed
-        return Linked(script=self.session.script, preset=self.preset.name, speed=speed, chosen=chosen, show=show)
+        script, preset, lesson = self.session.script, self.preset.name, self.guided.place
+        return Linked(script=script, preset=preset, speed=speed, chosen=chosen, show=show, lesson=lesson)
 
-    def follow_link(self, linked: Linked) -> None:
-        """The page becomes what the link holds; Undo brings back what it was. Raises ValueError, with all as it is."""
+    def require_free(self) -> None:
+        """Raises ValueError while the lecturer of a class has locked the controls."""
+        if self.student is not None and self.student.holds is not None:
+            raise ValueError(self.student.holds)
+
+    def do_along(self, deed: Deed, speed: float, now: float) -> None:
+        """What was done to another session, which Undo does not count as this one's past. speed: motions a second
+        there. Raises ValueError for what cannot be."""
+        if isinstance(deed, Stepped):
+            self.player.follow(deed.times, speed, now)
+        elif isinstance(deed, Posed):
+            self.pose(np.array(deed.theta_demo), keep=False)
+        elif isinstance(deed, Changed):
+            self._change(converted(deed.fields), keep=False)
+        else:
+            do(self.session, deed)
+            self.player.wake()
+
+    def show_view_of(self, linked: Linked) -> None:
+        """What of a link is no part of the session."""
+        self.player.speed = linked.speed
+        shown: dict[str, Any] = {name: linked.show[name] for name in SWITCHES if name in linked.show}
+        view = replace(self.view, chosen=linked.chosen, **shown)
+        if view != self.view:
+            self.view = view
+
+    def follow_link(self, linked: Linked, keep: bool = True) -> None:
+        """The page becomes what the link holds; keep: Undo brings back what it was. Raises ValueError, with all as it
+        is."""
+        self.guided.require(linked.lesson)
         self.guided.leave()
         self.player.pause()
         before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
         try:
-            with self._kept(whole=True):
+            with self._kept(whole=True) if keep else nullcontext():
                 play(linked.script, self.session)
         except ValueError:
             self.session.resume(*before)
             raise
         settings = linked.script.settings
         self.preset = self.presets.get(linked.preset, Preset("From a link", settings, linked.speed, "As it was sent."))
-        self.player.speed = linked.speed
-        shown: dict[str, Any] = {name: linked.show[name] for name in SWITCHES if name in linked.show}
-        self.view = replace(self.view, chosen=linked.chosen, **shown)
+        self.show_view_of(linked)
         self.begin_anew()
+        if linked.lesson is not None:
+            self.guided.begin(*linked.lesson)
 
     def memory(self) -> SavedSession:
         """What of the page is kept. The opponent of a duel and what runs in the tab Experiments is not."""
@@ -322,9 +378,10 @@ class PageModel:
             dark=view.dark,
             motion=self._recorded(),
             lessons=self.guided.kept,
-            lesson=None if self.guided.course is None else self.guided.course.progress.lesson,
+            lesson=self.guided.going_on,
             offered=self.guided.offered,
             log=session.log.copy(),
+            name="" if self.student is None else self.student.name,
         )
         return SavedSession(head, tuple(session.history))
 
@@ -349,7 +406,8 @@ class PageModel:
         """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
         is one."""
         if (course := self.guided.course) is not None:
-            return course.moments[-1].theta, course.moments[-1].theta_demo
+            shown, guessed = course.moments[-1], course.see_through
+            return shown.theta, shown.theta_demo, *(() if guessed is None else (guessed,))
         if (seen := self.imitated.moment(now)) is not None:
             return seen.theta, seen.theta_demo
         learner, *others = [runner.theta(now)[0] for runner in self.player.runners]
@@ -386,7 +444,7 @@ class PageModel:
             see_through=None if imitated else see_through,
             imitated=self.imitated.describe() if imitated else None,
             stage=None if self.view.chosen is None else self.building.stage(now, last_stage(crossed)),
-            playing=player.playing,
+            playing=player.playing or (self.student is not None and self.student.moves_along),
             speed=player.speed,
             cursor=player.cursor,
             last=player.last,
@@ -409,6 +467,11 @@ class PageModel:
             course=self.guided.course,
             offered=self.guided.offered,
             word=None if self.shown_word is None else self.shown_word.key,
+            holds=None if self.student is None else self.student.holds,
+            follows=self.student is not None and self.student.follows,
+            asked=None if self.student is None or self.student.heard is None else self.student.heard.orders.asked,
+            classroom=None if self.lecturer is None else self.lecturer.view(now),
+            name=None if self.student is None else self.student.name,
         )
 
     def _look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
@@ -416,6 +479,13 @@ class PageModel:
         if self._appearance is None:
             self._appearance = Appearance(self.session.world, self.session.snapshot)
         return self._appearance.of(moment)
+
+    def save_picture(self, now: float) -> None:
+        """Of the panel that is chosen, or of a lesson's figures. Raises ValueError where there is none."""
+        if self.guided.course is not None:
+            self.saving.lesson(self.view.picture_as, self.guided.course)
+        else:
+            self.saving.picture(self.view.picture, self.view.picture_as, self.state(now), self.eye())
 
     def close(self) -> None:
         """Give the eyes back."""
@@ -428,6 +498,8 @@ class PageModel:
         shown: dict[str, Any] = {name: head.show[name] for name in SWITCHES if name in head.show}
         self.view = replace(self.view, dark=head.dark, **shown)
         self.guided.resume(head.lessons, head.lesson, head.offered)
+        if self.student is not None:
+            self.student.name = name_of(head.name)
 
     def _make_motion(self, make: Callable[[], object]) -> None:
         self._services.landscapes.ask(self._page_id, make, self._take_motion_later, kind="motion")
@@ -444,6 +516,9 @@ class PageModel:
     def _take_run_later(self, run: Run) -> None:
         self._queue.put(Arrival(("run", run.name), self.experiments.take, run))
 
+    def _take_saved_later(self, kind: str, take: Callable, made: object) -> None:
+        self._queue.put(Arrival(("saved", kind), take, made))
+
     def _recorded(self) -> bytes | None:
         """The motion that was recorded or loaded, as a file has it."""
         motion = self.motions.recorded
@@ -452,12 +527,6 @@ class PageModel:
         if self._encoded is None or self._encoded[0] is not motion:
             self._encoded = motion, encode_motion(motion)
         return self._encoded[1]
-
-
-def _farthest_off(moment: Snapshot) -> int | None:
-    """The point with the largest residual, which shows best what a conflict is."""
-    squares = np.nansum(moment.e**2, -1)
-    return None if moment.transfer is None else int(np.argmax(squares))
 
 
 def in_lesson(state: PageState, course: Course) -> PageState:

@@ -5,16 +5,20 @@ A thread beside it would wait for it at every message, and it for the thread; a 
 
 import asyncio
 import concurrent.futures
+import logging
 import threading
 import time
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from typing import Protocol
 
 from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
-FAULTS_EVERY = 1.0  # s between two faults of a page that are logged
+FAULTS_EVERY = 1.0  # s between two faults that are logged, of all pages: each is one line
+FRAMES = 4  # of a fault, innermost
+log = logging.getLogger(__name__)
 
 
 class Ticked(Protocol):
@@ -33,7 +37,8 @@ class Scheduler:
         self._heartbeat, self._on_stop = heartbeat, on_stop
         self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list[Ticked] = []
-        self._logged: dict[Ticked, float] = {}  # when a fault was, s
+        self._logged_at = -FAULTS_EVERY  # when a fault was, s
+        self._unlogged = 0  # faults since
         self.shedding = LoadShedding(TICK)
         self._running = False
         self._task: concurrent.futures.Future | None = None
@@ -59,14 +64,13 @@ class Scheduler:
         with self._turn, self._lock:
             if page in self._pages:
                 self._pages.remove(page)
-                self._logged.pop(page, None)
 
     def _tell(self, page: Ticked, error: Exception) -> None:
         """Let a page say its own fault; one that cannot even do that is ticked no more."""
         try:
             page.fail(error)
-        except Exception:
-            traceback.print_exc()
+        except Exception as worse:
+            self._log(worse, anyway=True)
             self.remove(page)
 
     def _tick(self, page: Ticked) -> None:
@@ -75,15 +79,20 @@ class Scheduler:
         try:
             page.tick(time.monotonic())
         except Exception as error:  # one session's fault must not stop the others; its own page says so
-            self._log(page)
+            self._log(error)
             self._tell(page, error)
 
-    def _log(self, page: Ticked) -> None:
-        """The fault that is being handled, unless the page has just had another."""
+    def _log(self, error: Exception, anyway: bool = False) -> None:
+        """In a line, unless one has just been written. anyway: it is the last that is heard of its page."""
         now = time.monotonic()
-        if now - self._logged.get(page, -FAULTS_EVERY) >= FAULTS_EVERY:
-            self._logged[page] = now
-            traceback.print_exc()
+        if not anyway and now - self._logged_at < FAULTS_EVERY:
+            self._unlogged += 1
+            return
+        more = f", and {self._unlogged} more since the line before" if self._unlogged else ""
+        self._logged_at, self._unlogged = now, 0
+        frames = traceback.extract_tb(error.__traceback__)[-FRAMES:]
+        places = " < ".join(f"{Path(frame.filename).name}:{frame.lineno}" for frame in reversed(frames))
+        log.error("a session met an error, %r at %s%s", error, places, more)
 
     async def _run(self) -> None:
         next_tick = time.monotonic()

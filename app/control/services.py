@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from ..classroom.classroom import Classroom
 from ..jobs import basin_child
 from ..jobs.camera_images import CameraProcess
 from ..jobs.experiments import ExperimentWorker
@@ -15,7 +16,7 @@ from .shedding import LoadShedding
 @dataclass(frozen=True, eq=False)
 class Services:
     """share(robot, arm): puts its meshes on the server's scene, before they are first shown; lessons: by name, in
-    their order."""
+    their order; classroom: where there is a lecturer."""
 
     landscapes: LandscapeWorker
     experiments: ExperimentWorker
@@ -24,3 +25,5 @@ class Services:
     share: Callable[[str, str], None]
     lessons: Mapping[str, Lesson] = field(default_factory=shipped)
     basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(basin_child.work))
+    files: LandscapeWorker = field(default_factory=LandscapeWorker)  # which pictures and replays are made in
+    classroom: Classroom | None = None

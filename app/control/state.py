@@ -16,12 +16,14 @@ from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
 from viewimit.snapshot import AT_REST, Snapshot
+from viewimit.viewer.landscapes import MadeLandscape
 
+from ..classroom.messages import Asked
 from ..jobs.experiments import Run
-from ..jobs.landscapes import MadeLandscape
 from ..lessons.course import Course
 from ..lessons.format import Lesson
 from ..sessions.link import Linked
+from .classroom.lecturer import ClassView
 from .duel import Duel
 from .experiments import Experiments
 from .moments.rehearsal import Rehearsal, rehearsal_of
@@ -36,10 +38,10 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified")  # that a
 @dataclass(frozen=True)
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
-    whether it is open; fits: how often the visitor has asked for the default camera; wide: whether the window has room
-    for more, as it says itself; share: whether the card with link and code is open; large: of LARGE, which fills the
-    window beside the controls; look_only: a posture that is touched is looked at by a see-through arm, and nothing
-    moves."""
+    whether it is open; fits: how often the visitor has asked for the default camera; wide, narrow: whether the window
+    has room for more, or for little, as it says itself; share: whether the card with link and code is open; large: of
+    LARGE, which fills the window beside the controls; look_only: a posture that is touched is looked at by a
+    see-through arm, and nothing moves; picture, picture_as: which panel is saved as a picture, and in which format."""
 
     chosen: int | None = None
     rays: bool = False
@@ -52,9 +54,12 @@ class View:
     help: bool = False
     fits: int = 0
     wide: bool = False
+    narrow: bool = False
     look_only: bool = False
     share: bool = False
     large: str | None = None
+    picture: str = "Images"
+    picture_as: str = "SVG"
 
     def on(self, switch: str) -> bool:
         """Whether a switch is, by its name."""
@@ -85,8 +90,10 @@ class PageState:
     points: of the body, while they are edited. linked(): what a link to this page holds, ValueError where that cannot
     be said; message: for the visitor; unsaved: why the session is not kept, None as far as is known. lessons: all there
     are, by name; course: the one that goes on, whose session then is shown; offered: whether the first one is. word: of
-    the glossary that is shown, in place of what can be given back. Session, duel, experiments and motions are those of
-    the page: to be read only.
+    the glossary that is shown, in place of what can be given back. In a class: holds: why the controls are locked, None
+    if they are not; follows: the page shows what the lecturer's does; asked: the question that goes on; name: that a
+    student has typed, None elsewhere; classroom: of the lecturer's page alone. Session, duel, experiments and motions
+    are those of the page: to be read only.
     """
 
     generation: int
@@ -125,6 +132,11 @@ class PageState:
     course: Course | None
     offered: bool
     word: str | None
+    holds: str | None = None
+    follows: bool = False
+    asked: Asked | None = None
+    classroom: ClassView | None = None
+    name: str | None = None
 
     @cached_property
     def arms_in_images(self) -> tuple[Bodies, Windows]:

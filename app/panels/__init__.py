@@ -3,6 +3,8 @@
 `PANELS` is the page in the order in which it is built; a panel is one class in one file, and one line here.
 """
 
+from .classroom.lecturer import LecturerPanel
+from .classroom.student import StudentPanel
 from .curves import CurvesPanel
 from .demonstrator import DemonstratorPanel
 from .display import DisplayPanel
@@ -23,12 +25,14 @@ from .motions import MotionsPanel
 from .panel import Panel
 from .playback import PlaybackPanel
 from .points.folder import PointsPanel
+from .save import SavePanel
 from .status import StatusPanel
 from .views import ViewsPanel
 
 PANELS: list[type[Panel]] = [
     PlaybackPanel,
     LessonPanel,
+    StudentPanel,
     HistoryPanel,
     DemonstratorPanel,
     LearnerPanel,
@@ -36,6 +40,7 @@ PANELS: list[type[Panel]] = [
     DisturbancesPanel,
     DisplayPanel,
     PointsPanel,
+    SavePanel,
     KeysPanel,
     GlossaryPanel,
     StatusPanel,
@@ -50,4 +55,5 @@ PANELS: list[type[Panel]] = [
     DuelPanel,
     ExperimentsPanel,
     MotionsPanel,
+    LecturerPanel,
 ]

@@ -4,7 +4,7 @@ from ..control.commands.session import ChooseSpeed, Scrub
 from ..control.names import SPEEDS
 from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
-from .widgets import put, put_html
+from .widgets import put, put_html, put_most
 
 
 class HistoryPanel(Panel):
@@ -23,9 +23,7 @@ class HistoryPanel(Panel):
         return state.cursor, state.last, state.speed, state.refusals
 
     def show(self, state: PageState) -> None:
-        last = max(state.last, 1)
-        if self._history.max != last:
-            self._history.max = last
+        put_most(self._history, max(state.last, 1))
         put(self._history, state.cursor)
         put_html(self._count, f'<div class="vi-count"><span>{state.cursor} of {state.last}</span></div>')
         put(self._speed, speed_name(state.speed))

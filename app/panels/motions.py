@@ -10,7 +10,7 @@ from ..control.commands.experiments import ChooseMotion, LoadMotion, Record, Rep
 from ..control.motions import NAMES
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import put, put_html, put_label
+from .widgets import put, put_html, put_label, put_most
 
 ABOUT = (
     '<div class="vi-about">A motion of the demonstrator: drawn about its present posture, recorded while you move it,'
@@ -57,8 +57,7 @@ class MotionsPanel(Panel):
         seconds, last = motions.moment
         if self._moment.step != motions.step_s:
             self._moment.step = motions.step_s
-        if self._moment.max != last:
-            self._moment.max = last
+        put_most(self._moment, last)
         put(self._moment, seconds)
         kind, sentence = motions.describe()
         put_html(self._said, f'<div class="vi-said">{escape(sentence) if kind == "ready" else ""}</div>')

@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 
 from viser import ClientHandle
 
+from ..control.classroom.attendance import Attendee
 from ..control.queue import CommandQueue
 from ..control.state import PageState
 
@@ -16,10 +17,11 @@ LEFT_WIDTHS = {False: 280, True: 300}
 
 class Reach(NamedTuple):
     """How a browser reaches its page. address: what links begin with, None for none; origin: scheme://host:port by
-    which it knows the server, None if it does not say."""
+    which it knows the server, None if it does not say; of_class: who the page is in a class."""
 
     address: str | None = None
     origin: str | None = None
+    of_class: Attendee = Attendee()
 
 
 NOWHERE = Reach()
@@ -30,7 +32,7 @@ class Layout:
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, reach: Reach = NOWHERE):
         self.client, self.gui, self.queue = client, client.gui, queue
-        self.address, self.origin = reach
+        self.address, self.origin = reach.address, reach.origin
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
         self._tabs: dict[str, AbstractContextManager] = {}

@@ -15,6 +15,7 @@ VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "
 
 
 WIDE = "(min-width:1600px) and (min-height:900px)"  # of the window, for which the page has more
+NARROW = "(max-width:640px)"  # as a phone
 
 
 class ViewsPanel(Panel):
@@ -26,6 +27,7 @@ class ViewsPanel(Panel):
         layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
         if layout.address is not None:
             layout.gui.add_html(told(f"{layout.address}/layout", WIDE))
+            layout.gui.add_html(told(f"{layout.address}/narrow", NARROW))
 
     def depends_on(self, state: PageState) -> tuple:
         return (state.view.wide,)

@@ -10,20 +10,29 @@ from viewimit.drawing.svg import joint_symbol
 
 from ..control.commands.command import Command
 from ..control.state import PageState
-from ..viser_private import push_html
+from ..viser_private import push_number, push_property
 from .panel import Layout
 
 
 def put(handle, value) -> None:
     """Write a value only if it differs: nothing is sent when nothing changes. A slider's own rounding is no change."""
-    differs = abs(handle.value - value) > 1e-9 if _is_number(handle.value) else handle.value != value
-    if differs:
-        handle.value = value
+    shown = handle.value
+    if not _is_number(shown):
+        if shown != value:
+            handle.value = value
+    elif abs(shown - value) > 1e-9:
+        push_number(handle, type(shown)(value))
+
+
+def put_most(slider, value: float) -> None:
+    """The largest value that a slider has."""
+    if slider.max != value:
+        push_property(slider, "max", value)
 
 
 def put_html(handle, content: str) -> None:
     if handle.content != content:
-        push_html(handle, content)
+        push_property(handle, "content", content)
 
 
 def put_label(button: GuiButtonHandle, label: str, icon: IconName) -> None:

@@ -78,6 +78,7 @@ class Arm:
                 position=T_world_base[:3, 3],
             )
         )
+        self._visible = True
         self._rest = [quaternion(joint.T_parent_joint[:3, :3]) for joint in self._joints]
         self._axes = [joint.axis / np.linalg.norm(joint.axis) for joint in self._joints]
         self._names = [link_name(world.scene, arm, i + 1) for i in range(len(self._joints))]
@@ -103,8 +104,9 @@ class Arm:
         return enumerate(np.array(self._robot.coupled(angles), float).tolist())
 
     def show(self, visible: bool) -> None:
-        """Or hide it."""
-        self._frame.visible = visible
+        """Or hide it. viser's setter looks up types, which takes longer than the pose does."""
+        if visible != self._visible:
+            self._visible = self._frame.visible = visible
 
     def _turned(self, i: int) -> tuple[float, float, float, float]:
         return joint_quaternion(self._rest[i], self._axes[i], self._angles[i])

@@ -26,6 +26,7 @@ class HandGizmo:
         self._client, self._dragging, self._let_go = client, False, False
         self._hand: tuple[World, NDArray, NDArray] | None = None  # where, in which posture, and so at which place
         self._name: ImageHandle | None = None  # before the first world
+        self._visible: bool | None = None  # None: as it was made
         self._gizmo = client.scene.add_transform_controls(
             NODE, scale=SIZE, disable_rotations=True, disable_sliders=True, opacity=0.7
         )
@@ -45,12 +46,13 @@ class HandGizmo:
         self._name = nodes.keep(
             add_text(self._client.scene, f"{NODE}_name", "hand", "demonstrator", dark, nothing, LINE * size)
         )
-        self._hand = None
+        self._hand = self._visible = None
 
     def show(self, visible: bool, world: World, theta_demo: NDArray) -> None:
         """At the hand in this posture, unless the visitor holds it somewhere else."""
         assert self._name is not None
-        self._gizmo.visible = self._name.visible = visible
+        if visible != self._visible:
+            self._visible = self._gizmo.visible = self._name.visible = visible
         if self._hand is None or self._hand[0] is not world or not np.array_equal(self._hand[1], theta_demo):
             self._hand, self._let_go = (world, theta_demo, hand_position(world, theta_demo, world.T_world_demo)), True
             self._name.position = self._hand[2] + self._size * ABOVE

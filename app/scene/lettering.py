@@ -9,9 +9,9 @@ from viewimit.assets import ROOT
 from viser import ImageHandle, SceneApi
 
 from viewimit.drawing.theme import rgb
+from viewimit.viewer.view import looking
 
 from .rotations import quaternion
-from .view import looking
 
 FONT = ImageFont.truetype(
     str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40

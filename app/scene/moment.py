@@ -10,11 +10,11 @@ from viser import ClientHandle
 from viewimit.drawing.theme import faint, rgb
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
+from viewimit.viewer import shapes
+from viewimit.viewer.furniture import VIEW_ROLES, on_plate
 
 from ..control.state import PageState, View
-from ..viser_private import push_array
-from . import meshes
-from .fixtures import VIEW_ROLES, on_plate
+from ..viser_private import push_array, push_position
 from .nodes import Nodes
 
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
@@ -27,6 +27,7 @@ class Moment:
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._size = size = world.scene.size
         self._shown: dict[str, bool] = {}
+        self._moved: dict[str, list[float]] = {}  # by node: where it is, m
         count, scene, colour = len(world.body), client.scene, partial(rgb, dark=dark)
         nothing = np.zeros((4 * count, 2, 3), np.float32)
         self._rays = nodes.keep(
@@ -59,7 +60,7 @@ class Moment:
                 precision="float32",
             )
         )
-        vertices, faces = meshes.octahedron(0.02 * size)
+        vertices, faces = shapes.octahedron(0.02 * size)
         self._recovered = nodes.keep(
             scene.add_batched_meshes_simple(
                 "/now/recovered",
@@ -120,7 +121,13 @@ class Moment:
         for ring, points in zip(self._rings, (own, demo)):
             self._show(ring, chosen is not None)
             if chosen is not None:
-                ring.position = points[chosen]
+                self._move(ring, points[chosen].tolist())
+
+    def _move(self, node, position: list[float]) -> None:
+        """To (3,) m."""
+        if self._moved.get(node.name) != position:
+            self._moved[node.name] = position
+            push_position(node, (position[0], position[1], position[2]))
 
     def _show(self, node, visible: bool) -> None:
         """Or hide it. viser's setter looks up types, which takes longer than most drawings."""

@@ -7,18 +7,21 @@ from numpy.typing import NDArray
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from viewimit.drawing.theme import rgb
+from viewimit.export.perspective import Eye
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.ray_casting import SurfaceHit, first_hit
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
+from viewimit.viewer import shapes
+from viewimit.viewer.furniture import LOOKS, POINT_SIZE, arm_landmarks, landmarks
+from viewimit.viewer.view import BELOW
 
 from ..control.commands.display import ChoosePoint
 from ..control.commands.points import PlacePoint
 from ..control.queue import CommandQueue
 from ..control.state import PageState
-from . import meshes
 from .arms import Arms, link_name
-from .fixtures import LOOKS, Fixtures, add_floor, add_light
+from .fixtures import Fixtures, add_floor, add_light
 from .hand_gizmo import HandGizmo
 from .moment import Moment
 from .nodes import Nodes
@@ -26,7 +29,7 @@ from .picking import picked
 from .proposed import ProposedPoint
 from .view import DefaultView
 
-POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}
+UNCOVERED = 0.05  # of the canvas's height, that is kept of what the strip covers
 
 
 def share_light(server: ViserServer) -> None:
@@ -83,7 +86,7 @@ class Scene3D:
 
     def depends_on(self, state: PageState) -> tuple:
         """What `show` shows; of snapshots their identity counts."""
-        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect
+        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect, self._view.astray
         return state.generation, state.shown, state.view, state.points, *posed, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
@@ -114,6 +117,15 @@ class Scene3D:
         self._points = np.concatenate([own, demo])
         self._moment.draw(state, own, demo)
 
+    def eye(self) -> Eye | None:
+        """That of the visitor, without what lies under the strip; None before the browser has said."""
+        camera = self._client.camera
+        if min(camera.image_width, camera.image_height) <= 0:
+            return None
+        position, target = np.array(camera.position), np.array(camera.look_at)
+        aspect = camera.image_width / camera.image_height
+        return Eye(position, target, float(camera.fov), aspect, BELOW - UNCOVERED)
+
     @property
     def built(self) -> bool:
         """Whether there is a world."""
@@ -133,11 +145,7 @@ class Scene3D:
 
     def _landmarks(self, present: Snapshot) -> NDArray:
         """(k, 3) m: what the default view must hold, the arms where they are and at the ends of their range."""
-        scene, points = self._world.scene, [self._standing.landmarks()]
-        for T_world_base in self._bases.values():
-            for theta in (present.theta, present.theta_demo, scene.lower, scene.upper):
-                points.append(self._world.points_world(theta, T_world_base))
-        return np.concatenate(points)
+        return np.concatenate([landmarks(self._world), arm_landmarks(self._world, present.theta, present.theta_demo)])
 
     def _add_point(self, arm: str, i: int) -> None:
         body = self._world.body
@@ -148,7 +156,7 @@ class Scene3D:
             size = self._world.scene.size * POINT_SIZE[arm] / 2
             add(scene.add_icosphere(name, size, color=colour, subdivisions=2, position=position, cast_shadow=False))
         else:
-            shape = meshes.octahedron(self._world.scene.size * POINT_SIZE[arm])
+            shape = shapes.octahedron(self._world.scene.size * POINT_SIZE[arm])
             add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
 
     def _take_click(self, origin: NDArray, direction: NDArray) -> None:

@@ -1,20 +1,20 @@
-"""The default camera of the 3-D scene: a fixed direction, fitted to what must be seen and to the canvas."""
+"""The default camera of a page's 3-D scene: where it is put, and when anew."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from viser import ClientHandle
 
-FOV = np.radians(36.0)
-MARGIN = 0.93  # of the half angle that the default view fills
-BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
+from viewimit.viewer.view import BELOW, FOV, fitted_view
+
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 DOCKED_WITHIN = 3.0  # s
 UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
+NUDGE = 1e-3  # m: viser sends no place that equals the one that the browser told last, which may no longer be true
 LATELY = 8  # such places: the browser may tell of an earlier one while the window's edge is dragged
-AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
+BEFORE = (-5.0, 0.0, 0.0), (3.0, 3.0, 3.0)  # m, where three.js and then viser put a camera that nobody has put anywhere
 
 
 class DefaultView:
@@ -35,21 +35,33 @@ class DefaultView:
         camera, self._aspect = self._client.camera, self.aspect
         position, target = fitted_view(landmarks, self._aspect or 1.0, BELOW)
         camera.fov = float(FOV)
-        camera.position, camera.look_at = position, target
+        for aside in (NUDGE, 0.0):
+            camera.position, camera.look_at = position + aside, target + aside
         self._places.append(position)
 
+    @property
+    def astray(self) -> bool:
+        """Whether a camera that was put somewhere is told to be where viser had it: it had none yet to put there."""
+        return self._aspect is not None and self._at(BEFORE)
+
     def follow(self, landmarks: Callable[[], NDArray]) -> None:
-        """Fit a camera that is where the page put it to a canvas of another shape than before."""
-        aspect = self.aspect
-        if aspect is None or same_shape(aspect, self._aspect):
+        """Fit a camera that is where the page put it to a canvas of another shape than before, or one that went
+        astray."""
+        aspect, astray = self.aspect, self.astray
+        if aspect is None or (same_shape(aspect, self._aspect) and not astray):
             return
-        self._aspect, here = aspect, self._client.camera.position
-        if min(np.linalg.norm(here - place) for place in self._places) < UNTOUCHED:
+        self._aspect = aspect
+        if astray or self._at((*BEFORE, *self._places)):
             self.fit(landmarks())
 
     def forget(self) -> None:
         """What was fitted is gone: the next `follow` fits anew."""
         self._aspect = None
+
+    def _at(self, places: Iterable[ArrayLike]) -> bool:
+        """Whether the camera is at one of places (3,) m."""
+        here = self._client.camera.position
+        return any(np.linalg.norm(here - np.asarray(place)) < UNTOUCHED for place in places)
 
 
 class Docking:
@@ -78,38 +90,3 @@ def same_shape(aspect: float | None, other: float | None) -> bool:
     if aspect is None or other is None:
         return aspect is other
     return bool(abs(np.log(aspect / other)) < SAME_SHAPE)
-
-
-def looking() -> NDArray:
-    """R_world_camera (3, 3) of the default view: right, down, forward."""
-    forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
-    right = np.cross(forward, [0, 0, 1.0])
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(forward, right), forward], axis=-1)
-
-
-def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
-    """Position and target of a camera from AZIMUTH, ELEVATION and FOV that just holds (k, 3) points.
-
-    below: share of the height, from the bottom, that stays free. Each side of the frame is a plane through the
-    eye, with a slope per depth; along its normal the points give one bound, and opposite bounds meet at the eye.
-    """
-    right, down, forward = looking().T
-    up, backward = -down, -forward
-    tan = np.tan(FOV / 2)
-    x, y, z = points @ right, points @ up, points @ backward
-    eye = []
-    for coordinate, low_slope, high_slope in (
-        (x, tan * aspect * MARGIN, tan * aspect * MARGIN),
-        (y, tan * (1 - 2 * below) * MARGIN, tan * MARGIN),
-    ):
-        high, low = np.max(coordinate + high_slope * z), np.min(coordinate - low_slope * z)
-        distance = (high - low) / (high_slope + low_slope)
-        eye.append((distance, high_slope, low_slope, high, low))
-    distance = max(eye[0][0], eye[1][0])
-    centres = []  # of the room that is left where the other direction decides the distance
-    for _, high_slope, low_slope, high, low in eye:
-        centres.append((high - high_slope * distance + low + low_slope * distance) / 2)
-    position = centres[0] * right + centres[1] * up + distance * backward
-    depth = distance - np.mean(z)
-    return position, position - depth * backward

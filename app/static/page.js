@@ -135,31 +135,61 @@ document.addEventListener("input", event => {
 });
 document.addEventListener("change", event => {
   if (event.target.matches("[data-turn]")) turned(event.target, event.target.dataset.live === undefined ? 400 : 60);
-  if (event.target.matches("[data-go]") && event.target.checkValidity()) tell(event.target.dataset.go + event.target.value);
+  if (event.target.matches("[data-go]") && event.target.reportValidity()) tell(event.target.dataset.go + event.target.value);
 });
 window.addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const here = event.target, offer = document.querySelector(".vi-offer a");
+  if (!here.matches("input,textarea,[data-place]") && presents(event.key)) {
+    event.preventDefault();
+    return event.stopPropagation();
+  }
   if (event.key === " " && here.matches("a[role=button]")) {
     event.preventDefault();
     event.stopPropagation();
     return here.click();
   }
   if (!guide() && offer && event.key === "Enter" && here === document.body) return offer.click();
-  if (!guide()) return;
-  event.stopPropagation();  // the page's own keys are out of reach
+  if (!guide() || document.querySelector(".mantine-Modal-content")) return;
   const place = here.closest && here.closest("[data-place]");
   const follow = (selector, k = 0) => {
     const found = document.querySelectorAll(`.vi-guide ${selector}`)[k];
     const link = found && found.closest("a");
-    if (link) { event.preventDefault(); link.click(); }
+    if (link) { event.preventDefault(); event.stopPropagation(); link.click(); }
   };
+  if (here.matches("input,[data-place]")) event.stopPropagation();  // all other keys are the page's, which says no
   if (place && moveMark(place, event)) return event.preventDefault();
   if (event.key === "Escape") return follow(".vi-guide-leave a");
   if (here.matches("input:not([type=range])")) return;
   if (/^[1-9]$/.test(event.key)) return follow(".vi-options a", event.key - 1);
   if (event.key === "Enter" && !here.matches("a")) return follow(".vi-guide-main");
 }, true);
+
+// Before a class: P, or ?present in the address. Letters are larger, controls folded, a ring goes with the pointer; what
+// is true is hidden until T; a lesson goes on by arrows or a remote
+const root = document.documentElement, pointer = document.createElement("div");
+pointer.className = "vi-pointer";
+const presenting = () => root.classList.contains("vi-presents");
+const present = on => {
+  root.classList.toggle("vi-presents", on);
+  root.classList.remove("vi-reveals");
+  document.body.append(pointer);
+  const narrow = on || matchMedia("(max-width:640px)").matches;  // whose drawings have large letters
+  const told = document.querySelector("[data-link]");
+  if (told) tell(told.dataset.link.replace(/link\/$/, `narrow/${Number(narrow)}`));
+};
+const presents = key => {
+  if (key === "p" || key === "P") return present(!presenting()), true;
+  if (!presenting()) return false;
+  if (key === "t" || key === "T") return root.classList.toggle("vi-reveals"), true;
+  const verb = {PageDown: "present", ArrowRight: "present", PageUp: "back", ArrowLeft: "back"}[key];
+  if (!guide() || !verb) return false;
+  tell(guide().dataset.lesson + verb);
+  return true;
+};
+document.addEventListener("pointermove", event => {
+  pointer.style.translate = `${event.clientX}px ${event.clientY}px`;
+});
 
 // What is drawn anew keeps focus and scrolling; another screen is begun at its heading. What has become known is spoken,
 // and nothing else
@@ -194,18 +224,20 @@ new MutationObserver(() => {
   (again || here.querySelector("h2")).focus({preventScroll: true});
 }).observe(document, {childList: true, subtree: true});
 // A link to a state: what the page's address asks for is told once, and is then gone from it, so that a reload goes on
-const asked = new URLSearchParams(location.search).get("s");
+const searched = new URLSearchParams(location.search), asked = searched.get("s");
 const followLink = () => {
   const place = document.querySelector("[data-link]");
   if (!place) return false;
   fetch(place.dataset.link + encodeURIComponent(asked), {credentials: "same-origin"});
-  history.replaceState(null, "", location.pathname);
+  history.replaceState(null, "", location.pathname + (searched.has("present") ? "?present" : ""));
   return true;
 };
-if (asked) {
-  const waiting = new MutationObserver(() => followLink() && waiting.disconnect());
+const once = follow => {
+  const waiting = new MutationObserver(() => follow() && waiting.disconnect());
   waiting.observe(document, {childList: true, subtree: true});
-}
+};
+if (asked) once(followLink);
+if (searched.has("present")) once(() => document.querySelector("[data-link]") && (present(true), true));
 
 document.addEventListener("click", event => {
   const button = event.target.closest(".vi-copy");

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from viewimit.app.control.landscapes import OwnLandscape
 from viewimit.app.control.queue import CommandQueue
-from viewimit.app.jobs.landscapes import COARSE_DEG, FINE_DEG, compute, make_landscape
 
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.viewer.landscapes import COARSE_DEG, FINE_DEG, compute, make_landscape
 
 
 class Asked:

@@ -1,5 +1,6 @@
 """A page becomes what a link holds, to the last bit, and Undo brings back what it was."""
 
+import msgspec
 import numpy as np
 import pytest
 from quiet_page import QuietPage
@@ -44,6 +45,32 @@ def test_a_link_opens_the_same_state_and_undo_brings_back_the_old_one(preset):
     assert got.session.snapshot.theta.tobytes() == left.theta.tobytes() and got.session.cursor == 2
 
 
+def test_a_link_made_in_a_lesson_opens_that_step_elsewhere():
+    """The receiver's page is the sender's, below it; what the receiver answered before is kept; a lesson that is not
+    there is refused, and a screen beyond the last is the last."""
+    sender, receiver = QuietPage(Settings(), address="/touch/0.x"), QuietPage(Settings(), address="/touch/0.x")
+    for page, verbs in ((sender, ("begin,tour", *["next"] * 4)), (receiver, ("begin,tour", "choose,1"))):
+        page.page.put(Step())
+        page.tick(0.3)
+        for verb in verbs:
+            page.page.touch("lesson", verb)
+            page.tick(0.3)
+    sent, got = sender.page.model, receiver.page.model
+    shown = share_html(sent.state(0.0), "http://here:8080")
+    assert f"/?s={written(sent.linked())}" in shown and "step of the lesson" in shown and "Python" not in shown
+    receiver.page.put(FollowLink(written(sent.linked())))
+    settled(receiver)
+    assert got.guided.place == sent.guided.place == ("tour", 4) and got.guided.course.screen.id == "line"
+    assert got.guided.course.progress.given["before 0"].choice == 1
+    assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
+    before = got.session.snapshot
+    for lesson, says in ((("nowhere", 1), "not here"), (("tour", 99), None)):
+        receiver.page.put(FollowLink(written(msgspec.structs.replace(sent.linked(), lesson=lesson))))
+        settled(receiver)
+        assert says is None or (says in got.message.text and got.session.snapshot is before)
+        assert got.guided.place == (("tour", 4) if says else ("tour", len(got.guided.course.screens) - 1))
+
+
 def test_a_bad_link_says_why_and_changes_nothing():
     page = QuietPage(Settings())
     before = page.page.model.session.snapshot
@@ -63,7 +90,7 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
     assert f"http://here:8080/?s={text}" in shown and "vi-qr" in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
     session = Session()
-    from viewimit.replay import play
+    from viewimit.script_player import play
 
     play(read(text, Settings()).script, session)
     assert np.array_equal(session.snapshot.theta, model.session.snapshot.theta)

@@ -4,6 +4,7 @@ import io
 import json
 import re
 import zipfile
+from pathlib import Path
 from urllib.parse import urlparse
 
 import numpy as np
@@ -446,7 +447,9 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_
     wait(page, lambda: demonstrator(page) == 65 and "Replaying" not in status(page))
     set_number(page, "Time s", 0)
     wait(page, lambda: demonstrator(page) == 45)
-    name, data = downloaded(page, "Save")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save", exact=True).last.click()  # below the folder of that name
+    name, data = download.value.suggested_filename, Path(download.value.path()).read_bytes()
     saved = json.loads(data)
     assert name == "viewimit-motion.json" and saved["theta_deg"][0] == [45, -90] and saved["theta_deg"][-1] == [65, -90]
     (tmp_path / "broken.json").write_text('{"format": "viewimit motion 1"}')

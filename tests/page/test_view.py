@@ -4,7 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from viewimit.app.scene.view import BELOW, DOCKED_WITHIN, FOV, DefaultView, Docking, fitted_view, looking
+import trimesh
+from viewimit.app.scene.view import BEFORE, DOCKED_WITHIN, DefaultView, Docking
+
+from viewimit.viewer.furniture import HALF_NAME, LINE, unhidden
+from viewimit.viewer.view import BELOW, FOV, fitted_view, looking
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))
 
@@ -96,3 +100,57 @@ def test_panels_that_never_dock_are_not_waited_for_long(window):
     assert not docking.over(5.0 + 0.99 * DOCKED_WITHIN)
     assert docking.over(5.0 + DOCKED_WITHIN)
     assert Docking(window, waits=False).over(0.0)
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_a_camera_that_nobody_has_put_anywhere_is_fitted_whenever_the_browser_tells_of_it(camera, before):
+    camera.position = np.array([-5.0, 0.0, 0.0])  # three.js's own, as the page was built
+    view = DefaultView(SimpleNamespace(camera=camera))
+    camera.position = np.array(before)
+    view.follow(lambda: LANDMARKS)
+    put = camera.position
+    np.testing.assert_allclose(put, fitted_view(LANDMARKS, 552 / 720, BELOW)[0])
+    assert not view.astray
+    camera.position = np.array(before)  # the browser had no camera yet that could be put there
+    assert view.astray
+    view.follow(lambda: LANDMARKS)
+    np.testing.assert_allclose(camera.position, put)
+    camera.position = put + 0.1
+    assert not view.astray
+    view.follow(lambda: LANDMARKS)
+    np.testing.assert_allclose(camera.position, put + 0.1)
+
+
+@pytest.mark.parametrize("box", [(0.2, 0.2, 0.1), (1.0, 0.3, 0.4), (0.6, 2.0, 1.2)])
+def test_no_body_hides_a_name_on_the_floor(box):
+    place, size = np.array([-0.16, -0.31, 0.05]), 0.8
+    body = trimesh.creation.box(box).sample(20_000, seed=0) + [0, 0, box[2] / 2]
+    found = unhidden(place, body, size)
+    right, down, forward = ((body - found) @ looking()).T
+    over = (np.abs(right) < HALF_NAME * size) & (-LINE * size < down) & (down < 0) & (forward < 0)
+    assert not over.any() and found[2] == place[2]
+    assert (found == place).all() == (box[1] < 1)
+
+
+def test_a_place_is_sent_also_where_the_browser_has_just_told_that_very_place(camera):
+    """What it tells may be older than what was sent since, and viser sends nothing that equals it."""
+    sent = []
+
+    class Camera(SimpleNamespace):
+        def __setattr__(self, name, value):
+            if name == "position" and not np.allclose(value, self.position):
+                sent.append(np.array(value))
+            super().__setattr__(name, value)
+
+    camera = Camera(**vars(camera))
+    view = DefaultView(SimpleNamespace(camera=camera))
+    view.fit(LANDMARKS)
+    put = sent[-1]
+    camera.image_width = 1280
+    view.fit(LANDMARKS)
+    wide = sent[-1]
+    assert not np.allclose(wide, put)
+    camera.image_width = 552
+    SimpleNamespace.__setattr__(camera, "position", put)  # told late
+    view.follow(lambda: LANDMARKS)
+    np.testing.assert_array_equal(sent[-1], put)

@@ -18,6 +18,7 @@ class ChoosePoint(Value):
     """point: None for none"""
 
     point: int | None
+    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: object) -> ChoosePoint:
@@ -32,6 +33,7 @@ class ChoosePoint(Value):
 
 class NextPoint(Command):
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         chosen, count = model.view.chosen, len(model.session.world.body)
@@ -46,6 +48,7 @@ class Switch(Value):
     on: bool
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, name: str, value: object) -> Switch:
@@ -64,6 +67,7 @@ class BuildUp(Command):
     """Show step by step how the chosen point is recovered; once more: all at once."""
 
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         if model.building.goes_on:
@@ -80,6 +84,7 @@ class Enlarge(Command):
 
     what: str
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> Enlarge:
@@ -96,6 +101,7 @@ class PreferStill(Command):
     still: bool
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> PreferStill:
@@ -109,6 +115,7 @@ class NextLarger(Command):
     """The images large, then the figures, then all as before."""
 
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         after = {None: "images", "images": "figures"}
@@ -121,11 +128,13 @@ class LetGo(Command):
 
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help or model.view.share:
             model.view = replace(model.view, help=False, share=False)
         elif model.guided.course is not None:
+            model.require_free()
             model.guided.leave()
         elif not model.points.let_go():
             model.guided.offered = False
@@ -137,6 +146,7 @@ class LetGo(Command):
 class FitView(Command):
     in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, fits=model.view.fits + 1)
@@ -145,7 +155,9 @@ class FitView(Command):
 class ToggleShare(Command):
     """The card with a link to what the page shows, and with the code that repeats it."""
 
+    in_lesson: ClassVar[bool] = True
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, share=not model.view.share)
@@ -153,6 +165,7 @@ class ToggleShare(Command):
 
 class ToggleHelp(Command):
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, help=not model.view.help)

@@ -22,6 +22,10 @@ class InLesson(Command):
     numbers: tuple[float, ...] = ()
     in_lesson: ClassVar[bool] = True
 
+    @property
+    def when_locked(self) -> bool:  # type: ignore[override]  # of one instance
+        return self.verb in ANSWERS
+
     def apply(self, model: PageModel, now: float) -> None:
         course = model.guided.course
         if course is None:
@@ -45,10 +49,12 @@ class LeaveLesson(Command):
         model.guided.leave()
 
 
+ANSWERS = {"choose", "select", "guess", "place", "turn"}
 VERBS: Mapping[str, tuple[int, Callable[..., object]]] = {  # how many numbers, and what follows
     "next": (0, lambda course: course.go(1)),
     "back": (0, lambda course: course.go(-1)),
     "show": (0, Course.show),
+    "present": (0, Course.present),
     "again": (0, Course.again),
     "seed": (1, lambda course, seed: course.again(round(seed))),
     "choose": (1, lambda course, k: course.choose(round(k))),

@@ -9,14 +9,15 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from viewimit.export.citation import motions
 from viewimit.settings import given
 from viewimit.simulation.kinematics import pose_for_hand
 
 from ...sessions.autosave import SavedSession
-from ...sessions.link import read
+from ...sessions.link import Linked, read
 from ..checks import choice, number, words
 from ..moments.rehearsal import rehearsal_of
-from ..names import SPEEDS, modified, motions
+from ..names import SPEEDS, modified
 from ..page_model import PageModel
 from .command import Command, Value
 
@@ -225,12 +226,15 @@ class FollowLink(Command):
 
     def opens_pictures(self, model: PageModel) -> bool:
         try:
-            return read(self.text, model.begun).script.settings.camera == "rendered"
+            return self.read(model).script.settings.camera == "rendered"
         except ValueError:
             return False
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.follow_link(read(self.text, model.begun))
+        model.follow_link(self.read(model))
+
+    def read(self, model: PageModel) -> Linked:
+        return read(self.text, model.begun)
 
 
 @dataclass(frozen=True, eq=False)

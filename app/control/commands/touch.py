@@ -14,6 +14,7 @@ from viewimit.drawing.glossary import glossary
 from ..checks import choice, number
 from ..page_model import PageModel
 from ..presets import Preset
+from .classroom import OfClass
 from .command import Command
 from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
 from .lessons import touched
@@ -27,6 +28,7 @@ class TogglePoint(Command):
 
     point: int
     commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> TogglePoint:
@@ -115,6 +117,7 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "still": PreferStill.parse,
     "point": TogglePoint.parse,
     "layout": _told("wide"),
+    "narrow": _told("narrow"),
     "posture": TouchPosture.parse,
     "construction": lambda value: BuildUp(),
     "large": Enlarge.parse,
@@ -128,4 +131,5 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "show": ShowWord.parse,
     "restore": lambda value: GiveBack(),
     "lesson": touched,
+    "class": OfClass.parse,
 }

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from viewimit.script import Log
 from viewimit.session import Session
@@ -80,6 +80,10 @@ class Past:
     def present(self, sessions: Sequence[Session], preset: Preset, speed: float) -> Left:
         """What is there now."""
         return Left(tuple(map(_run, sessions)), _cursor(sessions), preset, speed)
+
+    def leave_here(self, left: Left, motion: int) -> None:
+        """What was there before all that led to this motion."""
+        self._left = [*self._left[1 - MOST :], replace(left, at=motion)]
 
     def _keep(self, runs: tuple[Run, ...], at: int, preset: Preset, speed: float) -> None:
         newest = self._left[-1] if self._left else None

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 from viewimit.body_image import FEWEST
+from viewimit.export.citation import motions
 from viewimit.rehearsal import motions_of_imitation
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.snapshot import AT_REST
-
-from ..names import motions
 
 
 @dataclass(frozen=True)

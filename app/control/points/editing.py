@@ -142,7 +142,7 @@ class PointEditing:
         return EditedPoints(True, information, proposal, images, self._searching)
 
     def save(self) -> None:
-        """The scene as it is, with the points by hand alone if there are any."""
+        """The scene as it is, with the points by hand alone if there are any; of a URDF no folder of the server's."""
         scene, by_hand = self._session.scene, self._session.settings.body_points is not None
         if by_hand:
             scene = msgspec.structs.replace(scene, title=f"{scene.title}, points by hand")

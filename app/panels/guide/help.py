@@ -28,6 +28,9 @@ PARAGRAPHS = (
     ("Look with cameras.", "Camera images, under Display, shows both arms with weight and coloured balls in rendered"
      " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
      " picture is taken on the way. Landscapes and experiments remain those of projected points."),
+    ("Show it to a class.", "P, or <code>?present</code> in the address: larger letters, no controls, a ring about the "
+     "pointer. What is true is hidden until T. A lesson goes on by the arrows or a remote's Page Down, back by Page Up,"
+     " and shows what is true though nobody here has answered."),
     ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
      "paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab Motions;"
      " See it shows both arms as it was imitated."),

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from ...control.commands.command import Command
 from ...control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp, ToggleShare
 from ...control.commands.points import BestNext, EditPoints, RemovePoint
+from ...control.commands.saving import SavePicture
 from ...control.commands.session import Play, Reset, Step, Undo
 from ...control.state import PageState
 from ..panel import Layout, Panel
@@ -20,7 +21,22 @@ class Key:
 
     cap: str
     hotkey: Literal[
-        "space", "arrowright", "arrowleft", "R", "N", "V", "H", "C", "M", "E", "B", "L", "delete", "backspace", "escape"
+        "space",
+        "arrowright",
+        "arrowleft",
+        "R",
+        "N",
+        "V",
+        "H",
+        "C",
+        "M",
+        "E",
+        "B",
+        "L",
+        "S",
+        "delete",
+        "backspace",
+        "escape",
     ]
     word: str
     sentence: str
@@ -43,6 +59,7 @@ KEYS = (
     Key("Del", "delete", "remove point", "Remove the chosen point", RemovePoint()),
     Key("⌫", "backspace", "the same", "Remove the chosen point, by Backspace", RemovePoint()),
     Key("L", "L", "link", "A link to what the page shows, and the code that repeats it", ToggleShare()),
+    Key("S", "S", "picture", "Save a picture: of the panel chosen under Save, or of a lesson's figures", SavePicture()),
     Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", LetGo()),
 )
 

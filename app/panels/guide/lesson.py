@@ -6,6 +6,7 @@ from viewimit.drawing.svg import escape
 from ...control.state import PageState
 from ...lessons.card import draw_lesson
 from ...lessons.sliders import draw_sliders
+from ..classroom.question import question_html
 from ..panel import Layout, Panel
 from ..widgets import put_html
 
@@ -25,7 +26,9 @@ class LessonPanel(Panel):
         return self._lesson.content
 
     def depends_on(self, state: PageState) -> tuple:
-        return id(state.course), None if state.course is None else state.course.changes, state.offered
+        course, of_class = state.course, (state.asked, state.holds, state.classroom)
+        about = () if course is None else (course.changes, state.message)
+        return state.offered, id(course), *about, *of_class
 
     def show(self, state: PageState) -> None:
         course = state.course
@@ -34,7 +37,9 @@ class LessonPanel(Panel):
             put_html(self._lesson, "")
             put_html(self._sliders, "")
             return
-        put_html(self._lesson, draw_lesson(course, self._address))
+        below = question_html(state, course, self._address)
+        held = state.holds is not None
+        put_html(self._lesson, draw_lesson(course, self._address, state.message or "", below, held))
         sliders = draw_sliders(course, self._address)
         of = course.screen, course.given.seed, bool(sliders)
         if of != self._of:  # a slider that is dragged must not be made anew

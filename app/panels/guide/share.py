@@ -5,6 +5,7 @@ from typing import Any
 
 import segno
 
+from viewimit.script import file_name
 from viewimit.wording import as_command, as_python
 
 from ...control.commands.display import ToggleShare
@@ -17,6 +18,8 @@ MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
 
 
 class SharePanel(Panel):
+    in_lessons = True
+
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, self._queue, self._origin = layout.gui, layout.queue, layout.origin
         self._card: Any = None  # the open modal, whose class viser does not name
@@ -24,7 +27,9 @@ class SharePanel(Panel):
             layout.gui.add_html(told_address(f"{layout.address}/link/"))
 
     def depends_on(self, state: PageState) -> tuple:
-        return (state.view.share, *((state.present, state.view, state.speed) if state.view.share else ()))
+        if not state.view.share:
+            return (False,)
+        return True, state.present, state.view, state.speed, None if state.course is None else state.course.progress.at
 
     def show(self, state: PageState) -> None:
         if self._card is not None and not state.view.share:
@@ -43,16 +48,19 @@ class SharePanel(Panel):
 
 def share_html(state: PageState, origin: str | None) -> str:
     """origin: scheme://host:port by which the visitor's browser knows the server, None if it does not say."""
-    parts = []
+    parts, script = [], state.session.script.renamed(file_name)
     try:
         address = f"{origin or ''}/?s={written(state.linked())}"
-        parts.append(_copied("A link that opens this very state", address))
+        what = "very state" if state.course is None else "step of the lesson"
+        parts.append(_copied(f"A link that opens this {what}", address))
         parts.append(_qr(address) if origin is not None else "")
-        parts.append(_copied("The same in Python", as_python(state.session.script), lines=True))
+        if state.course is not None:
+            return f'<div class="vi-share">{"".join(parts)}</div>'
+        parts.append(_copied("The same in Python", as_python(script), lines=True))
     except ValueError as error:
         parts.append(f"<p>{html.escape(str(error))}</p>")
     try:
-        parts.append(_copied("The same as a command", as_command(state.session.script), lines=True))
+        parts.append(_copied("The same as a command", as_command(script), lines=True))
     except ValueError as error:
         parts.append(f"<p>{html.escape(str(error))}</p>")
     return f'<div class="vi-share">{"".join(parts)}</div>'

@@ -1,0 +1,1 @@
+"""A class on one server: what its pages tell each other through the store, whichever process each of them is in."""

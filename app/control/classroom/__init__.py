@@ -1,0 +1,1 @@
+"""What the pages of a class do: a student's follows the lecturer's orders, the lecturer's gives them."""

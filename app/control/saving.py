@@ -1,0 +1,141 @@
+"""What a page hands its visitor as files: a replay of its session, and pictures of its panels, made beside it."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import NamedTuple
+
+from viewimit.drawing.curves import draw_curves
+from viewimit.drawing.images.panel import draw_images
+from viewimit.drawing.images.rectified import draw_rectified
+from viewimit.drawing.standalone import can_render
+from viewimit.drawing.theme import DRAWING_CSS
+from viewimit.export.citation import Citation, cite, motions
+from viewimit.export.figures import Figure, four_images, laid_over, stacked, written
+from viewimit.export.perspective import Eye, draw_space
+from viewimit.export.replay import replay
+from viewimit.session import Session
+
+from ..jobs.landscapes import LandscapeWorker
+from ..jobs.png_child import render
+from ..lessons.course import Course
+from ..lessons.figure_area import draw_figures
+from ..static import LESSON_CSS
+from .state import PageState
+
+FORMATS = ("SVG", "PNG")
+SPACE = "3-D view"
+
+
+class Saved(NamedTuple):
+    """A file for the visitor."""
+
+    name: str
+    data: bytes
+
+
+class Saving:
+    """send(name, data): a file for the visitor; arrived(kind, take, made): take(made) in the page's own time."""
+
+    def __init__(
+        self,
+        page_id: int,
+        worker: LandscapeWorker,
+        send: Callable[[str, bytes], None],
+        arrived: Callable[[str, Callable, object], None],
+    ):
+        self._page_id, self._worker, self._send, self._arrived = page_id, worker, send, arrived
+
+    def replay(self, session: Session, chosen: int | None) -> None:
+        """Of all moments that the session has now."""
+        copied = session.copy()
+        self._make("replay", lambda: Saved("viewimit-replay.html", replay(copied, chosen=chosen).html.encode()))
+
+    def picture(self, what: str, form: str, state: PageState, eye: Eye | None) -> None:
+        """what: of FIGURES or SPACE; eye: that looks at the 3-D scene. Raises ValueError for a panel that is empty, and
+        for a PNG without what makes it."""
+        require_form(form)
+        session = state.session.copy()
+        citation = cite(session, state.present.motion)
+        name = f"viewimit-{what.split(' ')[0].lower()}.{form.lower()}"
+        draw: Callable[[], Figure]
+        if what == SPACE:
+            draw = partial(draw_space, session.world, state.shown, eye, state.view.rays)
+        else:
+            figure = FIGURES[what](state)
+            draw = lambda: figure
+        self._make("picture", partial(_saved, name, form, draw, citation))
+
+    def lesson(self, form: str, course: Course) -> None:
+        """Figures of the step that is shown. Raises ValueError where there are none."""
+        require_form(form)
+        stage = course.stage
+        if stage is None:
+            raise ValueError("there is no figure here to be saved")
+        figure = stacked([draw_figures(stage, None)], f"{course.lesson.title}: {stage.step.title}")
+        citation = cite(course.session.copy())
+        self._make("picture", partial(_saved, f"viewimit-lesson.{form.lower()}", form, lambda: figure, citation))
+
+    def _make(self, kind: str, make: Callable[[], Saved]) -> None:
+        self._worker.ask(self._page_id, make, partial(self._arrived, kind, self._take), kind=kind)
+
+    def _take(self, made: Saved | Exception) -> None:
+        if isinstance(made, Exception):
+            raise ValueError(f"it could not be saved: {made}")
+        self._send(made.name, made.data)
+
+
+def require_form(form: str) -> None:
+    """Raises ValueError for a PNG that cannot be made here."""
+    if form == "PNG" and not can_render():
+        written("", ".png")
+
+
+def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation) -> Saved:
+    picture = draw().captioned(citation, DRAWING_CSS + LESSON_CSS)
+    return Saved(name, written(picture, f".{form.lower()}", render))
+
+
+def _images(state: PageState) -> Figure:
+    bodies, windows = state.arms_in_images
+    moment, view, made = state.looked, state.view, f"after {motions(state.looked.motion)}"
+    if view.rectified:
+        return stacked([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}")
+    drawn = draw_images(
+        moment,
+        bodies,
+        windows,
+        view.chosen,
+        view.whole_frames,
+        pictures=state.pictures,
+        construction=state.construction,
+    )
+    return four_images(drawn, f"The learner’s four images {made}")
+
+
+def _landscape(state: PageState) -> Figure:
+    if state.transfers is not None:
+        return stacked([state.transfers], "E over the postures of the learner, by all transfers")
+    if state.landscape is None:
+        raise ValueError("the landscape is not there yet")
+    picture, session = state.landscape.picture, state.session
+    path = picture.draw_path(session.history, session.cursor)
+    title = "E over the postures of the learner, and its path"
+    if len(session.scene.moving_joints) != 2:
+        title = "What a pixel of noise costs at each joint"
+    return laid_over([picture.html, path], f"{title} over {motions(session.cursor)}")
+
+
+def _curves(state: PageState) -> Figure:
+    session, made = state.session, state.landscape
+    E_true = None if made is None else made.E_true
+    joints = session.scene.moving_joints
+    drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=state.errors_deg)
+    return stacked([drawn], f"Conflict E and joint angles over {motions(session.cursor)}")
+
+
+FIGURES: Mapping[str, Callable[[PageState], Figure]] = {
+    "Images": _images,
+    "Landscape": _landscape,
+    "Curves": _curves,
+}
+PICTURES = (*FIGURES, SPACE)

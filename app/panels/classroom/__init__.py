@@ -1,0 +1,1 @@
+"""What a class adds to the page: the lecturer's tab, the students' banner and name, the question in a lesson."""

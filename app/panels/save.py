@@ -1,0 +1,37 @@
+"""The folder in which the session is saved as a replay, and panels as pictures."""
+
+from viser import Icon
+
+from viewimit.drawing.standalone import INSTALL, RENDERER, can_render
+
+from ..control.commands.saving import ChooseFormat, ChoosePicture, SavePicture, SaveReplay
+from ..control.saving import FORMATS, PICTURES
+from ..control.state import PageState
+from .panel import Layout, Panel
+from .widgets import put
+
+REPLAY = "all motions as one file that any browser opens, without a server"
+PICTURE = "at print size, in colours of print, with the caption that makes it citable; P"
+
+
+class SavePanel(Panel):
+    def build(self, layout: Layout, state: PageState) -> None:
+        gui, queue = layout.gui, layout.queue
+        with gui.add_folder("Save", expand_by_default=False):
+            replay = gui.add_button("Save replay", icon=Icon.MOVIE, hint=REPLAY)
+            self._what = gui.add_dropdown("Picture", list(PICTURES), initial_value=state.view.picture)
+            self._form = gui.add_dropdown("As", list(FORMATS), initial_value=state.view.picture_as)
+            picture = gui.add_button("Save picture", icon=Icon.PHOTO_DOWN, hint=PICTURE)
+            if not can_render():
+                gui.add_html(f'<div class="vi-why">PNG needs {RENDERER}: {INSTALL}; SVG does not</div>')
+        queue.on_click(replay, SaveReplay())
+        queue.on_click(picture, SavePicture())
+        queue.on_value(self._what, ChoosePicture.parse)
+        queue.on_value(self._form, ChooseFormat.parse)
+
+    def depends_on(self, state: PageState) -> tuple:
+        return state.view.picture, state.view.picture_as, state.refusals
+
+    def show(self, state: PageState) -> None:
+        put(self._what, state.view.picture)
+        put(self._form, state.view.picture_as)

@@ -1,0 +1,70 @@
+"""A lecturer and a student, each in a browser."""
+
+import re
+
+import pytest
+from browsing import PATIENCE_MS, open_page, press, stands, wait, wait_for_count, wait_for_text, wait_until_complete
+from browsing import posture as posture_of
+from serving import Server
+from waiting import wait_until
+
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+pytestmark = pytest.mark.browser
+CLASS, TILE, BANNER, QUESTION = ".vi-class-head", ".vi-tile", ".vi-banner", ".vi-class-question"
+
+
+def touch(page, what):
+    page.locator(f"a[href$='class/{what}']").first.click()
+
+
+def test_a_lecturer_sees_leads_and_asks_a_student(browser):
+    server = Server("--lecturer")
+    address = wait_until(lambda: re.search(r"the lecturer opens (\S+)\n", server.log))[1]
+    student, alone = open_page(browser, server.url, "small"), Session(Settings())
+    lecturer = open_page(browser, address, "small")
+    assert "lecturer" not in lecturer.url
+    assert not student.get_by_role("tab", name="Class").count()
+    name = student.locator("div.mantine-Flex-root").filter(has=student.get_by_text("Your name", exact=True)).last
+    name.locator("input").fill("<i>Mira</i>")
+    name.locator("input").blur()
+    lecturer.get_by_role("tab", name="Class").click()
+    wait_for_text(lecturer, "<i>Mira</i>")
+    wait_for_count(lecturer, TILE, 1, exactly=True)
+    touch(lecturer, "lead")
+    wait_for_count(student, BANNER, 1)
+    press(lecturer, "ArrowRight")
+    alone.step()
+    for page in (lecturer, student):
+        wait(page, lambda page=page: posture_of(page) == stands(alone))
+    press(student, "ArrowRight")
+    wait_for_text(student, "The lecturer leads: this page follows")
+    assert posture_of(student) == stands(alone)
+    touch(lecturer, "lead")
+    wait_for_count(student, BANNER, 0, exactly=True)
+    student.reload()  # which keeps what was done, and the name
+    wait_until_complete(student)
+    lecturer.locator(".vi-lessons a").first.click()
+    while not lecturer.locator(f"{QUESTION} a").count():
+        before = lecturer.get_attribute(".vi-guide", "data-screen") if lecturer.locator(".vi-guide").count() else ""
+        if before:
+            lecturer.locator(".vi-options a").first.click()
+            lecturer.locator(".vi-guide a:has(.vi-filled.vi-guide-main)").click()
+        lecturer.wait_for_function(
+            "before => (document.querySelector('.vi-guide')?.dataset.screen ?? '') !== before", arg=before,
+            timeout=PATIENCE_MS,
+        )  # fmt: skip
+    touch(lecturer, "ask")
+    student.wait_for_selector(QUESTION, timeout=PATIENCE_MS)
+    assert not student.locator(".vi-guide-leave a,.vi-guide-foot a").count()
+    student.locator(".vi-options a").first.click()
+    wait_for_text(lecturer, "1 of 1 answered")
+    touch(lecturer, "reveal")
+    wait_for_text(student, "1 of 1 are right")
+    touch(lecturer, "close")
+    wait_for_count(student, ".vi-guide", 0, exactly=True)
+    for page in (lecturer, student):
+        assert page.problems == []
+        page.close()
+    assert server.stop() == 0

@@ -1,6 +1,8 @@
-"""What is installed: the wheel holds all that runs, and metadata that hold on a package index."""
+"""What is installed: the wheel holds all that runs, the documentation, and metadata that hold on a package index."""
 
+import html
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -9,8 +11,15 @@ from email import message_from_string
 from pathlib import Path
 
 import pytest
+from viewimit.app.sessions.link import read
 
+from viewimit.cli import COMMANDS, main
+from viewimit.commands import BadInput
+from viewimit.commands.docs import first_page
+from viewimit.drawing.glossary import glossary
+from viewimit.settings import Settings
 from viewimit.simulation.eyes import has_wheel
+from viewimit.wording import as_python
 
 try:
     import tomllib
@@ -19,24 +28,31 @@ except ModuleNotFoundError:  # Python 3.10
 
 ROOT = Path(__file__).parent.parent
 FOLDERS = {"viewimit": "viewimit", "app": "viewimit/app", "assets": "viewimit/assets"}  # where they install
-FILES = ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff")
+BESIDE = ("docs", "examples")  # folders that the documentation in the wheel is made of
+FILES = (
+    "pyproject.toml", "build_backend.py", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "CHANGELOG.md",
+    "CITATION.cff",
+)  # fmt: skip
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def wheel(tmp_path_factory):
     """Built from a copy, so that no build folder is left behind."""
     source, made = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("made")
-    for folder in FOLDERS:
+    for folder in (*FOLDERS, *BESIDE):
         shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
     for name in FILES:
         shutil.copy(ROOT / name, source)
     command = [sys.executable, "-m", "pip", "wheel", "-v", "--no-deps", "--wheel-dir", str(made), str(source)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=os.environ | {"PYTHONWARNINGS": ""})
-    if "No matching distribution found for setuptools" in done.stdout + done.stderr:
+    there = os.environ | {"PYTHONWARNINGS": "", "PIP_NO_COMPILE": "1"}  # most of what the build takes is never imported
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, env=there)
+    if "No matching distribution found for" in done.stdout + done.stderr:
         pytest.skip("no package index")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "Package would be ignored" not in done.stdout and "Deprecat" not in done.stdout, done.stdout
     (path,) = made.glob("*.whl")
+    if kept := os.environ.get("VIEWIMIT_KEEP_WHEEL"):  # a folder, for who goes on with it
+        shutil.copy(path, kept)
     with zipfile.ZipFile(path) as archive:
         archive.extractall(made / "unpacked")
     return made / "unpacked"
@@ -66,9 +82,107 @@ def test_its_metadata_hold_on_an_index(wheel):
     assert metadata["License-Expression"] == "MIT" and len(metadata.get_all("License-File")) == 4
     assert any(name == "Typing :: Typed" for name in metadata.get_all("Classifier"))
     text = metadata.get_payload()
-    assert metadata["Description-Content-Type"] == "text/markdown" and "# viewimit\n" in text and "## Glossary" in text
+    assert metadata["Description-Content-Type"] == "text/markdown" and "# viewimit\n" in text and "## Licences" in text
     assert "![" not in text and "\n!" not in text
     assert "](docs/" not in text and "](LICENSE)" not in text and "see LICENSE." in text
+
+
+def pages_of(wheel):
+    """Text of each page of the documentation, by its place; replays are pages of their own."""
+    site = wheel / "viewimit/site"
+    pages = sorted(path for path in site.rglob("*.html") if path.parent.name != "gallery")
+    return {path.relative_to(site).as_posix(): path.read_text("utf-8") for path in pages}
+
+
+def test_the_wheel_holds_the_documentation_and_says_where(wheel, tmp_path):
+    code = "import sys, viewimit.cli; sys.exit(viewimit.cli.main(['docs', '--print']))"
+    there = os.environ | {"PYTHONPATH": str(wheel)}
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=there, capture_output=True, text=True)
+    assert done.returncode == 0 and Path(done.stdout.rstrip()) == wheel / "viewimit/site/index.html"
+    pages = pages_of(wheel)
+    written = {
+        path.relative_to(ROOT / "docs").with_suffix(".html").as_posix()
+        for ending in ("md", "ipynb")
+        for path in (ROOT / "docs").rglob(f"*.{ending}")
+    }
+    written -= set() if (ROOT / "docs/gallery.py").is_file() else {"gallery.html"}  # made of what may not be there
+    assert written <= pages.keys() and len(written) > 15
+    assert sum(path.stat().st_size for path in (wheel / "viewimit/site").rglob("*") if path.is_file()) < 30e6
+
+
+def test_what_the_documentation_shows_of_examples_was_computed(wheel, capsys):
+    text = {place: html.unescape(re.sub(r"<[^>]+>", "", page)) for place, page in pages_of(wheel).items()}
+    assert main(["imitate", "--demonstrator", "45,-90", "--start", "25,-45"]) == 0
+    assert capsys.readouterr().out in text["five-minutes.html"]
+    assert "{run-" not in "".join(text.values()) and "`" not in text["reference/library.html"]
+    for name in COMMANDS:
+        assert f"viewimit {name}" in text["reference/commands.html"]
+    for entry in glossary().values():
+        assert entry.sentence in text["reference/glossary.html"]
+    for figure in tomllib.loads((ROOT / "docs/figures.toml").read_text("utf-8"))["figure"]:
+        assert all(command in text["limits.html"] for command in figure["commands"])
+
+
+def test_its_links_open_the_states_that_are_drawn(wheel):
+    found = {
+        (address, float(E))
+        for page in pages_of(wheel).values()
+        for E, address in re.findall(r'data-conflict="([^"]+)" href="http://127.0.0.1:8080/\?s=([^"]+)"', page)
+    }
+    assert len(found) > 5
+    for address, E in found:
+        names: dict = {}
+        exec(as_python(read(address, Settings()).script), names)
+        assert names["session"].snapshot.E == pytest.approx(E, rel=1e-9)
+
+
+def test_all_that_a_page_links_to_or_loads_is_there(wheel):
+    site, pages = wheel / "viewimit/site", pages_of(wheel)
+    for place, page in pages.items():
+        for kind, address in re.findall(r'\b(href|src)="([^"]*)"', page):
+            target, _, anchor = html.unescape(address).partition("#")
+            if target.startswith(("https:", "http:", "data:")):
+                assert kind == "href" or target.startswith("data:"), (place, address)
+                continue
+            path = (site / place).parent / target.partition("?")[0] if target else site / place
+            assert path.is_file(), (place, address)
+            if anchor and path.suffix == ".html":
+                assert f'id="{anchor}"' in path.read_text("utf-8"), (place, address)
+        assert not re.search(r'<link[^>]*href="https?:', page) and "@import" not in page
+    assert not any(re.search(r"url\(\s*[\"']?https?:", sheet.read_text()) for sheet in site.rglob("*.css"))
+
+
+@pytest.mark.browser
+def test_the_documentation_works_from_a_file_in_a_browser(wheel, browser):
+    begin = (wheel / "viewimit/site/index.html").as_uri()
+    context = browser.new_context(viewport={"width": 390, "height": 800}, color_scheme="dark")
+    page = context.new_page()
+    asked, faults = [], []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
+    for place in ("limits.html", "reference/commands.html", "notebooks/figures.html", "method.html"):
+        page.goto(begin.replace("index.html", place))
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), place
+    assert page.evaluate("getComputedStyle(document.querySelector('.drawn')).backgroundColor") == "rgb(36, 36, 36)"
+    assert page.locator(".equation math").first.bounding_box()["height"] > 12
+    page.goto(begin.replace("index.html", "search.html?q=rectification"))
+    page.locator("#search-results li a").first.wait_for()
+    assert page.locator("#search-results li a[href*='method.html']").count()
+    assert all(url.startswith(("file:", "data:")) for url in asked) and not faults, (asked, faults)
+    context.close()
+
+
+def test_a_clone_without_it_says_what_builds_it(tmp_path, capsys):
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/build.py").touch()
+    with pytest.raises(BadInput, match=r"pip install -e '.*\[docs\]' && .*build\.py"):
+        first_page(tmp_path / "viewimit")
+    (tmp_path / "build/site").mkdir(parents=True)
+    (tmp_path / "build/site/index.html").touch()
+    assert first_page(tmp_path / "viewimit") == tmp_path / "build/site/index.html"
+    with pytest.raises(BadInput, match="made without it"):
+        first_page(tmp_path / "elsewhere/viewimit")
 
 
 def test_what_camera_images_need_comes_by_one_marker():

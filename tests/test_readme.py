@@ -1,4 +1,5 @@
-"""README says what is: its commands print what it shows, its lines are those that run, its links lead somewhere."""
+"""README and docs say what is: commands print what README shows, lines are those that run, links lead somewhere. The
+documentation's own examples are executed when it is built: tests/test_package.py."""
 
 import importlib.util
 import re
@@ -25,9 +26,9 @@ def blocks(language):
     return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
 
 
-def examples(of=0):
-    """(words, output shown) of each `$ viewimit …` line of a block."""
-    console = blocks("console")[of]
+def examples():
+    """(words, output shown) of each `$ viewimit …` line."""
+    (console,) = blocks("console")
     for example in console.split("$ viewimit ")[1:]:
         words, _, output = example.partition("\n")
         yield shlex.split(words), output
@@ -39,26 +40,17 @@ def test_commands_print_what_readme_shows(words, shown, capsys):
     assert capsys.readouterr().out == shown
 
 
-def test_your_own_robot_does_what_readme_shows(capsys, tmp_path, monkeypatch):
-    assert len(blocks("console")) == 2
-    (source,) = re.findall(r"Here `arm.urdf` is a copy of `([^`]+)`", README)
-    (tmp_path / "arm.urdf").write_bytes((ROOT / source).read_bytes())
-    monkeypatch.chdir(tmp_path)
-    for words, shown in examples(1):
-        assert main(words) == 0
-        assert capsys.readouterr().out == shown
-
-
 SHORT = {  # what makes a program brief that measures; of the others --help is asked
     "-m viewimit.app.benchmark": ("--runs", "1"),
     "-m viewimit.app.camera_benchmark": ("--seconds", "1"),
 }
 WITH_PICTURES = ("-m viewimit.app.camera_benchmark", "-m viewimit.assets.build_markers")
-PROGRAMS = sorted(set(re.findall(r"`python (-m viewimit[\w.]*|tests/\w+\.py)", README)))
+DOCS = "".join(path.read_text("utf-8") for path in (ROOT / "docs").rglob("*") if path.suffix in (".md", ".toml"))
+PROGRAMS = sorted(set(re.findall(r"[`\"]python (-m viewimit[\w.]+|tests/\w+\.py)", README + DOCS)))
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
-def test_programs_that_readme_names_run(program):
+def test_programs_that_are_named_run(program):
     if program in WITH_PICTURES and not (importlib.util.find_spec("pybullet") and importlib.util.find_spec("cv2")):
         pytest.skip("no pybullet or OpenCV")
     command = [sys.executable, *program.split(), *SHORT.get(program, ("--help",))]
@@ -71,9 +63,8 @@ def test_those_programs_are_found():
     assert set(SHORT) <= set(PROGRAMS) and any(program.startswith("tests/") for program in PROGRAMS)
 
 
-@pytest.mark.parametrize("code", blocks("python"), ids=["own cameras", "library"])
-def test_the_examples_of_the_library_run_and_print_their_comments(code, capsys, monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "examples"))
+def test_the_example_of_the_library_runs_and_prints_its_comments(capsys):
+    (code,) = blocks("python")
     exec(compile(code, "README.md", "exec"), {})
     expected = re.findall(r"^print.*  # (.*)$", code, re.MULTILINE)
     assert len(expected) == 2
@@ -106,14 +97,18 @@ def test_links_lead_somewhere():
         assert link.startswith("https://") or (ROOT / link).is_file(), link
 
 
+def test_readme_is_read_in_a_screen_and_a_half():
+    assert len(README.splitlines()) <= 90
+
+
 def test_every_command_is_listed():
     for name in COMMANDS:
         assert f"`viewimit {name}`" in README
 
 
 def test_names_of_the_glossary_exist():
-    glossary = README.partition("## Glossary")[2].partition("\n## ")[0]
-    code = [row.split("|")[2] for row in glossary.splitlines() if row.startswith("| ")][1:]
+    table = (ROOT / "docs/reference/glossary.md").read_text("utf-8")
+    code = [row.split("|")[2] for row in table.splitlines() if row.startswith("| ")][1:]
     source = "".join(path.read_text() for path in (ROOT / "viewimit").rglob("*.py"))
     names = [name for cell in code for name in re.findall(r"`([^`]+)`", cell)]
     assert len(names) > 20

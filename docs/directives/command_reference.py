@@ -1,0 +1,50 @@
+"""Every command with its options, from the parsers themselves."""
+
+import argparse
+
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from viewimit import cli
+
+
+class Commands(SphinxDirective):
+    def run(self) -> list[nodes.Node]:
+        found: list[nodes.Node] = []
+        for name, text in cli.COMMANDS.items():
+            section = nodes.section(ids=[f"viewimit-{name}"], names=[f"viewimit-{name}"])
+            section += nodes.title("", f"viewimit {name}")
+            section += nodes.paragraph("", text)
+            section += _options(_parser(name))
+            found.append(section)
+        return found
+
+
+def _parser(name: str) -> argparse.ArgumentParser:
+    top = cli._parser(name)
+    commands = next(action for action in top._actions if isinstance(action, argparse._SubParsersAction))
+    return commands.choices[name]
+
+
+def _options(parser: argparse.ArgumentParser) -> nodes.definition_list:
+    formatter = parser._get_formatter()
+    listed = nodes.definition_list(classes=["options"])
+    for action in parser._actions:
+        if isinstance(action, argparse._HelpAction):
+            continue
+        metavar = (
+            formatter._format_args(action, formatter._get_default_metavar_for_optional(action))
+            if action.option_strings
+            else formatter._metavar_formatter(action, action.dest)(1)[0]
+        )
+        words = " ".join([", ".join(action.option_strings), metavar]).strip() if action.option_strings else metavar
+        item = nodes.definition_list_item()
+        item += nodes.term("", "", nodes.literal(words, words))
+        item += nodes.definition("", nodes.paragraph("", formatter._expand_help(action) if action.help else ""))
+        listed += item
+    return listed
+
+
+def add_to(app: Sphinx) -> None:
+    app.add_directive("commands", Commands)

@@ -1,0 +1,161 @@
+"""The page's own drawings of a state, each with a link that opens the page in it."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.errors import ExtensionError
+from sphinx.util.docutils import SphinxDirective
+
+from viewimit import Session
+from viewimit.analysis.construction import construct
+from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+from viewimit.analysis.self_assessment import assess
+from viewimit.drawing import curves, equations, status
+from viewimit.drawing import landscape as landscapes
+from viewimit.drawing.images.panel import draw_images
+from viewimit.drawing.images.planes import image_windows
+from viewimit.drawing.images.rectified import draw_rectified
+from viewimit.drawing.lessons.view import draw_view
+from viewimit.simulation.appearance import Bodies, Silhouettes, reach
+from viewimit.simulation.link_meshes import link_meshes
+
+from . import states
+
+STEP_DEG, SLOW_STEP_DEG = 1.0, 3.0  # of landscapes; SLOW: of the transfer that takes ten times as long
+SLOW = "projective"
+ASK = re.compile(r'<input type="button" class="vi-ask"[^>]*/>')
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """state: of `states.STATES`; draw: HTML of it; equations: numbers in the paper of those that are shown with the
+    numbers of the state."""
+
+    state: str
+    draw: Callable[[Session, int], str]
+    equations: tuple[str, ...] = ()
+
+
+def _bodies(session: Session) -> Bodies:
+    return _silhouettes(session).bodies(session.snapshot)
+
+
+@cache
+def _silhouettes(session: Session) -> Silhouettes:
+    meshes = link_meshes(session.world.scene.robot)
+    return Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, session.world)
+
+
+def _views(**layers: tuple[str, ...]) -> Callable[[Session, int], str]:
+    """Images beside each other, each with its layers."""
+
+    def draw(session: Session, chosen: int) -> str:
+        now, bodies = session.snapshot, _bodies(session)
+        drawn = "".join(f"<div>{draw_view(view, now, bodies, shown, chosen)}</div>" for view, shown in layers.items())
+        return f'<div class="beside">{drawn}</div>'
+
+    return draw
+
+
+def _images(session: Session, chosen: int) -> str:
+    now, world = session.snapshot, session.world
+    windows = image_windows(reach(world, [now.theta, now.theta_demo]), world.scene.head.image)
+    return draw_images(now, _bodies(session), windows, chosen, construction=construct(now, chosen))
+
+
+@cache
+def _landscape(session: Session) -> Landscape:
+    now = session.snapshot
+    demo, seen = now.views.demo, now.views.visible[:, :2]
+    step = SLOW_STEP_DEG if now.settings.transfer == SLOW else STEP_DEG
+    return landscape(session.eyes, now.fit, demo, seen, grid_axes(session.world, step))
+
+
+def _bowl(session: Session, chosen: int) -> str:
+    """The landscape with the path on it."""
+    picture = landscapes.LandscapePicture(_landscape(session), session.scene, session.snapshot)
+    return f'<div class="over">{picture.html}{picture.draw_path(session.history, session.cursor)}</div>'
+
+
+def _curves(session: Session, chosen: int) -> str:
+    now = session.snapshot
+    E_true = session.observe(now.theta_demo, now).E
+    errors = [float(np.degrees(np.abs(past.theta - past.theta_demo).max())) for past in session.history]
+    return curves.draw_curves(session.history, session.cursor, E_true, session.scene.moving_joints, errors_deg=errors)
+
+
+def _claim(session: Session, chosen: int) -> str:
+    """What the learner says, what only the viewer knows, and what a pixel of noise costs at each joint."""
+    now, joints = session.snapshot, session.scene.moving_joints
+    said = status.describe(now, list(session.history)[:-1], False, assess(session), joints)
+    strip = status.draw_status(said, status.describe_truth(joints, now.theta, now.theta_demo))
+    return f'<div class="strip">{strip}</div>{_bowl(session, chosen)}'
+
+
+DRAWINGS = {
+    "overview": Drawing("begin", _images),
+    "two-views": Drawing("begin", _views(l=("points", "chosen"), L=("line from l", "own chosen")), ("(1)",)),
+    "crossing": Drawing(
+        "begin",
+        _views(l=("chosen",), r=("chosen",), L=("line from l", "line from r", "crossing")),
+    ),
+    "transfer": Drawing("begin", _images, ("(4)",)),
+    "residual": Drawing(
+        "begin", _views(L=("own points", "recovered points", "arrows"), R=("own points", "recovered points", "arrows"))
+    ),
+    "landscape": Drawing("arrived", _bowl, ("(6)",)),
+    "servo": Drawing("best", _curves),
+    "papers-law": Drawing("papers-law", _curves, ("(13)",)),
+    "arrived": Drawing("best", _claim),
+    "untold": Drawing("untold", _claim),
+    "rectification": Drawing("toed-in", lambda session, chosen: draw_rectified(session.snapshot, _bodies(session))),
+    "facing": Drawing("facing", _bowl),
+}
+
+
+def cards(name: str, numbers: tuple[str, ...]) -> str:
+    """The page's equations with these numbers, of a state."""
+    drawn = equations.draw_equations(states.session(name).snapshot, states.chosen(name))
+    found = re.findall(r'<div class="vi-eq">.*?</div>', drawn, re.DOTALL)
+    kept = [card for card in found if re.match(r'<div class="vi-eq"><b>([^<]*)</b>', card)[1] in numbers]
+    if len(kept) != len(numbers):
+        raise ValueError(f"the page shows no equations {numbers} in the state {name!r}")
+    return "".join(kept)
+
+
+class DrawingDirective(SphinxDirective):
+    """A drawing by its name; the words below it are its caption."""
+
+    required_arguments = 1
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        name = self.arguments[0]
+        if name not in DRAWINGS:
+            raise ExtensionError(f"{self.env.docname}, line {self.lineno}: no drawing {name!r}")
+        drawing = DRAWINGS[name]
+        inside = drawing.draw(states.session(drawing.state), states.chosen(drawing.state))
+        inside = ASK.sub("", inside) + _numbers(drawing)
+        figure = nodes.container("", classes=["figure", f"figure-{name}"])
+        figure += nodes.raw("", f'<div class="drawn">{inside}</div>', format="html")
+        words = nodes.container("", classes=["words"])
+        self.state.nested_parse(self.content, self.content_offset, words)
+        E = states.session(drawing.state).snapshot.E
+        told = f'class="open" data-conflict="{E!r}" href="{states.address(drawing.state)}"'
+        words += nodes.raw("", f"<p><a {told}>Open the page in this state</a></p>", format="html")
+        figure += words
+        return [figure]
+
+
+def _numbers(drawing: Drawing) -> str:
+    shown = cards(drawing.state, drawing.equations) if drawing.equations else ""
+    return f'<div class="vi-eqs">{shown}</div>' if shown else ""
+
+
+def add_to(app: Sphinx) -> None:
+    app.add_directive("drawing", DrawingDirective)

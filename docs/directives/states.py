@@ -1,0 +1,60 @@
+"""States of the page that the documentation shows, and the address that opens the page in each."""
+
+from dataclasses import dataclass, field
+from functools import cache
+
+import msgspec
+import numpy as np
+from viewimit.app.sessions.link import Linked, written
+
+from viewimit import Session, Settings
+from viewimit.settings import BEST
+
+replace = msgspec.structs.replace
+PAGE = "http://127.0.0.1:8080/?s="  # where `viewimit` serves
+
+
+@dataclass(frozen=True)
+class State:
+    """settings and motions: what leads there; chosen: a body point, None for that with the largest residual; show:
+    switches of the page."""
+
+    settings: Settings = Settings()
+    motions: int = 0
+    chosen: int | None = None
+    show: dict[str, bool] = field(default_factory=dict)
+    runs: bool = False  # until the servo rests
+
+
+STATES = {
+    "begin": State(Settings(start_deg=(25, -45)), chosen=6),
+    "agree": State(Settings(start_deg=(45, -90))),
+    "arrived": State(Settings(start_deg=(25, -45)), runs=True),
+    "best": State(replace(BEST, start_deg=(25, -45)), runs=True),
+    "papers-law": State(Settings(servo="gradient", start_deg=(30, -60)), motions=100),
+    "untold": State(replace(BEST, points=5, start_deg=(25, -45)), runs=True),
+    "toed-in": State(replace(BEST, scene="panda-toed", start_deg=(25, -45)), show={"rectified": True}),
+    "facing": State(Settings(scene="panda-facing", start_deg=(25, -45)), runs=True),
+}
+
+
+@cache
+def session(name: str) -> Session:
+    """That has come to the state."""
+    state = STATES[name]
+    found = Session(state.settings)
+    if state.runs:
+        found.run()
+    for _ in range(state.motions):
+        found.step()
+    return found
+
+
+def chosen(name: str) -> int:
+    state, now = STATES[name], session(name).snapshot
+    return int(np.nanargmax((now.e**2).sum(1))) if state.chosen is None else state.chosen
+
+
+def address(name: str) -> str:
+    """Of the page in that state."""
+    return PAGE + written(Linked(script=session(name).script, chosen=chosen(name), show=STATES[name].show))

@@ -82,11 +82,27 @@ class NearLoop:
             self._loop.call_soon_threadsafe(callback, *args)
 
 
-def wake_directly(client: ClientHandle) -> None:
-    """What is pushed in the event loop's own thread is sent without a call of the system to wake it. Offer: the same in
-    `AsyncMessageBuffer.push`, where the thread can be asked for."""
-    buffer: Any = client._websock_connection.get_message_buffer()
-    buffer.event_loop = NearLoop(buffer.event_loop)
+class LoopEvent(asyncio.Event):
+    """It is set in its loop's thread alone: another's would change what the loop may be iterating over."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop):
+        super().__init__()
+        self._its_loop = loop
+
+    def set(self) -> None:
+        if asyncio._get_running_loop() is self._its_loop:
+            super().set()
+
+
+def wake_in_loop(source: ViserServer | ClientHandle) -> None:
+    """What is pushed wakes who sends it in the event loop's own thread: never from another, where now and then a push
+    failed with "deque mutated during iteration", and without a call of the system where that is the pushing one.
+    Offer: the same in `AsyncMessageBuffer.push`, which sets its event in any thread, then once more in the loop."""
+    pushes = source._websock_server if isinstance(source, ViserServer) else source._websock_connection
+    buffer: Any = pushes.get_message_buffer()
+    loop, replaced = buffer.event_loop, buffer.message_event
+    buffer.message_event, buffer.event_loop = LoopEvent(loop), NearLoop(loop)
+    loop.call_soon_threadsafe(replaced.set)  # who waits for it goes on with its successor
 
 
 # Offer for the next five: setters without a comparison of arrays, a look at types and a task for every callback, which

@@ -92,6 +92,7 @@ class App:
         self._touches = touches
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._keys = SessionKeys(server, autosave, options.settings, self._retire)
+        viser_private.wake_in_loop(server)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
         self._collecting = threading.Lock()
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
@@ -126,7 +127,7 @@ class App:
     def _connect(self, client: viser.ClientHandle) -> None:
         place = self._keys.take(client)
         key = place.key
-        viser_private.wake_directly(client)
+        viser_private.wake_in_loop(client)
         token = token_of_client(self._server, client.client_id)
         address = None if token is None else self._touches.new_address()
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)

@@ -1,11 +1,15 @@
 """The private parts of viser are still as they are relied upon."""
 
 import asyncio
+import contextlib
 import dataclasses
+import io
 from typing import get_type_hints
 
 import pytest
-from viewimit.app.viser_private import NearLoop, serving_with
+import viser
+from protocol import Client
+from viewimit.app.viser_private import LoopEvent, NearLoop, serving_with, wake_in_loop
 from viser import GuiHtmlHandle, GuiSliderHandle
 from viser._messages import (
     GuiHtmlProps,
@@ -36,6 +40,35 @@ def test_the_loop_is_woken_for_other_threads_only(event_loop):
     assert asyncio.run_coroutine_threadsafe(inside(), event_loop).result(5) == ["at once"]
     near.call_soon_threadsafe(seen.append, "soon")
     wait_until(lambda: seen == ["at once", "soon"])
+
+
+def test_an_event_is_set_in_its_loop_alone(event_loop):
+    event = LoopEvent(event_loop)
+    waiting = asyncio.run_coroutine_threadsafe(event.wait(), event_loop)
+    event.set()
+    assert not event.is_set()
+    event_loop.call_soon_threadsafe(event.set)
+    assert waiting.result(5) and event.is_set()
+
+
+def test_what_another_thread_pushes_wakes_every_page():
+    with contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        early = Client(f"http://127.0.0.1:{server.get_port()}")
+        wait_until(server.get_clients)
+        wake_in_loop(server)
+        pages = [early, Client(f"http://127.0.0.1:{server.get_port()}")]
+        wait_until(lambda: len(server.get_clients()) == len(pages))
+        for client in server.get_clients().values():
+            wake_in_loop(client)
+        for k in range(20):
+            server.scene.add_frame(f"/all/{k}", visible=False)
+            for client in server.get_clients().values():
+                client.gui.add_html(f"{k}")
+            wait_until(lambda k=k: all(f"/all/{k}" in page.nodes and f"{k}" in page.html.values() for page in pages))
+    finally:
+        server.stop()
 
 
 def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():

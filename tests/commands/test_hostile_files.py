@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import struct
 import subprocess
 import sys
@@ -61,8 +62,10 @@ def refused_apart(*words, home=None):
     """The same in a process of its own, whose memory is measured."""
     command = [sys.executable, "-I", "-c", SMALL, *map(str, words)]
     env = {name: value for name, value in os.environ.items() if name != "VIEWIMIT_STORE"} | (home or {})
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env)
-    watch = threading.Timer(30, process.kill)  # with one that waits for a pipe
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env, start_new_session=True
+    )
+    watch = threading.Timer(30, os.killpg, (process.pid, signal.SIGKILL))  # with one that waits for a pipe
     watch.start()
     said = process.stdout.read()
     process.wait()

@@ -30,7 +30,6 @@ def test_one_degree_a_step_is_followed_closely_and_the_papers_law_is_left_behind
     assert paper.rms_deg > 3
 
 
-@pytest.mark.slow
 def test_behind_a_moving_demonstrator_seen_with_noise_the_transfer_is_kept(monkeypatch):
     """Fitted anew at every step it would add its own noise to that of the postures."""
     (kept,) = run(cases=[NOISY], points=16, runs=1, workers=1)

@@ -191,7 +191,6 @@ def test_shares_are_counted_at_the_end_and_at_the_nearest_by_target():
     assert (found.bias_deg_median, found.bias_deg_95) == (1.0, pytest.approx(1.925))
 
 
-@pytest.mark.slow
 def test_the_papers_law_hardly_arrives_where_broyden_does(panda):
     """METHOD: with the printed constants at most 4 % come within 3° in 3000 motions; broyden takes 6 to 10."""
     pairs = success.grid_pairs(panda, (3, 4))

@@ -28,7 +28,6 @@ def begin(client, url, cookie):
     return links[0][1]
 
 
-@pytest.mark.slow
 def test_every_process_offers_it_first(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(GOOD + CHOICE)

@@ -81,7 +81,6 @@ def test_who_leaves_gives_the_process_up(here):
     wait_until(lambda: not here.camera.running)
 
 
-@pytest.mark.slow
 @needed
 def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
     with Client(here.url).ready() as client:
@@ -94,7 +93,6 @@ def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
         switch_on(client)
 
 
-@pytest.mark.slow
 @needed
 def test_a_reload_comes_back_to_the_same_pictures(here):
     cookie = browser_of(here.url)

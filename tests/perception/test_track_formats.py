@@ -417,8 +417,13 @@ def write_as_named(path, images):
 def test_the_lines_about_what_trackers_write_run(tmp_path, monkeypatch, ask_json):
     for package in ("h5py", "tables", "cv2"):
         pytest.importorskip(package)
-    section = (ROOT / "docs" / "how-to" / "tracks.md").read_text().partition("## What trackers write")[2]
-    block, *_ = re.findall(r"^```text\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
+    section = (
+        (ROOT / "docs" / "how-to" / "tracks.md")
+        .read_text()
+        .partition("## What trackers write")[2]
+        .partition("\n## ")[0]
+    )
+    (block,) = re.findall(r"^```text\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
     lines = [shlex.split(line)[1:] for line in block.splitlines()]
     points, images = np.random.default_rng(6).uniform((-0.4, -0.3, 2.0), (0.4, 0.3, 2.6), (12, 3)), {}
     for view, (eye, turned) in zip(VIEWS, ((-0.05, 0.0), (0.05, 0.0), (-0.05, 0.2), (0.05, 0.2))):

@@ -141,7 +141,7 @@ def test_a_server_that_is_stopped_and_started_again_has_lost_nothing(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
-@pytest.mark.parametrize("workers", [pytest.param("1", marks=pytest.mark.slow), "2"])
+@pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
     options = "--store", str(tmp_path / "state"), "--workers", workers
     server = Server(*options)
@@ -247,7 +247,7 @@ def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")
-@pytest.mark.parametrize("visits, bound_mb", [(8, 30), pytest.param(125, 12.5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("visits, bound_mb", [(15, 30), pytest.param(125, 12.5, marks=pytest.mark.slow)])
 def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
     server = Server()
     for visit in range(10 + visits):

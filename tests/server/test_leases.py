@@ -11,7 +11,7 @@ from waiting import stays, wait_until
 TAKEN = "another tab has taken this session"
 
 
-@pytest.fixture(scope="module", params=["file", pytest.param("redis", marks=pytest.mark.slow)])
+@pytest.fixture(scope="module", params=["file", "redis"])
 def where(request, tmp_path_factory):
     if request.param == "redis":
         return request.getfixturevalue("redis_url")

@@ -142,7 +142,7 @@ def test_the_oldest_of_an_address_that_has_too_many_goes_else_the_oldest_of_all(
     assert len(pending) == 3
 
 
-@pytest.mark.parametrize("options", [(), pytest.param(("--workers", "2"), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("options", [(), ("--workers", "2")])
 def test_silent_connections_lock_nobody_out(options):
     server = Server(*options)
     with contextlib.ExitStack() as held:

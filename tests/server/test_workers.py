@@ -196,7 +196,6 @@ def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_no
     assert server.stop() == 0
 
 
-@pytest.mark.slow
 def test_a_class_of_two_workers_loses_nothing_when_it_is_stopped(tmp_path):
     options = "--workers", "2", "--store", str(tmp_path / "state")
     server = Server(*options)
@@ -216,7 +215,6 @@ def test_a_class_of_two_workers_loses_nothing_when_it_is_stopped(tmp_path):
     assert server.stop(signal.SIGINT) == 0
 
 
-@pytest.mark.slow
 def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
     server = Server("--workers", "2", "--max-clients", "3")
     clients = [Client(server.url).ready() for _ in range(3)]
@@ -230,7 +228,6 @@ def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
     assert server.stop() == 0
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
 def test_workers_keep_their_sessions_and_end_when_the_process_that_hands_over_is_killed(tmp_path):
     options = "--workers", "2", "--store", str(tmp_path / "state")
@@ -305,7 +302,6 @@ def test_a_stop_takes_ten_seconds_at_most(tmp_path):
         assert server.stop() == 0  # which waits no longer
 
 
-@pytest.mark.slow
 @pytest.mark.browser
 def test_pages_of_two_workers_run_and_come_back_after_a_reload(browser):
     server, alone = Server("--workers", "2"), Session(Settings())

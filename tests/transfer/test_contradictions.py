@@ -49,7 +49,7 @@ def test_points_that_are_moved_out_of_their_epipolar_lines_are_unseen_in_both_im
 def test_with_every_tenth_point_at_a_wrong_place_in_a_single_frame_the_learner_arrives():
     """Of 90 runs with 10, 16 and 20 points 97, 97 and 93 % were within 0.5°; without this step none of 40."""
     ended = []
-    for seed in range(3):
+    for seed in range(6):
         start, demo = np.random.default_rng(seed).uniform((0, -140), (90, -40), (2, 2)).tolist()
         last = Session(
             msgspec.structs.replace(
@@ -57,4 +57,4 @@ def test_with_every_tenth_point_at_a_wrong_place_in_a_single_frame_the_learner_a
             )
         ).run(80, 20)
         ended.append(np.degrees(np.abs(last.theta - last.theta_demo).max()))
-    assert sum(error < 0.5 for error in ended) >= 2
+    assert sum(error < 0.5 for error in ended) >= 5

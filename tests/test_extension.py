@@ -100,7 +100,7 @@ class CautiousState:
 
 
 class Cautious:
-    title, slow, uses_rehearsal = "Cautious", False, False
+    title, slow, predicts = "Cautious", False, False
     assumes, fails = "That Broyden exaggerates.", "Where haste is called for."
     stored = (CautiousState, *Broyden.stored)
     broyden, share = Broyden(), 0.9

@@ -56,7 +56,7 @@ class Duel:
 
     def rehearse(self, count: int) -> None:
         """The visitor's learner watches itself in so many postures: so does the opponent, if that is of use to it."""
-        if self.opponent is not None and SERVOS[self.servo].uses_rehearsal:
+        if self.opponent is not None and SERVOS[self.servo].predicts:
             begin_rehearsal(self.opponent, count, self._session.settings.seed)
 
     def remember_alike(self) -> None:

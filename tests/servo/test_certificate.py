@@ -20,6 +20,7 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
         hessian=predicted,
         E=1e-9,
         points=POINTS,
+        seen=POINTS,
         left=np.zeros(2),
         slopes=np.diag([2e4, 2e4]),
         away=away,
@@ -33,6 +34,27 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
 
 
 BOTH = (2, 0), (0, 2)
+
+
+@pytest.mark.parametrize(
+    "joints, seen, claim", [(2, 6, "rests"), (2, 7, "converged"), (7, 8, "rests"), (7, 9, "converged")]
+)
+def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allow_no_claim(joints, seen, claim):
+    """3 coordinates a point against 15 numbers and the joints: 18 and 17, 21 and 17; 24 and 22, 27 and 22."""
+    away, hessian = np.radians(2) * np.eye(joints), 600.0 * np.eye(joints)
+    here = replace(
+        surroundings(BOTH),
+        hessian=hessian,
+        left=np.zeros(joints),
+        slopes=2e4 * np.eye(joints),
+        away=away,
+        rise=0.5 * np.einsum("ka,ab,kb->k", away, hessian, away),
+        hessians=np.repeat(hessian[None], joints, 0),
+        low=np.full(joints, -9.0),
+        high=np.full(joints, 9.0),
+        seen=seen,
+    )
+    assert certify(here).claim == claim
 
 
 def test_visits_that_show_a_rise_along_every_direction_allow_the_claim():

@@ -41,7 +41,7 @@ class LinearWorld:
 @pytest.mark.parametrize("name", SERVOS)
 def test_a_loop_written_from_the_docstring_runs(name, noise_px):
     """`conflict(own, by=None, like=None)` is all that a law asks, and with E, images and displacements all it needs."""
-    servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5)), []
+    servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5), points=7), []
 
     def conflict(own, by=None, like=None):
         asked.append((by, like))

@@ -40,6 +40,22 @@ def test_predictions_are_those_of_the_textbook_one_coordinate_at_a_time(linear):
             assert found[k, point, coordinate] == pytest.approx(expected, abs=1e-6)
 
 
+def test_what_is_told_of_a_point_is_as_uncertain_as_the_textbook_has_it(linear):
+    images, rng = linear
+    places, asked = rng.uniform(-0.5, 0.5, (5, 2)), rng.uniform(-0.7, 0.7, (3, 2))
+    seen = np.ones((5, 6, 2), bool)
+    seen[:2, 1], seen[2, 3, 0], seen[:, 4] = False, False, False
+    found = learn(visits_of(images, places, seen), 2, 0.5).spread(asked)
+    away = places - places[2]
+    for point in range(6):
+        told = np.flatnonzero(seen[:, point].all(-1))
+        for k, theta in enumerate(asked - places[2]):
+            K = np.array([[kernel(away[a], away[b]) for b in told] for a in told]) + 0.25 * np.eye(len(told))
+            row = np.array([kernel(theta, away[a]) for a in told])
+            left = kernel(theta, theta) - row @ np.linalg.solve(K, row) if len(told) else np.inf
+            assert found[k, point] == pytest.approx(np.sqrt(left), rel=1e-6)
+
+
 def test_a_linear_image_is_known_after_one_visit_more_than_joints(linear):
     """The bend's part of the kernel pulls a little away from the line: less than 2 % of the way."""
     images, _ = linear

@@ -88,10 +88,14 @@ def test_corners_of_the_range_are_reached_from_the_opposite_ones():
 class LinearWorld:
     """own(θ) = y_0 + J θ exactly; E is the distance of the images from those of `aim`, which `least` keeps from 0."""
 
-    def __init__(self, m, seed=0):
+    def __init__(self, m, seed=0, points=8):
         rng = np.random.default_rng(seed)
-        self.J, self.y, self.aim = rng.normal(0, 100, (8, 4, m)), rng.uniform(0, 240, (8, 4)), rng.uniform(-0.4, 0.4, m)
-        self.least = np.zeros((8, 4))
+        self.J, self.y, self.aim = (
+            rng.normal(0, 100, (points, 4, m)),
+            rng.uniform(0, 240, (points, 4)),
+            rng.uniform(-0.4, 0.4, m),
+        )
+        self.least = np.zeros((points, 4))
 
     def conflict(self, own, by=None, like=None):
         return own - (self.y + self.J @ self.aim) + self.least
@@ -101,7 +105,14 @@ class LinearWorld:
         for motion in range(most):
             own = self.y + self.J @ theta + noise_px * rng.normal(size=self.y.shape)
             seen = Observation(
-                own, np.ones((8, 2), bool), np.nan, theta, -np.ones(len(theta)), np.ones(len(theta)), motion, noise_px
+                own,
+                np.ones((len(own), 2), bool),
+                np.nan,
+                theta,
+                -np.ones(len(theta)),
+                np.ones(len(theta)),
+                motion,
+                noise_px,
             )
             state = servo.start(seen) if state is None else state
             state, step = servo.step(state, seen, self.conflict)
@@ -113,7 +124,7 @@ class LinearWorld:
 
 @pytest.mark.parametrize("m", [1, 2, 3, 7])
 def test_linear_images_lead_to_the_target(m):
-    world = LinearWorld(m)
+    world = LinearWorld(m, points=9)
     theta, status, motions = world.run()
     assert status == "converged" and np.degrees(np.abs(theta - world.aim)).max() < 0.15
     assert motions <= 2 * m + 5

@@ -188,7 +188,7 @@ def _asked(args: argparse.Namespace) -> list[tuple[list[str], list[str]]]:
     transfer's alone unless one of the two is asked for by name."""
     servos = [args.servo] if args.servo else list(SERVOS)
     if args.rehearsed:
-        servos = [name for name in servos if SERVOS[name].uses_rehearsal]
+        servos = [name for name in servos if SERVOS[name].predicts]
         if not servos:
             raise BadInput(f"--rehearsed: {args.servo} learns from its own motions alone")
         return [([args.transfer] if args.transfer else list(TRANSFERS), servos)]

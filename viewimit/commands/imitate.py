@@ -99,8 +99,8 @@ def _write(path: Path, session: Session) -> str:
 def _remember(session: Session, path: Path) -> None:
     """Raises BadInput for a file that is none, of another body, or of no use to the servo."""
     servo = session.settings.servo
-    if not SERVOS[servo].uses_rehearsal:
-        able = ", ".join(name for name, found in SERVOS.items() if found.uses_rehearsal)
+    if not SERVOS[servo].predicts:
+        able = ", ".join(name for name, found in SERVOS.items() if found.predicts)
         raise BadInput(f"--body: {servo} learns from its own motions alone; --servo {able} begins with a rehearsal")
     with naming("--body"):
         body = BodyImage.load(path)

@@ -53,7 +53,7 @@ class Broyden:
     assumes = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
     fails = "Flat valleys and missing points: it may stop degrees away, and does not know whether it has arrived."
     slow = False
-    uses_rehearsal = False
+    predicts = False
     stored = (BroydenState, ImageModel, Visit)
 
     def start(self, seen: Observation) -> BroydenState:

@@ -5,6 +5,7 @@ About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For 
 a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of that
 rise was measured, more than noise makes, and more than the share CONFLICTING of what the own images moved by. Where
 there is none a check motion along v asks; if E does not rise as it should, v is not told, and no joint that it turns.
+Of too few points E is next to 0 and rises all around at wrong postures as well: they allow no claim.
 
 How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more.
 """
@@ -15,7 +16,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from .surroundings import Surroundings
+from .surroundings import Surroundings, enough_points
 
 LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
 CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
@@ -63,7 +64,8 @@ class Certificate:
 def certify(here: Surroundings) -> Certificate:
     """From the visits that there are."""
     spread = deviations(here.hessian, here.points)
-    told, check, shown = spread < UNTOLD, np.zeros(len(spread)), True
+    told, check = spread < UNTOLD, np.zeros(len(spread))
+    shown = here.seen >= enough_points(len(spread))
     for direction in _directions(here):
         risen, level = _evidence(here, direction)
         if risen:

@@ -55,7 +55,7 @@ class GaussNewton:
     assumes = "That the images are linear in the joints over the last few motions, and E in one valley."
     fails = "Where the Jacobian of some motions ago misleads: it damps its motions until it stands still, and stalls."
     slow = False
-    uses_rehearsal = False
+    predicts = False
     stored = (GaussNewtonState, RecursiveJacobian, Visit)
 
     def start(self, seen: Observation) -> GaussNewtonState:

@@ -64,7 +64,7 @@ class Gradient:
     assumes: str = "That E is convex, and that a gradient learned on the way stays true."
     fails: str = "The input fades with E and the gradient goes stale: thousands of motions, mostly without arriving."
     slow = True
-    uses_rehearsal = False
+    predicts = False
     stored = (GradientState,)
 
     def start(self, seen: Observation) -> GradientState:

@@ -52,7 +52,7 @@ class Kalman:
     assumes = "That the image Jacobian changes little from motion to motion, and that e is small enough to be linear."
     fails = "Far from the goal: long motions change the Jacobian more than its filter allows, and nothing judges them."
     slow = False
-    uses_rehearsal = False
+    predicts = False
     stored = (KalmanState, RecursiveJacobian, Visit)
 
     def start(self, seen: Observation) -> KalmanState:

@@ -25,7 +25,8 @@ class Observation:
 
     displacement: (m,) rad, made since the start; lower, upper: (m,) rad, what the joint limits leave of it.
     motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
-    rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed.
+    rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed. shown: how
+    many of the demonstrator's points are in sight.
     """
 
     own: NDArray
@@ -37,3 +38,4 @@ class Observation:
     motion: int
     noise_px: float = 0.0
     rehearsed: tuple[Visit, ...] = ()
+    shown: int = 0

@@ -8,23 +8,24 @@ from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
 from .certificate import UNTOLD, Certificate, certify
-from .image_model import ENOUGH
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
 from .surrogate import Surrogate, learn
-from .surroundings import FREE, Known, survey
+from .surroundings import FREE, Known, enough_points, survey
 from .visit import Visit
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
+WELL_TOLD = 1.0  # px, standard deviation up to which a point that is not seen is as good as one that is
 
 
 @dataclass(frozen=True)
 class Measured:
-    """E: px², of each visit, (n,); points: that it is of, (n, N) bool; best: the visit where it is least; like: (N, 4)
-    px, own images by which noise is weighted, or None where there is none."""
+    """E: px², of each visit, (n,); points: that may have told it, (n, N) bool; count: (n,), how many did; best: the
+    visit where it is least; like: (N, 4) px, own images by which noise is weighted, or None where there is none."""
 
     E: NDArray
     points: NDArray
+    count: NDArray
     best: int
     like: NDArray | None = None
 
@@ -55,14 +56,18 @@ class Outlook:
         return doubt(self.found.E, self.found)
 
 
-def measure(visits: tuple[Visit, ...], noise_px: float, conflict: Conflict, by: str | None) -> Measured:
-    """E at all postures visited, noise averaged over them. by: another transfer than the chosen one."""
-    own = _smoothed(visits, noise_px)
-    measured = _measure(visits, own, lambda images: conflict(images, by))
+def measure(
+    visits: tuple[Visit, ...], noise_px: float, conflict: Conflict, by: str | None, needed: int = 0
+) -> Measured:
+    """E at all postures visited, noise averaged over them. by: another transfer than the chosen one; needed: points
+    that must tell E at the best of them, if any has so many."""
+    own, known = _completed(visits, noise_px)
+    asked = own, known, len(visits[0].displacement), needed
+    measured = _measure(*asked, lambda images: conflict(images, by))
     if noise_px == 0 or by is not None:
         return measured
     like = own[measured.best]
-    return replace(_measure(visits, own, lambda images: conflict(images, by, like)), like=like)
+    return replace(_measure(*asked, lambda images: conflict(images, by, like)), like=like)
 
 
 def look_out(
@@ -87,31 +92,41 @@ def doubt(E: float, found: Minimum) -> float:
     return float(np.sqrt(2 * E / max(told[0] if len(told) else curvatures[0], 1e-12)))
 
 
-def _smoothed(visits: tuple[Visit, ...], noise_px: float) -> NDArray:
-    """(n, N, 4) px of all visits, as they tell of each other: noise is averaged, points not seen are completed."""
+def _completed(visits: tuple[Visit, ...], noise_px: float) -> tuple[NDArray, NDArray]:
+    """Of all visits, as they tell of each other: images (n, N, 4) px, their noise averaged, points not seen completed;
+    and which points are known there, (n, N) bool: that were seen, or are told well."""
     own = np.array([visit.own for visit in visits])
+    seen = np.array([visit.seen.all(-1) for visit in visits])
     unseen = np.isnan(own)
     if noise_px == 0 and not unseen.any():
-        return own
+        return own, seen
     model = learn(list(visits), len(visits) - 1, noise_px)
-    told = model.predict(np.array([visit.displacement for visit in visits]))
-    return told if noise_px > 0 else np.where(unseen, told, own)
+    displacement = np.array([visit.displacement for visit in visits])
+    told = model.predict(displacement)
+    known = seen if seen.all() else seen | (model.spread(displacement) < WELL_TOLD)
+    return (told if noise_px > 0 else np.where(unseen, told, own)), known
 
 
-def _measure(visits: tuple[Visit, ...], own: NDArray, residual_of: Callable[[NDArray], NDArray]) -> Measured:
-    """Each by the points that were really seen there, if they are ENOUGH; else by all, as other visits tell of them. Of
-    fewer points E is smaller by itself, as FREE of them fit any images: that is made up for."""
-    seen = np.array([visit.seen.all(-1) for visit in visits])
-    if seen.all():
-        E = evaluate(residual_of(own))
-        return Measured(E, seen, int(np.argmin(E)))
-    E, count = np.empty((2, len(visits)))
-    for k, (images, these) in enumerate(zip(own, seen)):
+def _measure(
+    own: NDArray, known: NDArray, joints: int, needed: int, residual_of: Callable[[NDArray], NDArray]
+) -> Measured:
+    """Each by the points that are known there, if they contradict a wrong posture; else by all, however badly they are
+    told. Of fewer points E is smaller by itself, as FREE of them fit any images: that is made up for."""
+    if known.all():
+        e = residual_of(own)
+        E = evaluate(e)
+        return Measured(E, known, np.full(len(E), e.shape[-2]), int(np.argmin(E)))
+    enough = enough_points(joints)
+    points, E, count = known.copy(), np.empty(len(own)), np.empty(len(own), int)
+    for k, (images, these) in enumerate(zip(own, points)):
         e = residual_of(np.where(these[:, None], images, np.nan))
-        if e.shape[-2] < ENOUGH:
+        if e.shape[-2] < enough:
             e, these[:] = residual_of(images), True
         E[k], count[k] = evaluate(e), e.shape[-2]
-    return Measured(E, seen, int(np.argmin(E * count / np.maximum(count - FREE, 1))))
+    worth = E * count / np.maximum(count - FREE, 1)
+    if (count >= needed).any():
+        worth[count < needed] = np.inf
+    return Measured(E, points, count, int(np.argmin(worth)))
 
 
 def _search(model: Surrogate, radius: float, seen: Observation, residual_at) -> Minimum:

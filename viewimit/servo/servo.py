@@ -44,7 +44,8 @@ class Servo(Protocol):
     """A law, with all that anybody says about it. Its methods have no side effects.
 
     title: in dropdowns; assumes, fails: a sentence each; slow: whether it makes hundreds of motions or more;
-    uses_rehearsal: whether it begins with what was `rehearsed`, if anything was.
+    predicts: whether it predicts its images from all that it has seen: it begins with what was `rehearsed`, if anything
+    was, and knows a way on from where too few of its own points are in sight.
     stored: the dataclasses that its state is made of, nested ones too; they are stored by their fields, which are
     arrays, scalars, strings, tuples or such dataclasses. States are its own alone: they are passed back as they were.
     """
@@ -62,7 +63,7 @@ class Servo(Protocol):
     def slow(self) -> bool: ...
 
     @property
-    def uses_rehearsal(self) -> bool: ...
+    def predicts(self) -> bool: ...
 
     @property
     def stored(self) -> tuple[type, ...]: ...

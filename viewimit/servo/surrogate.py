@@ -20,18 +20,32 @@ LEAST_NOISE = 0.02  # px: keeps the system regular
 @dataclass(frozen=True)
 class Surrogate:
     """centre: (m,) rad; at_centre: (N, 4) px; away: (n, m) rad, the visits from there; weight: (n, N, 4);
-    noise_px: of an image coordinate."""
+    noise_px: of an image coordinate; seen: (n, N) bool, in both images."""
 
     centre: NDArray
     at_centre: NDArray
     away: NDArray
     weight: NDArray
     noise_px: float
+    seen: NDArray
 
     def predict(self, displacement: NDArray) -> NDArray:
         """(..., m) rad → (..., N, 4) px, NaN for points never seen, or too rarely to tell how they move."""
         k = kernel(displacement - self.centre, self.away)
         return self.at_centre + np.tensordot(k, self.weight, 1)
+
+    def spread(self, displacement: NDArray) -> NDArray:
+        """(k, m) rad → (k, N) px: standard deviations of what is predicted, inf for points never seen."""
+        from_centre = displacement - self.centre
+        k, K = kernel(from_centre, self.away), gram(self.away, self.noise_px)
+        prior = OFFSET**2 + SLOPE**2 * (from_centre**2).sum(-1) + BEND**2
+        spread = np.full((len(k), self.seen.shape[1]), np.inf)
+        patterns, of = np.unique(self.seen, axis=1, return_inverse=True)
+        for pattern, told in enumerate(patterns.T):
+            if told.any():
+                explained = np.einsum("kn,nk->k", k[:, told], np.linalg.solve(K[np.ix_(told, told)], k[:, told].T))
+                spread[:, of.ravel() == pattern] = np.sqrt(np.maximum(prior - explained, 0.0))[:, None]
+        return spread
 
     def slope_weights(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (n, m) /rad: the derivatives of the predicted images are these sums of the images visited."""
@@ -58,7 +72,7 @@ def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
         told = seen.reshape(len(visits), -1).T
         each = np.where(told[:, :, None] & told[:, None, :], K, np.eye(len(visits)))
         weight = np.linalg.solve(each, rise.T[:, :, None])[:, :, 0].T
-    return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape), noise_px)
+    return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape), noise_px, seen.all(-1))
 
 
 def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:

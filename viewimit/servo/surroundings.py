@@ -16,9 +16,16 @@ FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 DRAWS = 4  # of noise
 
 
+def enough_points(joints: int) -> int:
+    """So many contradict a wrong posture: as rows match, each pair tells three coordinates of a point; the joints and a
+    homography of space, of 15 numbers, fit as many as they are; more than a point's must be left over."""
+    return (15 + 3 + joints) // 3 + 1
+
+
 @dataclass(frozen=True)
 class Surroundings:
-    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; left:
+    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; seen: of
+    them, really, at the best visit; left:
     (m,) rad, from there to where E should be least; slopes:
     (m, m) px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits
     from there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is
@@ -28,6 +35,7 @@ class Surroundings:
     hessian: NDArray
     E: float
     points: int
+    seen: int
     left: NDArray
     slopes: NDArray
     away: NDArray
@@ -67,6 +75,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         hessian=hessian,
         E=known.E,
         points=found.points,
+        seen=_really_seen(known),
         left=found.theta - place,
         slopes=_image_slopes(known.model, place),
         away=np.array([visit.displacement for visit in known.visits]) - place,
@@ -97,6 +106,12 @@ def _rises(known: Known, hessian: NDArray, place: NDArray) -> tuple[NDArray, NDA
             J = (e[3:] - e[2]).reshape(len(place), -1) / DIFFERENCE
             rises[k], hessians[k] = there - here, J @ J.T / e.shape[-2]
     return rises, hessians
+
+
+def _really_seen(known: Known) -> int:
+    """How many points told E at the best visit without being predicted."""
+    best = known.visits[known.best]
+    return known.residual_of(np.where(best.seen.all(-1)[:, None], best.own, np.nan)).shape[-2]
 
 
 def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:

@@ -52,9 +52,20 @@ def towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustS
     return state, step
 
 
-def farthest(visits: tuple[Visit, ...], seen: Observation) -> NDArray:
-    """The posture, of many, that is farthest from all visited."""
-    candidates = np.random.default_rng(seen.motion).uniform(seen.lower, seen.upper, (FAR_CANDIDATES, len(seen.lower)))
+def anywhere(seen: Observation) -> NDArray:
+    """(k, m) rad: many postures."""
+    return np.random.default_rng(seen.motion).uniform(seen.lower, seen.upper, (FAR_CANDIDATES, len(seen.lower)))
+
+
+def along(seen: Observation, place: NDArray, way: NDArray) -> NDArray:
+    """(k, m) rad: many postures on the line through a place, from limit to limit."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = np.sort([(seen.lower - place) / way, (seen.upper - place) / way], axis=0)
+    return place + np.linspace(np.nanmax(ends[0]), np.nanmin(ends[1]), FAR_CANDIDATES)[:, None] * way
+
+
+def farthest(visits: tuple[Visit, ...], candidates: NDArray) -> NDArray:
+    """The posture, of (k, m), that is farthest from all visited."""
     visited = np.array([visit.displacement for visit in visits])
     apart = np.abs(candidates[:, None] - visited).max(-1).min(1)
     return candidates[int(np.argmax(apart))]

@@ -25,7 +25,7 @@ from .observation import Conflict, Observation
 from .outlook import Outlook, look_out, measure
 from .servo import Moment
 from .surrogate import learn
-from .trust_motions import DONE_STEP, aside, check, farthest, move, probe, towards
+from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, probe, towards
 from .trust_state import FIRST_RADIUS, TrustState, arrived, first_radius, visit_of, without_rehearsal
 from .visit import Visit
 
@@ -53,7 +53,7 @@ class TrustRegion:
     assumes = "That the images follow the joints smoothly; it predicts them from all postures visited."
     fails = "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
     slow = False
-    uses_rehearsal = True
+    predicts = True
     stored = (TrustState, Visit, Certificate)
 
     def start(self, seen: Observation) -> TrustState:
@@ -77,7 +77,7 @@ class TrustRegion:
             return towards(state, seen, state.goal)
         state, conflict = _identified(state, seen, conflict)
         by = PHASES[state.phase][0]
-        measured = measure(state.known, seen.noise_px, conflict, by)
+        measured = measure(state.known, seen.noise_px, conflict, by, state.needed)
         state = _judge(state, measured.E)
         ahead = look_out(state.known, measured, state.radius, seen, conflict, by)
         if _worthwhile(state, seen, ahead):
@@ -87,7 +87,7 @@ class TrustRegion:
         place = ahead.model.centre if measured.like is None else ahead.found.theta
         if ahead.certify is not None:
             state = replace(state, certificate=ahead.certify(place))
-        settled = _settle(state, seen, place, ahead)
+        settled = _settle(state, seen, place, ahead, int(measured.count[measured.best]))
         if settled is None:
             return self.step(*_otherwise(state, seen, conflict))
         return settled
@@ -110,6 +110,8 @@ class TrustRegion:
             return f"nothing lower in {state.restarts} searches elsewhere"
         if state.ending:
             return "back to the best posture"
+        if state.needed:
+            return f"looks where more than {state.needed - 1} points are seen, as these do not tell every joint"
         if state.restarts:
             return f"looking for something lower, as noise explains less: search {state.restarts} of {MOST_RESTARTS}"
         if state.probe:
@@ -172,9 +174,12 @@ def _onwards(
 
 
 def _otherwise(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Observation, Conflict]:
-    """Without the exchange that was to lower E, if there is one; else the next transfer takes over."""
-    phase = 0 if state.exchanged else state.phase + 1
+    """Without the exchange that was to lower E, if there is one; else the next transfer takes over. After the last,
+    what few points tell must do."""
+    last = state.phase + 1 == len(PHASES)
+    phase = 0 if state.exchanged or last else state.phase + 1
     begun = replace(state, exchanged=(), phase=phase, radius=float(PHASES[phase][1]), failures=0)
+    begun = replace(begun, needed=0 if last else state.needed)
     return begun, seen, with_exchanged(conflict, state.exchanged)
 
 
@@ -194,23 +199,45 @@ def _judge(state: TrustState, E: NDArray) -> TrustState:
     return replace(state, radius=float(radius), failures=failures, promised=None)
 
 
-def _settle(state: TrustState, seen: Observation, place: NDArray, ahead: Outlook) -> tuple[TrustState, NDArray] | None:
+def _settle(
+    state: TrustState, seen: Observation, place: NDArray, ahead: Outlook, told_by: int
+) -> tuple[TrustState, NDArray] | None:
     """Nothing is left to gain by what is known: arrived at the place, or look for evidence, or elsewhere. None: the
-    next phase."""
+    next phase. told_by: so many points."""
     doubt, certificate, state = ahead.doubt, state.certificate, replace(state, failures=0)
     if PHASES[state.phase][0] is None and certificate is not None:
         lost = certificate.spent and not certificate.told.all()
+        if lost and told_by < seen.shown and state.restarts < MOST_RESTARTS:
+            return _where_more_is_seen(state, seen, place, ahead, told_by)
         if doubt < CERTAIN or ahead.E < NOISE_FLOOR * seen.noise_px**2 or lost:
             if certificate.check.any() and state.checks < MOST_CHECKS * len(place):
                 return check(state, seen, place, certificate.check)
-            return towards(replace(state, ending=certificate.claim), seen, place)
+            return _to_rest(state, seen, place, certificate.claim)
         if doubt < DOUBTFUL and state.checks < MOST_CHECKS:
             return check(state, seen, place, CHECK * np.linalg.eigh(ahead.found.hessian)[1][:, 0])
     if state.phase + 1 < len(PHASES):
         return None
     if state.restarts < MOST_RESTARTS:
-        goal = farthest(state.known, seen)
-        begun = replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0)
-        return towards(begun, seen, goal)
+        return towards(_anew(state), seen, farthest(state.known, anywhere(seen)))
+    if 0 < state.needed <= told_by:
+        return None
     told = certificate is None or bool(certificate.told.all())
-    return towards(replace(state, ending="stalled" if told else "untold"), seen, place)
+    return _to_rest(state, seen, place, "stalled" if told else "untold")
+
+
+def _to_rest(state: TrustState, seen: Observation, place: NDArray, ending: str) -> tuple[TrustState, NDArray]:
+    """There, what did not come true from there is not tried once more."""
+    return towards(replace(state, ending=ending, failures=MOST_FAILURES), seen, place)
+
+
+def _where_more_is_seen(
+    state: TrustState, seen: Observation, place: NDArray, ahead: Outlook, told_by: int
+) -> tuple[TrustState, NDArray]:
+    """Far away on the line that so many points do not tell: others of the demonstrator's may be seen there."""
+    flattest = np.linalg.eigh(ahead.found.hessian)[1][:, 0]
+    goal = farthest(state.known, along(seen, place, flattest))
+    return towards(replace(_anew(state), needed=told_by + 1), seen, goal)
+
+
+def _anew(state: TrustState) -> TrustState:
+    return replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0)

@@ -24,7 +24,8 @@ class TrustState:
     best posture, None before E was small anywhere. moved: the demonstrator has, since the last motion; chasing: and
     before that one as well, so that a motion aside would only leave the learner behind. exchanged: of the
     demonstrator's points, as it seems; asked: how often that was asked. rehearsed: what was seen before, as long as it
-    holds: it takes the place of probes, and with it the whole range is the first region.
+    holds: it takes the place of probes, and with it the whole range is the first region. needed: points by which E must
+    be told at a posture for that to be the best, as those of another did not tell all joints.
     """
 
     visits: tuple[Visit, ...]
@@ -45,6 +46,7 @@ class TrustState:
     exchanged: Pairs = ()
     asked: int = 0
     rehearsed: tuple[Visit, ...] = ()
+    needed: int = 0
 
     @property
     def known(self) -> tuple[Visit, ...]:

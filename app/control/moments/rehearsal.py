@@ -31,7 +31,7 @@ class Rehearsal:
     @property
     def offered(self) -> bool:
         """Whether a rehearsal can begin, or what is held can be forgotten."""
-        return self.held or SERVOS[self.servo].uses_rehearsal
+        return self.held or SERVOS[self.servo].predicts
 
     @property
     def words(self) -> str:
@@ -39,7 +39,7 @@ class Rehearsal:
         if self.to_go:
             return f"Watches itself: {self.seen} of {self.seen + self.to_go} postures."
         remembers = f"Remembers {self.seen} postures" if self.held else ""
-        if not SERVOS[self.servo].uses_rehearsal:
+        if not SERVOS[self.servo].predicts:
             return f"{remembers}; only for {_able()}." if self.held else f"Only for {_able()}."
         if not self.held:
             return ""
@@ -61,10 +61,10 @@ def rehearsal_of(session: Session) -> Rehearsal:
 
 def require_use(servo: str) -> None:
     """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
-    if not SERVOS[servo].uses_rehearsal:
+    if not SERVOS[servo].predicts:
         raise ValueError(f"{SERVOS[servo].title} makes no use of a rehearsal; choose {_able()}")
 
 
 def _able() -> str:
     """The servos that make use of it, by their titles."""
-    return " or ".join(servo.title for servo in SERVOS.values() if servo.uses_rehearsal)
+    return " or ".join(servo.title for servo in SERVOS.values() if servo.predicts)

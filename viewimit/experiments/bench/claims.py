@@ -10,16 +10,20 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
+from ...analysis.observability import joint_uncertainty
 from ...rehearsal import rehearse
+from ...servo.certificate import UNTOLD
 from ...session import Session
 from ...settings import BEST
 from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
+from ...transfer import TRANSFERS
 from ..executors.study import Study, each
 from .success import Share
 from .surface import SurfaceEyes, surface_points
 
 FALSE_DEG, TIMES, COVERED = 1.0, 3.0, 2.0  # off; times the expected error beyond which a claim is false; of coverage
+NEAR_DEG = 0.5
 MOST_MOTIONS, PATIENCE = 300, 5
 RIGID = ((4, 5, 6, 7), (2, 3, 4, 5, 6, 7), (0, 1, 2, 3))  # links: forearm and hand, all that moves, all but those
 TRIES = 200  # bodies, for one with enough points in sight at both ends
@@ -28,12 +32,13 @@ TRIES = 200  # bodies, for one with enough points in sight at both ends
 @dataclass(frozen=True)
 class Case:
     """points: how many are drawn on the surface, None for the scene's layout; links: sets of links, one of which has
-    all the points of a run; hidden: whether surfaces hide points; noise_px and frames as in `Settings`."""
+    all the points of a run; hidden: the cosine between its normal and the way to a camera up to
+    which a point is hidden, None: all are seen; noise_px and frames as in `Settings`."""
 
     name: str
     points: int | None = None
     links: tuple[tuple[int, ...], ...] = ()
-    hidden: bool = False
+    hidden: float | None = None
     noise_px: float = 0.0
     frames: int = 1
 
@@ -41,8 +46,9 @@ class Case:
 CASES = (
     Case("default scene"),
     Case("16 points on rigid groups of links", 16, RIGID),
-    Case("20 points, hidden by surfaces", 20, hidden=True),
-    Case("40 points, hidden by surfaces", 40, hidden=True),
+    Case("20 points, hidden by surfaces", 20, hidden=0.0),
+    Case("40 points, hidden by surfaces", 40, hidden=0.0),
+    Case("20 points, hidden beyond the rim", 20, hidden=-0.3),
     Case("5 points", 5),
     *(
         Case(f"noise {noise} px, {frames} frame{'s' if frames > 1 else ''}", noise_px=noise, frames=frames)
@@ -55,13 +61,15 @@ CASES = (
 @dataclass(frozen=True)
 class Ending:
     """Of one run: error: of the worst joint at the end, expected: what the learner says of that, degrees, inf or NaN
-    if it cannot; ended: whether it came to rest."""
+    if it cannot; ended: whether it came to rest; tellable: whether the points in sight in all four images with the
+    learner at the demonstrator's posture tell every joint."""
 
     status: str
     motions: int
     ended: bool
     error: float
     expected: float
+    tellable: bool = True
 
     @property
     def claimed(self) -> bool:
@@ -77,11 +85,14 @@ class Ending:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of a case. claimed, untold: shares of all runs; beyond: claims more than FALSE_DEG off, falsely: those of them
+    """Of a case. within: NEAR_DEG of the demonstrator, of all runs, and of those that are `tellable`, None if there are
+    none; claimed, untold: shares of all runs; beyond: claims more than FALSE_DEG off, falsely: those of them
     beyond TIMES the expected error as well; covered: claims within COVERED times it; unended: runs without an end.
     rms_deg, expected_deg: of claims."""
 
     case: str
+    within: Share
+    within_tellable: Share | None
     claimed: Share
     untold: Share
     beyond: Share | None
@@ -129,16 +140,30 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     last = session.run(MOST_MOTIONS, PATIENCE)
     error = np.degrees(np.abs(last.theta - last.theta_demo).max())
     expected = np.nan if last.expected_error is None else np.degrees(last.expected_error)
-    return Ending(last.status, last.motion, last.motion < MOST_MOTIONS, float(error), float(expected))
+    ended = last.motion < MOST_MOTIONS
+    return Ending(last.status, last.motion, ended, float(error), float(expected), _tellable(session))
+
+
+def _tellable(session: Session) -> bool:
+    last, eyes = session.snapshot, session.eyes
+    demo, seen = eyes.demo_images(last.theta_demo)
+    _, own_seen = eyes.own_images(last.theta_demo)
+    fit = TRANSFERS[session.settings.transfer].fit
+    cost = joint_uncertainty(session.world, fit, demo, seen & own_seen, last.theta_demo)
+    return cost is not None and bool(cost.max() < UNTOLD)
 
 
 def outcome(name: str, found: Sequence[Ending]) -> Outcome:
     claims = [ending for ending in found if ending.claimed]
     of_claims = lambda said: Share.of(map(said, claims)) if claims else None
+    near = lambda endings: Share.of(ending.error <= NEAR_DEG for ending in endings)
+    tellable = [ending for ending in found if ending.tellable]
     rms = lambda of: float(np.sqrt(np.mean([of(ending) ** 2 for ending in claims]))) if claims else None
     motions = [ending.motions for ending in found]
     return Outcome(
         name,
+        within=near(found),
+        within_tellable=near(tellable) if tellable else None,
         claimed=Share.of(ending.claimed for ending in found),
         untold=Share.of(ending.status == "untold" for ending in found),
         beyond=of_claims(lambda ending: ending.error > FALSE_DEG),
@@ -157,4 +182,4 @@ def _eyes(case: Case, scene: Scene, points: int, rng: np.random.Generator) -> Pr
         return ProjectedEyes(scene, points)
     links = case.links[rng.integers(len(case.links))] if case.links else tuple(range(len(scene.posture_deg) + 1))
     body, normals = surface_points(scene.robot, links, case.points, rng)
-    return SurfaceEyes(scene, body, normals if case.hidden else None)
+    return SurfaceEyes(scene, body, None if case.hidden is None else normals, case.hidden or 0.0)

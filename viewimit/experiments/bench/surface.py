@@ -14,11 +14,11 @@ from ...simulation.world import World
 
 
 class SurfaceEyes(ProjectedEyes):
-    """Points on the surface, hidden where that is turned away. normals: (N, 3), in the links' frames; None: all are
-    seen."""
+    """Points on the surface, hidden where that is turned away. normals: (N, 3) of length 1, in the links' frames; None:
+    all are seen; hidden: the cosine between normal and way to a camera up to which a point is hidden."""
 
-    def __init__(self, scene: Scene, body: BodyPoints, normals: NDArray | None):
-        self.world = World(scene, body=body)
+    def __init__(self, scene: Scene, body: BodyPoints, normals: NDArray | None, hidden: float = 0.0):
+        self.world, self._hidden = World(scene, body=body), hidden
         self._tips = None if normals is None else World(scene, body=BodyPoints(body.link, body.local + normals))
 
     def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
@@ -36,7 +36,8 @@ class SurfaceEyes(ProjectedEyes):
         points = self.world.points_world(theta, T_world_base)
         normals = self._tips.points_world(theta, T_world_base) - points
         to_camera = [camera.T_world_camera[:3, 3] - points for camera in cameras]
-        return np.stack([(normals * to).sum(-1) > 0 for to in to_camera], -1)
+        facing = [(normals * to).sum(-1) / np.linalg.norm(to, axis=-1) for to in to_camera]
+        return np.stack(facing, -1) > self._hidden
 
 
 def surface_points(

@@ -105,9 +105,10 @@ def redis_url(tmp_path_factory):
 
 
 def pytest_collection_modifyitems(items):
-    """The browser's tests first, then the longest of the files that would come last: none of them should be left to one
-    process at the end."""
-    items.sort(key=lambda item: ("browser" not in item.keywords, item.path.name not in LONG))
+    """Files with browser's tests first, then the longest of those that would come last: none of them should be left to
+    one process at the end. Within a file the order stays, in which fixtures are set up once."""
+    of_browser = {item.path for item in items if "browser" in item.keywords}
+    items.sort(key=lambda item: (item.path not in of_browser, item.path.name not in LONG))
 
 
 @pytest.hookimpl(optionalhook=True)

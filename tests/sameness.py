@@ -16,6 +16,10 @@ def assert_same(one, other):
         assert len(one) == len(other)
         for a, b in zip(one, other):
             assert_same(a, b)
+    elif isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for key in one:
+            assert_same(one[key], other[key])
     elif dataclasses.is_dataclass(one):
         for field in dataclasses.fields(one):
             assert_same(getattr(one, field.name), getattr(other, field.name))

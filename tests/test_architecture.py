@@ -265,6 +265,11 @@ def test_the_library_and_the_commands_load_neither_viser_nor_pybullet():
     assert not loaded_by(everything) & {"viser", "pybullet", "trimesh", "resvg_py"}
 
 
+def test_a_server_loads_what_reads_meshes_for_a_robot_of_ones_own_alone():
+    begun = "import viewimit.app.serve, viewimit.app.page\nfrom viewimit.simulation.link_meshes import link_meshes"
+    assert not loaded_by(f"{begun}\nlink_meshes('panda')") & {"trimesh", "scipy"}
+
+
 COMMANDS = (
     "import viewimit.commands.serve, viewimit.commands.imitate, viewimit.commands.landscape, viewimit.commands.bench"
 )

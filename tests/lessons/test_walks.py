@@ -2,6 +2,8 @@
 comes back finds all as it was left."""
 
 import re
+from dataclasses import replace
+from functools import partial
 
 import msgspec
 import numpy as np
@@ -15,6 +17,7 @@ from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.progress import Given, Progress
 from viewimit.app.lessons.reading import WORDS_A_MINUTE, reading_minutes
 from viewimit.app.lessons.source import shipped
+from viewimit.app.lessons.works import WORKS
 from viewimit.app.static import stylesheet
 from walking import ADDRESS, answer, begun, said, unfilled, words
 
@@ -55,13 +58,42 @@ def few_rounds():
         yield
 
 
+@pytest.fixture(scope="module", autouse=True)
+def kept_works(few_rounds):
+    """All of these walks lead through the same works: the same inputs are computed with twice, which comes to the same,
+    and then no more."""
+    found = {}
+
+    def make(name, work, task):
+        times, made = found.get(key := (name, *inputs(task)), (0, None))
+        if times < 2:
+            again = work(task)
+            if times:
+                assert_same(again, made)
+            found[key] = times + 1, again
+        return found[key][1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name, work in WORKS.items():
+            patch.setitem(WORKS, name, replace(work, make=partial(make, name, work.make)))
+        yield
+
+
+def inputs(task):
+    """All that a work is computed from, to the last bit: of its world, what is seen of it."""
+    plain = task.step, task.settings, task.sliders, task.seed, task.staging, task.selected, task.made
+    views = task.snapshot.views
+    seen = task.snapshot.theta, task.snapshot.theta_demo, views.demo, views.own, views.visible
+    return repr(plain), *(array.tobytes() for array in seen)
+
+
 @pytest.fixture(scope="module", params=LESSONS)
 def name(request):
     return request.param
 
 
 @pytest.fixture(scope="module")
-def walks(name, few_rounds):
+def walks(name, kept_works):
     """All of a lesson's screens, answered rightly, and answered wrongly."""
     found, drawn_narrow[name] = [], []
     for rightly in (True, False):

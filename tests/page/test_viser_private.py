@@ -30,6 +30,16 @@ def test_the_private_messages_are_as_relied_upon():
     assert "max" in get_type_hints(GuiSliderProps) and callable(GuiSliderHandle._queue_update)
 
 
+def test_types_of_a_kind_of_node_are_looked_up_once():
+    with contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        one, other = (server.scene.add_icosphere(name, 1.0) for name in ("one", "other"))
+        assert one._prop_hints is other._prop_hints and "radius" in one._prop_hints
+    finally:
+        server.stop()
+
+
 def test_the_loop_is_woken_for_other_threads_only(event_loop):
     near, seen = NearLoop(event_loop), []
 

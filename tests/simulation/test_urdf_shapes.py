@@ -38,7 +38,8 @@ def test_meshes_of_all_kinds_are_read_and_scaled(tmp_path, kind):
     shapes = shapes_of(Reference(urdf))
     assert shapes.faults == ()
     np.testing.assert_allclose(np.ptp(shapes.meshes[4].vertices, axis=0), [0.2, 0.4, 0.6], atol=2e-3)
-    assert shapes.meshes[4].volume > 0  # a mirrored mesh is not inside out
+    mesh = trimesh.Trimesh(shapes.meshes[4].vertices, shapes.meshes[4].faces, process=False)
+    assert mesh.volume > 0  # a mirrored mesh is not inside out
 
 
 def test_the_unit_of_a_dae_is_heeded(tmp_path):

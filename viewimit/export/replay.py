@@ -19,6 +19,8 @@ from ..drawing.glossary import cards
 from ..drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 from ..session import Session
 from .citation import Citation, cite, motions
+from .panels import draw_panels, farthest_off, kept_motions
+from .space import describe_space
 
 CELL_HEIGHT = 700  # px, in a notebook
 HERE = Path(__file__).parent
@@ -45,9 +47,6 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     title: in place of the method's name; chosen: a body point whose construction is drawn, None for the one with the
     largest residual. Raises ValueError without a scene, and for a point that there is not.
     """
-    from .panels import draw_panels, farthest_off, kept_motions  # which load trimesh, as few who import this need
-    from .space import describe_space
-
     world, first = session.world, session.history[0]
     if chosen is None:
         chosen = farthest_off(first)

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
+
+from .mesh import Mesh
 
 PARALLEL = 1e-12  # m², of a determinant: the ray lies in the triangle's plane
 
@@ -20,7 +21,7 @@ class SurfaceHit:
 
 
 def first_hit(
-    meshes: Mapping[int, trimesh.Trimesh], T_world_links: NDArray, origin: NDArray, direction: NDArray
+    meshes: Mapping[int, Mesh], T_world_links: NDArray, origin: NDArray, direction: NDArray
 ) -> SurfaceHit | None:
     """The nearest place in front where a ray meets an arm, from whichever side; None if it meets none.
 
@@ -33,15 +34,15 @@ def first_hit(
         here, towards = (origin - t) @ R, direction @ R
         if not _near(mesh, here, towards):
             continue
-        distance = distances(np.asarray(mesh.triangles), here, towards).min(initial=np.inf)
+        distance = distances(mesh.triangles, here, towards).min(initial=np.inf)
         if np.isfinite(distance) and (found is None or distance < found.distance):
             found = SurfaceHit(float(distance), link, here + distance * towards)
     return found
 
 
-def _near(mesh: trimesh.Trimesh, origin: NDArray, direction: NDArray) -> bool:
+def _near(mesh: Mesh, origin: NDArray, direction: NDArray) -> bool:
     """Whether a ray, of direction 1, meets the sphere about a mesh's box."""
-    low, high = np.asarray(mesh.bounds)
+    low, high = mesh.bounds
     away, radius = (low + high) / 2 - origin, np.linalg.norm(high - low) / 2
     aside = away - max(float(away @ direction), 0.0) * direction
     return bool(np.linalg.norm(aside) <= radius)

@@ -4,14 +4,19 @@ All are closed, and their faces turn outwards: what is seen from one side only i
 shadow from behind, so that it does not lie on itself.
 """
 
+from itertools import product
+
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)
 OCTAHEDRON_FACES = np.array(
     [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32
 )
+
+BOX_CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+BOX_SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+BOX_FACES = BOX_SIDES[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
 
 
 def octahedron(size: float) -> tuple[NDArray, NDArray]:
@@ -55,6 +60,5 @@ def sheet(corners: NDArray) -> tuple[NDArray, NDArray]:
 
 def box(size: tuple[float, float, float]) -> tuple[NDArray, NDArray]:
     """An axis-aligned box about the origin, its faces flat."""
-    shape = trimesh.creation.box(size)
-    vertices = shape.vertices[shape.faces].reshape(-1, 3).astype(np.float32)
+    vertices = (BOX_CORNERS[BOX_FACES].reshape(-1, 3) * size).astype(np.float32)
     return vertices, np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)

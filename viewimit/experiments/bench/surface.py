@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ...simulation.camera import Camera
 from ...simulation.eyes import ProjectedEyes
+from ...simulation.link_meshes import link_meshes
 from ...simulation.robot import Angles, BodyPoints
 from ...simulation.scene import Scene
 from ...simulation.world import World
@@ -54,8 +55,6 @@ def surface_points(
 @cache
 def _faces(robot: str) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Of all links: corners (f, 3, 3) m, normals (f, 3), areas (f,), links (f,)."""
-    from ...simulation.link_meshes import link_meshes  # loads trimesh
-
     meshes = link_meshes(robot).items()
     corners = np.concatenate([mesh.triangles for _, mesh in meshes])
     normals = np.concatenate([mesh.face_normals for _, mesh in meshes])

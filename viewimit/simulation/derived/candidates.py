@@ -1,14 +1,15 @@
 """Places on an arm that could become body points of a world: all four images show them, most of them usually."""
 
+from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..link_meshes import link_meshes
+from ..mesh import Mesh
 from ..ray_casting import first_hit
 from ..robot import BodyPoints
-from ..urdf.shapes import Shapes
 from ..world import World
 from .body_points import layout, parts_of, seen_from
 from .surface import Surface, sample
@@ -22,9 +23,9 @@ MOST_MOVING = 2  # joints, with all combinations of these; with more, at the pos
 def candidates(world: World, theta: ArrayLike) -> BodyPoints:
     """Rounded to 0.1 mm. theta: (m,) rad, a posture of both arms in which nothing hides them from any camera."""
     scene, robot = world.scene, world.robot
-    shapes = Shapes(link_meshes(scene.robot), ())
+    meshes = link_meshes(scene.robot)
     rest = np.array(world.joint_angles(np.asarray(theta, float)), float)
-    surface = sample(shapes, robot, rest, int(scene.moving[0]) + 1)
+    surface = sample(meshes, robot, rest, int(scene.moving[0]) + 1)
     postures = [np.asarray(theta, float)]
     if len(scene.moving) <= MOST_MOVING:
         grid = np.array(list(product(AXIS, repeat=len(scene.moving))))
@@ -35,11 +36,11 @@ def candidates(world: World, theta: ArrayLike) -> BodyPoints:
     places, part = surface.at(robot.link_frames(rest))[0], parts_of(surface.link, list(scene.moving_joints))
     chosen = layout(surface, places, usual, part, MOST) if len(places) else np.array([], int)
     found = BodyPoints(surface.link[chosen], surface.local[chosen].round(4))
-    bare = _bare(world, found, np.asarray(theta, float), shapes)
+    bare = _bare(world, found, np.asarray(theta, float), meshes)
     return BodyPoints(found.link[bare], found.local[bare])
 
 
-def _bare(world: World, points: BodyPoints, theta: NDArray, shapes: Shapes) -> NDArray:
+def _bare(world: World, points: BodyPoints, theta: NDArray, meshes: Mapping[int, Mesh]) -> NDArray:
     """(K,) whether no surface hides them from any of the four cameras: exactly, where places near tell it roughly."""
     found = np.ones(len(points), bool)
     for T_world_base, cameras in ((world.T_world_demo, world.demo_cameras), (world.T_world_own, world.own_cameras)):
@@ -49,7 +50,7 @@ def _bare(world: World, points: BodyPoints, theta: NDArray, shapes: Shapes) -> N
         for camera in cameras:
             eye = camera.T_world_camera[:3, 3]
             for k in np.flatnonzero(found):
-                hit = first_hit(shapes.meshes, frames, eye, places[k] - eye)
+                hit = first_hit(meshes, frames, eye, places[k] - eye)
                 found[k] = hit is None or hit.distance > np.linalg.norm(places[k] - eye) - UNDER
     return found
 

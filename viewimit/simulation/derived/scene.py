@@ -56,7 +56,7 @@ def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int
     among = movable(robot)
     _require_movable(tree, arm, robot, among, joints)
     rest = resting(robot)
-    surface = sample(shapes, robot, rest, (joints or among)[0])
+    surface = sample(shapes.meshes, robot, rest, (joints or among)[0])
     lowest = _lowest(shapes, robot, rest)
     yaw, moving = _best_view(robot, rest, surface, lowest, among if joints is None else joints, joints is not None)
     ranges = [turning_range(robot, joint, rest) for joint in moving]
@@ -75,7 +75,7 @@ def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int
     }
     used = np.unique(np.concatenate(list(layouts.values())))
     placing = placed(np.array([places[used] for places, _ in sides]), lowest, yaw)
-    placing = parted(placing, whole(shapes, robot, rest))
+    placing = parted(placing, whole(shapes.meshes, robot, rest))
     fields = _fields(tree, reference, robot, moving, ranges, rest, placing)
     fields["points"] = {
         str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]

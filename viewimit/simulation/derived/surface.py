@@ -1,12 +1,13 @@
 """Places on the surface of an arm's links, from which its body points are chosen."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mesh import Mesh
 from ..robot import Robot
-from ..urdf.shapes import Shapes
 
 A_LINK, OF_THE_BASE = 80, 400  # places on each
 ALL_OVER = 3_000  # places on each, where all of a body counts
@@ -32,22 +33,23 @@ class Surface:
         return turned + T[:, :3, 3], np.einsum("kij,kj->ki", T[:, :3, :3], self.normal)
 
 
-def sample(shapes: Shapes, robot: Robot, rest: NDArray, first: int) -> Surface:
-    """Even over each link. rest: (n,) rad; first: the number of the joint at which the arm begins to move."""
-    found = _sampled(shapes, A_LINK, OF_THE_BASE)
+def sample(meshes: Mapping[int, Mesh], robot: Robot, rest: NDArray, first: int) -> Surface:
+    """Even over each link. meshes: by link number; rest: (n,) rad; first: the number of the joint at which the arm
+    begins to move."""
+    found = _sampled(meshes, A_LINK, OF_THE_BASE)
     return found.only(_near(found, robot.link_frames(rest), first))
 
 
-def whole(shapes: Shapes, robot: Robot, rest: NDArray) -> NDArray:
+def whole(meshes: Mapping[int, Mesh], robot: Robot, rest: NDArray) -> NDArray:
     """(K, 3) m in the base frame, all over the body at rest (n,) rad."""
-    return _sampled(shapes, ALL_OVER, ALL_OVER).at(robot.link_frames(rest))[0]
+    return _sampled(meshes, ALL_OVER, ALL_OVER).at(robot.link_frames(rest))[0]
 
 
-def _sampled(shapes: Shapes, a_link: int, of_the_base: int) -> Surface:
+def _sampled(meshes: Mapping[int, Mesh], a_link: int, of_the_base: int) -> Surface:
     """So many places, even over each link."""
     rng = np.random.default_rng(0)
     link, local, normal = [], [], []
-    for number, mesh in shapes.meshes.items():
+    for number, mesh in meshes.items():
         areas = mesh.area_faces
         if not areas.sum() > 0:
             continue

@@ -10,7 +10,6 @@ import runpy
 import sys
 import types
 from pathlib import Path
-from unittest import mock
 
 PACKAGE = "robot_descriptions"
 CACHE = "~/.cache/robot_descriptions"
@@ -34,6 +33,8 @@ def description_path(name: str) -> Path:
         raise ValueError(f"{name}: pip install {PACKAGE}, or give the path of a .urdf file")
     if importlib.util.find_spec(f"{PACKAGE}.{name}") is None:
         raise ValueError(f"{name}: {PACKAGE} has no robot of that name; robot_descriptions list shows those it has")
+    from unittest import mock  # loads asyncio, as few who import this need
+
     looking = types.ModuleType(f"{PACKAGE}._cache")
     vars(looking).update(clone_to_cache=_cloned, get_head_sha=lambda path: None)
     clone = f'python -c "import {PACKAGE}.{name}"'

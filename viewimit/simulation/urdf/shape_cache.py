@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 import platformdirs
-import trimesh
 
 from ...reading import MEGABYTE, read_bytes, read_npz
+from ..mesh import Mesh
 from .mesh_files import MOST_BYTES
 from .packages import NotFound, mesh_path
 
@@ -26,7 +26,7 @@ FOLDER = "VIEWIMIT_CACHE"  # environment variable: another folder; none is used 
 MOST_KEPT, MOST_KEPT_BYTES = 40, 128 * MEGABYTE
 READERS = ("numpy", "trimesh", "pycollada")  # of which another version may read a mesh otherwise
 
-Meshes = dict[int, trimesh.Trimesh]
+Meshes = dict[int, Mesh]
 
 
 def key_of(urdf: Path, content: str, chain: str, files: Iterable[str]) -> str:
@@ -66,7 +66,7 @@ def keep(key: str, meshes: Meshes, missing: list[str]) -> None:
         return
     arrays = {"links": np.array(list(meshes), np.int32), "unread": np.array(missing, str)}
     for link, mesh in meshes.items():
-        arrays |= {f"v{link}": np.asarray(mesh.vertices, float), f"f{link}": np.asarray(mesh.faces, np.int32)}
+        arrays |= {f"v{link}": mesh.vertices, f"f{link}": mesh.faces.astype(np.int32)}
     with contextlib.suppress(OSError):
         folder.mkdir(0o700, parents=True, exist_ok=True)
         with _written(folder / f"{key}.npz") as file:
@@ -99,12 +99,12 @@ def _make_room(folder: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def _mesh(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
+def _mesh(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
     """Raises ValueError for what is none."""
     flat = vertices.ndim == faces.ndim == 2 and vertices.shape[1] == faces.shape[1] == 3
     if not (flat and len(faces) and np.isfinite(vertices).all() and 0 <= faces.min() <= faces.max() < len(vertices)):
         raise ValueError("no mesh")
-    return trimesh.Trimesh(vertices, faces.astype(np.int64), process=False)
+    return Mesh(vertices, faces.astype(np.int64))
 
 
 @cache

@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from ..mesh import Mesh
 from . import rods, shape_cache
 from .carried import carried_frames
 from .chain import Chain, arm_of
@@ -26,7 +27,7 @@ class Shapes:
     """meshes: by link number (0 = base), in the link's frame, m; faults: lines about what is not drawn as it is said
     to be."""
 
-    meshes: dict[int, trimesh.Trimesh]
+    meshes: dict[int, Mesh]
     faults: tuple[str, ...]
 
 
@@ -51,7 +52,7 @@ def _shapes(tree: Tree, base: str, reference: Reference) -> Shapes:
     return Shapes(meshes, _said(tree, missing))
 
 
-def _made(tree: Tree, reference: Reference) -> tuple[dict[int, trimesh.Trimesh], list[str]]:
+def _made(tree: Tree, reference: Reference) -> tuple[dict[int, Mesh], list[str]]:
     """Meshes by link number, and what could not be had for them, each once."""
     arm = arm_of(tree, reference.base, reference.tip)
     frames = carried_frames(tree, arm)
@@ -75,7 +76,8 @@ def _made(tree: Tree, reference: Reference) -> tuple[dict[int, trimesh.Trimesh],
     for number, mesh in _stand_ins(arm, frames):
         if number not in parts and (number in bare or number == 0 or undrawn):
             parts[number] = [mesh]
-    meshes = {number: creased(simplified(_joined(each), MOST_CARRIED)) for number, each in sorted(parts.items())}
+    whole = {number: creased(simplified(_joined(each), MOST_CARRIED)) for number, each in sorted(parts.items())}
+    meshes = {number: Mesh(np.array(mesh.vertices, float), np.array(mesh.faces)) for number, mesh in whole.items()}
     return meshes, list(missing)
 
 

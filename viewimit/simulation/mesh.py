@@ -1,0 +1,75 @@
+"""Triangles of a link's surface, and the files that the shipped robots' are in.
+
+trimesh reads all other files. To load it, with what it finds beside it, takes nearly as long as all else that a server
+needs, so that only a robot of one's own asks for it.
+"""
+
+import json
+import struct
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+HEADER, CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")  # magic, version, bytes in all; bytes, kind
+FLOAT, INDEX = "<f4", "<u4"  # of a vertex, of a face
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """vertices: (V, 3) m; faces: (F, 3) indices of them, counter-clockwise from outside."""
+
+    vertices: NDArray
+    faces: NDArray
+
+    @cached_property
+    def triangles(self) -> NDArray:
+        """(F, 3, 3) m"""
+        return self.vertices[self.faces]
+
+    @cached_property
+    def face_normals(self) -> NDArray:
+        """(F, 3), of length 1; 0 of a face without area."""
+        return self._across / np.where(self._twice_areas > 0, self._twice_areas, 1.0)[:, None]
+
+    @property
+    def area_faces(self) -> NDArray:
+        """(F,) m²"""
+        return self._twice_areas / 2
+
+    @cached_property
+    def bounds(self) -> NDArray:
+        """(2, 3) m: the least and the largest coordinates of its vertices."""
+        return np.array([self.vertices.min(0), self.vertices.max(0)])
+
+    @cached_property
+    def _across(self) -> NDArray:
+        a, b, c = np.moveaxis(self.triangles, 1, 0)
+        return np.cross(b - a, c - a)
+
+    @cached_property
+    def _twice_areas(self) -> NDArray:
+        return np.linalg.norm(self._across, axis=1)
+
+
+def read_glb(path: Path) -> dict[str, Mesh]:
+    """By name, as assets/build_robots.py writes them: a primitive each, of vertices and of faces alone."""
+    content = path.read_bytes()
+    size, _ = CHUNK.unpack_from(content, HEADER.size)
+    begin = HEADER.size + CHUNK.size
+    told, data = json.loads(content[begin : begin + size]), begin + size + CHUNK.size
+
+    def array(accessor: int, kind: str) -> NDArray:
+        found = told["accessors"][accessor]
+        view = told["bufferViews"][found["bufferView"]]
+        count = view["byteLength"] // np.dtype(kind).itemsize
+        return np.frombuffer(content, kind, count, data + view.get("byteOffset", 0)).reshape(-1, 3)
+
+    meshes = {}
+    for mesh in told["meshes"]:
+        (primitive,) = mesh["primitives"]
+        vertices, faces = array(primitive["attributes"]["POSITION"], FLOAT), array(primitive["indices"], INDEX)
+        meshes[mesh["name"]] = Mesh(vertices.astype(float), faces.astype(np.int64))
+    return meshes

@@ -106,6 +106,12 @@ class Course:
         return np.radians(self.given.sliders)
 
     @property
+    def poses(self) -> tuple[NDArray, ...]:
+        """(m,) rad each: where the learner is seen, the demonstrator, and the see-through arm if there is one."""
+        shown, guessed = self.moments[-1], self.see_through
+        return shown.theta, shown.theta_demo, *(() if guessed is None else (guessed,))
+
+    @property
     def answered(self) -> bool:
         """Whether it may be shown what is true."""
         given, ask = self.given, self.step.ask if self.step else None

@@ -10,11 +10,11 @@ from ...classroom.classroom import Heard, Rounds, Seen
 from ..checks import words
 from ..classroom.export import as_csv
 from ..classroom.lecturer import SORTS, Lecturer
-from ..classroom.student import Follow
+from ..classroom.student import Follow, Student
 from ..classroom.summaries import name_of
 from ..page_model import PageModel
 from .command import Command, Value
-from .session import FollowLink
+from .links import FollowLink, follow_link
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class FollowShown(FollowLink):
         return FollowShown
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.follow_link(self.read(model), self.keep)
+        follow_link(model, self.read(model), self.keep)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +42,11 @@ class TakeOrders(Value):
     when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        if model.lecturer is not None:
-            model.lecturer.take(self.heard)
-        if model.student is not None:
-            _follow(model, model.student.take(model, self.heard))
+        role = model.role
+        if isinstance(role, Lecturer):
+            role.take(self.heard)
+        elif isinstance(role, Student):
+            _follow(role, role.take(model, self.heard))
 
 
 class FollowOn(Value):
@@ -56,8 +57,8 @@ class FollowOn(Value):
     when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        if model.student is not None:
-            _follow(model, model.student.follow(model, now))
+        if isinstance(model.role, Student):
+            _follow(model.role, model.role.follow(model, now))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,8 +102,7 @@ class NameYourself(Value):
         return cls(name_of(words(value, "name")))
 
     def apply(self, model: PageModel, now: float) -> None:
-        if model.student is not None:
-            model.student.name = self.name
+        model.role.call(self.name)
 
 
 @dataclass(frozen=True)
@@ -126,14 +126,14 @@ class OfClass(Command):
 
 
 def _lecturer(model: PageModel) -> Lecturer:
-    if model.lecturer is None:
+    if not isinstance(model.role, Lecturer):
         raise ValueError("this page is not the lecturer's")
-    return model.lecturer
+    return model.role
 
 
-def _follow(model: PageModel, follow: Follow | None) -> None:
-    if follow is not None and model.student is not None:
-        model.student.queue.put(FollowShown(follow.text, follow.keep))
+def _follow(student: Student, follow: Follow | None) -> None:
+    if follow is not None:
+        student.queue.put(FollowShown(follow.text, follow.keep))
 
 
 def _sort(lecturer: Lecturer, model: PageModel, now: float, about: str) -> None:

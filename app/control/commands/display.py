@@ -70,12 +70,12 @@ class BuildUp(Command):
     when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        if model.building.goes_on:
-            model.building.end()
+        if model.moments.building.goes_on:
+            model.moments.building.end()
             return
         if model.view.chosen is None:
             NextPoint().apply(model, now)
-        model.building.begin(now)
+        model.moments.building.begin(now)
 
 
 @dataclass(frozen=True)
@@ -134,12 +134,12 @@ class LetGo(Command):
         if model.view.help or model.view.share:
             model.view = replace(model.view, help=False, share=False)
         elif model.guided.course is not None:
-            model.require_free()
+            model.role.require_free()
             model.guided.leave()
         elif not model.points.let_go():
             model.guided.offered = False
-            model.imitated.stop()
-            model.see_through.let_go()
+            model.moments.imitated.stop()
+            model.moments.see_through.let_go()
             model.view = replace(model.view, large=None)
 
 

@@ -8,7 +8,8 @@ import pytest
 from class_pages import NAME, Class
 from quiet_page import QuietPage
 from viewimit.app.classroom.board import GONE_S
-from viewimit.app.classroom.classroom import Classroom, Member
+from viewimit.app.classroom.classroom import Classroom
+from viewimit.app.classroom.member import Member
 from viewimit.app.classroom.messages import Summary
 from viewimit.app.control.classroom.following import rest
 from viewimit.app.control.commands.classroom import NameYourself, OfClass

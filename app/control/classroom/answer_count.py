@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ...classroom.classroom import Seen
+from ...classroom.member import Seen
 from ...classroom.messages import Asked, Tally
 from ...lessons.course import Course
 from .tally import tally_of

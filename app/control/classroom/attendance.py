@@ -2,7 +2,8 @@
 
 from typing import NamedTuple
 
-from ...classroom.classroom import Classroom, Member
+from ...classroom.classroom import Classroom
+from ...classroom.member import Member
 from ..commands.classroom import FollowOn, SeeClass, TakeOrders
 from ..page_model import PageModel
 from ..queue import CommandQueue

@@ -6,7 +6,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ...classroom.classroom import NOBODY, Heard, Member, Rounds, Seen
+from ...classroom.member import NOBODY, Heard, Member, Rounds, Seen
 from ...classroom.messages import (
     MOST_ROUNDS,
     STATES,

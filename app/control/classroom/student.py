@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from ...classroom.classroom import Heard, Member
+from ...classroom.member import Heard, Member
 from ...classroom.messages import Answer, Asked, Copy, Orders, Round, Shown, Summary, call_of
 from ...sessions.link import written
 from ..commands.links import show_view_of

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ...classroom.classroom import Heard, Rounds, Seen
+from ...classroom.member import Heard, Rounds, Seen
 from ..checks import words
 from ..classroom.export import as_csv
 from ..classroom.lecturer import SORTS, Lecturer

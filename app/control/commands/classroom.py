@@ -32,14 +32,26 @@ class FollowShown(FollowLink):
         follow_link(model, self.read(model), self.keep)
 
 
-@dataclass(frozen=True, eq=False)
-class TakeOrders(Value):
-    """What the lecturer wants of the class now."""
+class FromLecturer(Value):
+    """Whatever the page does, it follows."""
 
-    heard: Heard
     moves: ClassVar[bool] = True
     in_lesson: ClassVar[bool] = True
     when_locked: ClassVar[bool] = True
+
+
+class AboutClass(Command):
+    """What changes nothing of the page's session, and is carried out in a lesson too."""
+
+    in_lesson: ClassVar[bool] = True
+    commutes: ClassVar[bool] = True
+
+
+@dataclass(frozen=True, eq=False)
+class TakeOrders(FromLecturer):
+    """What the lecturer wants of the class now."""
+
+    heard: Heard
 
     def apply(self, model: PageModel, now: float) -> None:
         role = model.role
@@ -49,12 +61,8 @@ class TakeOrders(Value):
             _follow(role, role.take(model, self.heard))
 
 
-class FollowOn(Value):
+class FollowOn(FromLecturer):
     """Do what the lecturer's session has done since."""
-
-    moves: ClassVar[bool] = True
-    in_lesson: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         if isinstance(model.role, Student):
@@ -62,12 +70,10 @@ class FollowOn(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class SeeClass(Value):
+class SeeClass(AboutClass, Value):
     """What there is of all, for the lecturer's page."""
 
     seen: Seen
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         lecturer = _lecturer(model)
@@ -77,24 +83,20 @@ class SeeClass(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class SaveAnswers(Command):
+class SaveAnswers(AboutClass):
     """All that was answered, as a file."""
 
     rounds: Rounds
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.send("viewimit-class.csv", as_csv(self.rounds, model.guided.lessons))
 
 
 @dataclass(frozen=True)
-class NameYourself(Value):
+class NameYourself(AboutClass, Value):
     """A student's name, for the lecturer to see; "" for none."""
 
     name: str
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
     when_locked: ClassVar[bool] = True
 
     @classmethod
@@ -106,13 +108,11 @@ class NameYourself(Value):
 
 
 @dataclass(frozen=True)
-class OfClass(Command):
+class OfClass(AboutClass):
     """What the lecturer does. verb: of VERBS; about: what it is about."""
 
     verb: str
     about: str = ""
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> OfClass:

@@ -15,7 +15,7 @@ from ..checks import choice, number
 from ..page_model import PageModel
 from ..presets import Preset
 from .classroom import OfClass
-from .command import Command
+from .command import Command, OfView
 from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
 from .lessons import touched
 from .links import FollowLink
@@ -24,12 +24,10 @@ from .session import Play, Scrub, StartAt
 
 
 @dataclass(frozen=True)
-class TogglePoint(Command):
+class TogglePoint(OfView):
     """Choose a point; the chosen one again: none."""
 
     point: int
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> TogglePoint:

@@ -48,7 +48,7 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
     low, high = np.transpose(session.scene.range_deg)
     for start in np.random.default_rng(0).uniform(low, high, (runs, 2)):
         session.begin(Settings(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
-        model.begin_anew()
+        model.undoable.begin_anew()
         ChoosePoint(chosen).apply(model, 0.0)
         scene.build(session.world)
         model.landscape.begin(session.world, session.snapshot)

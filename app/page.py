@@ -16,6 +16,7 @@ from .control.commands.command import Command
 from .control.commands.experiments import LoadMotion
 from .control.commands.session import Resume
 from .control.commands.touch import TOUCHES
+from .control.memory import begin_like, go_on, memory_of, require_fit
 from .control.page_model import PageModel
 from .control.queue import CommandQueue
 from .control.redraw import Redraw
@@ -26,7 +27,7 @@ from .panels.panel import NOWHERE, Layout, Reach
 from .panels.status import StatusPanel
 from .scene.scene3d import Scene3D
 from .scene.view import Docking
-from .sessions.autosave import SavedSession
+from .sessions.saved import SavedSession
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
@@ -102,7 +103,7 @@ class Page:
 
     def memory(self) -> SavedSession:
         """What of the page is kept."""
-        return self.model.memory()
+        return memory_of(self.model)
 
     def say(self, text: str) -> None:
         """To its visitor, for a while."""
@@ -133,11 +134,11 @@ class Page:
         """Show what the visitor had chosen; the loop is paused. Camera images are taken in the first turn."""
         try:
             if memory.history[memory.head.cursor].settings.camera == "rendered":
-                self.model.begin_like(memory)
+                begin_like(self.model, memory)
                 self.queue.put(Resume(memory))
             else:
-                self.model.go_on(memory)
-            self.model.require_fit()
+                go_on(self.model, memory)
+            require_fit(self.model)
             self.model.poses(0.0)
             self.model.state(0.0)
         except Exception as error:  # a store may hold what no check foresees, which must not lock its visitor out

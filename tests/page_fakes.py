@@ -151,10 +151,10 @@ class QuietExperiments:
         self.cancelled += 1
 
 
-def quiet_model(settings, experiments=None, send=lambda *file: None):
-    """A page's model whose workers make nothing, and the queue that they would hand it to."""
-    worker = experiments or QuietExperiments()
-    services = Services(QuietLandscapes(), worker, CameraProcess(), LoadShedding(TICK), lambda robot, arm: None)
+def quiet_model(settings, experiments=None, send=lambda *file: None, landscapes=None):
+    """A page's model whose workers make nothing unless they are given, and the queue that they would hand it to."""
+    workers = landscapes or QuietLandscapes(), experiments or QuietExperiments()
+    services = Services(*workers, CameraProcess(), LoadShedding(TICK), lambda robot, arm: None)
     queue = CommandQueue()
     return PageModel(1, settings, services, queue, send), queue
 

@@ -8,106 +8,17 @@ import logging
 import secrets
 import threading
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TypeVar
-
-import msgspec
+from collections.abc import Callable
 
 from .board import GONE_S, Board
-from .messages import Answer, Copy, Orders, Roster, Round, Summary, call_of, decode, encode
+from .member import Heard, Member, Seen
+from .messages import Orders, Roster, encode
+from .orders import read_orders
+from .overview import rounds_on, seen_on
 
 PUBLISH_EVERY = 1.0  # s at least between two rosters of a process, and between two looks at all students
 WHOLE_EVERY = 4.0  # s after which a roster is written again, whatever the store still has
-M = TypeVar("M", Answer, Copy)
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Heard:
-    """The newest orders. present: whether the lecturer has given a sign of life lately; first: the page has heard none
-    before."""
-
-    orders: Orders
-    present: bool
-    first: bool = False
-
-    @property
-    def leads(self) -> bool:
-        return self.present and self.orders.lead is not None
-
-    @property
-    def freezes(self) -> bool:
-        return self.present and self.orders.frozen
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What the lecturer's page is told. students: all that are here; answers: to the question that goes on, by student,
-    and earlier: to the same one when it was asked before; copy: of a session, as wanted; problem: why this is not all.
-    """
-
-    students: tuple[Summary, ...] = ()
-    answers: Mapping[str, Answer] = field(default_factory=dict)
-    earlier: Mapping[str, Answer] = field(default_factory=dict)
-    copy: tuple[int, Copy] | None = None
-    problem: str | None = None
-
-
-NOBODY = Seen()
-Rounds = tuple[tuple[Round, Mapping[str, Answer]], ...]
-
-
-class Member:
-    """One page. hear(heard): what the lecturer wants, when it changes; see(seen): for a lecturer's page, what there is
-    of all; both are called from the thread that talks to the store."""
-
-    def __init__(self, id: str, hear: Callable[[Heard], None], see: Callable[[Seen], None] | None = None):
-        self.id, self.hear, self.see = id, hear, see
-        self._classroom: Classroom | None = None
-        self.summary: Summary | None = None
-        self.heard: Heard | None = None
-        self.seen: Seen | None = None
-        self._replies: dict[str, bytes] = {}
-        self.changes: list[Callable[[Orders], Orders]] = []
-        self.collecting: Callable[[Rounds], None] | None = None
-
-    def tell(self, summary: Summary) -> None:
-        """What the page is; to be told once a second at most."""
-        self.summary = summary
-
-    def reply(self, call: str, message: Answer | Copy) -> None:
-        self._replies[call] = encode(message)
-        self._wake()
-
-    def order(self, change: Callable[[Orders], Orders]) -> None:
-        """What this page wants of the class, if it is the one that leads: made of the orders that stand then."""
-        self.changes.append(change)
-        self._wake()
-
-    def take_over(self) -> None:
-        """Lead from now on, whichever page did before."""
-        self.order(_take_over)
-
-    def collect(self, done: Callable[[Rounds], None]) -> None:
-        """All that was answered, to be given to done() by that thread."""
-        self.collecting = done
-        self._wake()
-
-    def take_replies(self) -> dict[str, bytes]:
-        taken, self._replies = self._replies, {}
-        return taken
-
-    def put_back(self, replies: Mapping[str, bytes]) -> None:
-        """What could not be told, unless something else is to be told by now."""
-        self._replies = {**replies, **self._replies}
-
-    def joined(self, classroom: "Classroom") -> None:
-        self._classroom = classroom
-
-    def _wake(self) -> None:
-        if self._classroom is not None:
-            self._classroom.wake()
 
 
 class Classroom:
@@ -149,7 +60,7 @@ class Classroom:
         return hashlib.blake2b(key.encode(), key=self._name.encode()[:64], digest_size=8).hexdigest()
 
     def join(self, member: Member) -> None:
-        member.joined(self)
+        member.joined(self.wake)
         with self._lock:
             self._members.append(member)
         self.wake()
@@ -199,7 +110,7 @@ class Classroom:
     def _orders(self) -> tuple[int, Orders, bool]:
         number, data, age = self._board.orders()
         if data != self._read[0]:
-            self._read = data, _read_orders(data)
+            self._read = data, read_orders(data)
         return number, self._read[1], age < GONE_S
 
     def _give_orders(self, members: list[Member]) -> None:
@@ -207,11 +118,7 @@ class Classroom:
         for member in members:
             while member.changes:
                 number, orders, present = self._orders()
-                change = member.changes[0]
-                if change is _take_over:
-                    wanted = taken_over(orders, member.id, present)
-                else:
-                    wanted = change(orders) if orders.leader == member.id else orders
+                wanted = member.changes[0](orders, present)
                 if wanted == orders or self._board.order(number, encode(wanted)):
                     member.changes.pop(0)
 
@@ -249,24 +156,7 @@ class Classroom:
 
     def _look(self, lecturers: list[Member]) -> None:
         _, orders, _ = self._orders()
-        students: dict[str, Summary] = {}
-        for data in self._board.rosters():
-            try:
-                students |= {one.id: one for one in decode(Roster, data).students}
-            except ValueError as error:
-                log.warning("students of a process are not shown: %s", error)
-        answers: Mapping[str, Answer] = {}
-        earlier: Mapping[str, Answer] = {}
-        if orders.asked is not None:
-            answers = self._replies(Answer, orders.asked.round)
-            before = earlier_round(orders)
-            earlier = {} if before is None else self._replies(Answer, before)
-        copy = None
-        if orders.wanted is not None:
-            found = _read_replies(Copy, self._board.replies(call_of(orders.wanted)))
-            if orders.wanted.student in found:
-                copy = orders.wanted.number, found[orders.wanted.student]
-        seen = Seen(tuple(students.values()), answers, earlier, copy)
+        seen = seen_on(self._board, orders)
         for member in lecturers:
             self._show(member, seen)
 
@@ -280,52 +170,4 @@ class Classroom:
             if member.collecting is not None:
                 done, member.collecting = member.collecting, None
                 _, orders, _ = self._orders()
-                done(tuple((asked, self._replies(Answer, asked)) for asked in orders.rounds))
-
-    def _replies(self, kind: type[M], asked: Round) -> dict[str, M]:
-        return _read_replies(kind, self._board.replies(call_of(asked)))
-
-
-def _take_over(orders: Orders) -> Orders:
-    """Stands among changes for `taken_over`, which needs to know by whom."""
-    return orders
-
-
-def taken_over(orders: Orders, by: str, present: bool) -> Orders:
-    """What another page had ordered goes on, unless that one had let go by its silence."""
-    if present:
-        return msgspec.structs.replace(orders, leader=by)
-    return msgspec.structs.replace(orders, leader=by, lead=None, frozen=False)
-
-
-def earlier_round(orders: Orders) -> Round | None:
-    """When the same step was asked the last time before."""
-    asked = orders.asked
-    if asked is None:
-        return None
-    same = [
-        one
-        for one in orders.rounds
-        if (one.lesson, one.step) == (asked.round.lesson, asked.round.step) and one.number < asked.round.number
-    ]
-    return same[-1] if same else None
-
-
-def _read_orders(data: bytes) -> Orders:
-    """None yet, or none of this version: nothing is wanted."""
-    try:
-        return decode(Orders, data) if data else Orders()
-    except ValueError as error:
-        log.warning("the lecturer's orders are not followed: %s", error)
-        return Orders()
-
-
-def _read_replies(kind: type[M], replies: Mapping[str, bytes]) -> dict[str, M]:
-    """Those that are some."""
-    found = {}
-    for student, data in replies.items():
-        try:
-            found[student] = decode(kind, data)
-        except ValueError:
-            continue  # one page's nonsense is nobody's answer
-    return found
+                done(rounds_on(self._board, orders))

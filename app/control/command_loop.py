@@ -127,13 +127,13 @@ class CommandLoop:
             if self._background.end():
                 self._model.player.seen_from(now, self._asked_at)
         except CameraLost as lost:
-            self._model.leave_pictures()
+            self._model.undoable.leave_pictures()
             self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
 
     def _apply(self, command: Command, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
-        held = None if self._model.student is None else self._model.student.held_back(command)
-        if held is not None:
+        held = self._model.role.holds
+        if held is not None and not command.when_locked:
             self._model.refuse(held, now + MESSAGE_STAYS)
             return
         if self._model.guided.course is not None and not command.in_lesson:

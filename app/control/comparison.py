@@ -9,7 +9,6 @@ from viewimit.transfer import TRANSFERS
 from viewimit.viewer.landscapes import landscape_key
 
 from ..jobs.landscapes import ComparedTransfer, LandscapeWorker, make_compared
-from .commands.command import Arrival
 from .queue import CommandQueue
 
 
@@ -45,7 +44,8 @@ class Comparison:
         self._asked = asked
         for transfer in TRANSFERS:
             make = partial(make_compared, asked, world, snapshot, transfer)
-            self._worker.ask(self._page_id, make, partial(self._take_later, transfer), kind=f"compared: {transfer}")
+            done = self._queue.taker(("compared", transfer), partial(self.take, transfer))
+            self._worker.ask(self._page_id, make, done, kind=f"compared: {transfer}")
 
     def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:
         if isinstance(made, Exception):
@@ -55,9 +55,6 @@ class Comparison:
         self._compared[transfer] = made
         self._fresh.add(transfer)
         self._draw_if_complete()
-
-    def _take_later(self, transfer: str, made: ComparedTransfer | Exception) -> None:
-        self._queue.put(Arrival(("compared", transfer), partial(self.take, transfer), made))
 
     def _draw_if_complete(self) -> None:
         """Once all are as asked for; or all are newer than what is shown, while the demonstrator goes on moving."""

@@ -26,7 +26,7 @@ class OwnLandscape:
     """
 
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._page_id, self._worker, self._take_later = page_id, worker, queue.taker("landscape", self.take)
         self._asked: tuple | None = None
         self._begun: Snapshot | None = None  # the first moment in the world
         self._about: Snapshot | None = None  # the moment that was asked for last
@@ -59,15 +59,12 @@ class OwnLandscape:
             if made.about is not None and made.about is self._about:
                 self._worker.ask(self._page_id, partial(make_landscape, made.world, made.about), self._take_later)
 
-    def _take_later(self, made: MadeLandscape | Exception) -> None:
-        self._queue.put(Arrival("landscape", self.take, made))
-
 
 class DuelLandscapes:
     """Of both learners. html: what lies under their paths."""
 
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._page_id, self._worker, self._take_later = page_id, worker, queue.taker("duel", self.take)
         self._asked: tuple | None = None
         self._world: World | None = None  # of the duel that goes on
         self.html = drawing.draw_empty()
@@ -91,9 +88,6 @@ class DuelLandscapes:
             raise ValueError(f"no landscapes for the duel: {made}")
         if made.world is self._world:
             self.html = made.html
-
-    def _take_later(self, made: Ground | Exception) -> None:
-        self._queue.put(Arrival("duel", self.take, made))
 
 
 class Basins:

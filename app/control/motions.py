@@ -35,6 +35,7 @@ class Motions:
         self._session, self._pose, self._aside, self._send, self._clock = session, pose, aside, send, clock
         self.name = next(iter(NAMES))
         self.recorded: Motion | None = None
+        self._encoded: tuple[Motion, bytes] | None = None
         self._recorder: Recorder | None = None
         self._shown: Playback | None = None
         self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
@@ -201,6 +202,15 @@ class Motions:
 
     def _forget_shown(self) -> None:
         self._shown = self._then = None
+
+    @property
+    def file(self) -> bytes | None:
+        """The motion that was recorded or loaded, as a file has it."""
+        if self.recorded is None:
+            return None
+        if self._encoded is None or self._encoded[0] is not self.recorded:
+            self._encoded = self.recorded, encode(self.recorded)
+        return self._encoded[1]
 
     def _require_recorded(self) -> Motion:
         if self.recorded is None:

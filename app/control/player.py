@@ -84,6 +84,11 @@ class Player:
         self._next = 0.0
 
     @property
+    def sessions(self) -> list[Session]:
+        """The visitor's own first."""
+        return [runner.session for runner in self.runners]
+
+    @property
     def cursor(self) -> int:
         """Motions that are shown: of the runner that made most of them."""
         return max(runner.session.cursor for runner in self.runners)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import msgspec
 
+from viewimit.embodiment.in_scene import complete
 from viewimit.settings import BEST, Settings
 
 replace = msgspec.structs.replace
@@ -125,3 +126,23 @@ def presets_from(asked: Settings) -> dict[str, Preset]:
     """By name, the one to begin with first: what the command line asked for, if no preset is that."""
     begun = next((preset for preset in PRESETS if preset.settings == asked), Preset(AS_STARTED, asked, 2, ""))
     return {preset.name: preset for preset in (begun, *PRESETS)}
+
+
+class Presets:
+    """Which a page offers, by name, and which it has begun with last. asked: by the command line."""
+
+    def __init__(self, asked: Settings):
+        self.offered = presets_from(asked)
+        self.chosen = next(iter(self.offered.values()))
+        self._complete: dict[str, Settings] = {}  # those of presets as a session has them
+
+    def choose_named(self, name: str) -> None:
+        """If there is one of that name."""
+        self.chosen = self.offered.get(name, self.chosen)
+
+    def differ(self, settings: Settings) -> bool:
+        """Whether a session's settings are others than those of the chosen one."""
+        name = self.chosen.name
+        if name not in self._complete:
+            self._complete[name] = complete(self.chosen.settings)
+        return settings != self._complete[name]

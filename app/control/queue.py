@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Hashable
 from typing import Any
 
-from .commands.command import Command, Refused
+from .commands.command import Arrival, Command, Refused
 
 PENDING_LIMIT = 200  # actions that wait, per page
 APART = 0.05  # s on average between two equal actions; a held key repeats itself that fast
@@ -46,6 +46,12 @@ class CommandQueue:
         except ValueError as refusal:
             command = Refused(str(refusal), sender)
         self.put(command)
+
+    def taker(
+        self, kind: Hashable, take: Callable[[Any], None], arrival: type[Arrival] = Arrival
+    ) -> Callable[[Any], None]:
+        """What a worker hands over from its own thread: take(made) follows in the page's time. kind: as `Arrival`."""
+        return lambda made: self.put(arrival(kind, take, made))
 
     def on_value(self, widget: Any, parse: Callable[[Any], Command]) -> None:
         """A person's changes of a widget are put as what `parse` makes of them."""

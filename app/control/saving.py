@@ -5,7 +5,6 @@ from functools import partial
 from typing import NamedTuple
 
 from viewimit.drawing.curves import draw_curves
-from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.standalone import can_render
 from viewimit.drawing.theme import DRAWING_CSS
@@ -20,6 +19,7 @@ from ..jobs.png_child import render
 from ..lessons.course import Course
 from ..lessons.figure_area import draw_figures
 from ..static import LESSON_CSS
+from .moments.images import draw_shown
 from .state import PageState
 
 FORMATS = ("SVG", "PNG")
@@ -96,20 +96,11 @@ def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation)
 
 
 def _images(state: PageState) -> Figure:
-    bodies, windows = state.arms_in_images
-    moment, view, made = state.looked, state.view, f"after {motions(state.looked.motion)}"
-    if view.rectified:
+    moment, made = state.looked, f"after {motions(state.looked.motion)}"
+    if state.view.rectified:
+        bodies, _ = state.arms_in_images
         return stacked([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}")
-    drawn = draw_images(
-        moment,
-        bodies,
-        windows,
-        view.chosen,
-        view.whole_frames,
-        pictures=state.pictures,
-        construction=state.construction,
-    )
-    return four_images(drawn, f"The learner’s four images {made}")
+    return four_images(draw_shown(state), f"The learner’s four images {made}")
 
 
 def _landscape(state: PageState) -> Figure:

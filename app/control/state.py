@@ -1,8 +1,9 @@
 """What a page shows at one moment. Panels read it and change nothing."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from numpy.typing import NDArray
 
@@ -23,7 +24,7 @@ from ..jobs.experiments import Run
 from ..lessons.course import Course
 from ..lessons.format import Lesson
 from ..sessions.link import Linked
-from .classroom.lecturer import ClassView
+from .classroom.class_view import ClassView
 from .duel import Duel
 from .experiments import Experiments
 from .moments.rehearsal import Rehearsal, rehearsal_of
@@ -170,3 +171,12 @@ class PageState:
         """(N, 3) m: where the learner's cameras would see the recovered points in space, NaN where there is none."""
         shown, cameras = self.shown, self.session.world.own_cameras
         return triangulate(*cameras, shown.recovered)
+
+
+def in_lesson(state: PageState, course: Course) -> PageState:
+    """What a page shows in a lesson: that one's session."""
+    step, moment = course.step, course.moments[-1]
+    chosen = None if step is None else step.chosen
+    view = replace(state.view, chosen=chosen, rays=False, residuals=False, gizmo=False, help=False, large=None)
+    seen: dict[str, Any] = {"session": course.session, "present": moment, "looked": moment, "shown": moment}
+    return replace(state, view=view, on_its_way=None, see_through=None, imitated=None, stage=None, pictures={}, **seen)

@@ -3,9 +3,7 @@ is as it was when the lesson is left."""
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
@@ -15,43 +13,39 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 
-from .figures import FIGURES
-from .format import Choice, Do, Lesson, Number, Place, Pose, Select, Step
+from .answering import Ask, choices, chosen, guessed, is_answered, placed, selected, settings_selected, with_outcome
+from .format import Do, Lesson, Pose, Select, Step
 from .measures import MEASURES
-from .progress import Given, Outcome, Progress, fitting
+from .playing import Playing
+from .progress import Given, Progress, fitting
 from .scenes import SLIDERS, Staging
 from .screens import Screen, answers_by_id, asked_on, right_among, screens_of
 from .stage import Stage
 from .step_session import StepSession
-from .works import WORKS
+from .step_works import StepWorks, Work
 from .works.work import Task
 
 MOST_PATH = 200  # motions by hand
 MOST_SEED = 9999
 JOINTS = ("own ", "guess ")  # of sliders that stand at first where the learner does
-FARTHEST = 1e4  # units of a drawing: no figure is as large
-MOST_OUTCOMES = 50  # that are kept of a step
-LEAST_DELAY, PLAYED = 0.35, 24  # s of a motion that is played; so many motions are, then all
-Work = Callable[[str, Callable[[], object], Callable[[object], None]], None]
 replace = msgspec.structs.replace
 
 
 class Course:
-    """work(kind, make, take): make() beside the page, then take(what came of it, or the exception) in the page's own
-    time. changes: how often anything that is shown has changed; failed: what could not be computed, and why; others:
-    what a class has placed in the step's figure, in its unit."""
+    """work: as `StepWorks` has it. changes: how often anything that is shown has changed; others: what a class has
+    placed in the step's figure, in its unit."""
 
     def __init__(self, lesson: Lesson, progress: Progress, work: Work):
-        self.lesson, self._work = lesson, work
+        self.lesson = lesson
         self.screens = screens_of(lesson)
         self.steps = {step.id: step for step in lesson.step}
         at, answers = int(np.clip(progress.at, 0, len(self.screens) - 1)), answers_by_id(lesson)
         given = {id: one for id, one in progress.given.items() if id in answers and fitting(one, *answers[id])}
         self.progress = replace(progress, at=at, given=given)
-        self.changes, self._visits, self.played = 0, 0, 0
+        self.changes = 0
+        self.works, self._playing = StepWorks(work, self._change, self._keep), Playing()
         self._at_work, self._narrow = StepSession(), False
         self.others: tuple[tuple[float, float], ...] = ()
-        self._next: float | None = None
         self._enter()
 
     @property
@@ -70,6 +64,21 @@ class Course:
         return self._at_work.moments
 
     @property
+    def made(self) -> dict[str, object]:
+        """What the step's works have come to so far, by name."""
+        return self.works.made
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """What could not be computed, and why."""
+        return self.works.failed
+
+    @property
+    def played(self) -> int:
+        """Motions that are shown where they are played."""
+        return self._playing.played
+
+    @property
     def screen(self) -> Screen:
         return self.screens[self.progress.at]
 
@@ -77,6 +86,10 @@ class Course:
     def step(self) -> Step | None:
         """None at a question and at the end."""
         return self.lesson.step[self.screen.number] if self.screen.kind == "step" else None
+
+    @property
+    def _ask(self) -> Ask:
+        return self.step.ask if self.step else None
 
     @property
     def given(self) -> Given:
@@ -96,7 +109,7 @@ class Course:
     @property
     def _played_so_far(self) -> int | None:
         """Motions that are shown where they are played; None for all."""
-        return None if self.step is None or self.step.play is None or self.played >= PLAYED else self.played
+        return None if self.step is None or self.step.play is None or self._playing.over else self.played
 
     @property
     def see_through(self) -> NDArray | None:
@@ -106,18 +119,17 @@ class Course:
         return np.radians(self.given.sliders)
 
     @property
+    def poses(self) -> tuple[NDArray, ...]:
+        """(m,) rad each: where the learner is seen, the demonstrator, and the see-through arm if there is one."""
+        shown, guessed = self.moments[-1], self.see_through
+        return shown.theta, shown.theta_demo, *(() if guessed is None else (guessed,))
+
+    @property
     def answered(self) -> bool:
         """Whether it may be shown what is true."""
-        given, ask = self.given, self.step.ask if self.step else None
-        if isinstance(ask, Choice) or self.screen.kind in ("before", "after"):
-            return given.choice is not None
-        if isinstance(ask, Place | Pose):
-            return given.place is not None
-        if isinstance(ask, Number):
-            return given.number is not None
-        if isinstance(ask, Select):
-            return len(given.selected) == len(ask.fields) and min(given.selected) >= 0
-        return given.done if isinstance(ask, Do) else True
+        if self.screen.kind in ("before", "after"):
+            return self.given.choice is not None
+        return is_answered(self.given, self._ask)
 
     def question(self) -> tuple[str, tuple[str, ...]]:
         """Words and answers of a question before or after all, in the order in which they are shown."""
@@ -131,41 +143,19 @@ class Course:
     # What a visitor does
 
     def choose(self, k: int) -> None:
-        if self.screen.kind in ("before", "after"):
-            count = len(self.question()[1])
-        else:
-            ask = self.step.ask if self.step else None
-            count = len(ask.answers) if isinstance(ask, Choice) else 0
-        if not 0 <= k < count or self.given.revealed:
-            raise ValueError(f"no answer {k + 1} here")
-        self._give(choice=k)
+        question = self.screen.kind in ("before", "after")
+        self._give(choice=chosen(self.given, k, len(self.question()[1]) if question else choices(self.step)))
 
     def place(self, at: NDArray) -> None:
         """at: (2,) units of the figure's drawing."""
-        stage, ask = self.stage, self.step.ask if self.step else None
-        if stage is None or not isinstance(ask, Place) or stage.revealed or np.abs(at).max() > FARTHEST:
-            raise ValueError("nothing is to be marked here")
-        unplace = FIGURES[ask.figure].unplace
-        assert unplace is not None
-        x, y = unplace(stage, at).tolist()
-        self._give(place=(round(x, 3), round(y, 3)))
+        self._give(place=placed(self.stage, at))
 
     def guess(self, number: float) -> None:
-        ask = self.step.ask if self.step else None
-        if not isinstance(ask, Number) or self.given.revealed:
-            raise ValueError("no number is asked for here")
-        self._give(number=float(np.clip(number, ask.low, ask.high)))
+        self._give(number=guessed(self.given, self._ask, number))
 
     def select(self, k: int, value: int) -> None:
         """One of the values of a field of settings, both counted from 0."""
-        ask = self.step.ask if self.step else None
-        if not isinstance(ask, Select) or self.given.revealed:
-            raise ValueError("nothing is to be selected here")
-        if not (0 <= k < len(ask.fields) and 0 <= value < len(ask.fields[k].values)):
-            raise ValueError(f"no value {value + 1} of field {k + 1} here")
-        selected = [*(self.given.selected or (-1,) * len(ask.fields))]
-        selected[k] = value
-        self._give(selected=tuple(selected))
+        self._give(selected=selected(self.given, self._ask, k, value))
 
     def turn(self, k: int, value: float) -> None:
         """One of the step's sliders; value: in its own unit."""
@@ -250,16 +240,9 @@ class Course:
     def tick(self, now: float, still: bool = False) -> None:
         """Show one more motion, where they are played; still: all of them, as nothing is to move."""
         step = self.step
-        if step is None or step.play is None or self.played >= PLAYED or not self.given.revealed:
+        if step is None or step.play is None or self._playing.over or not self.given.revealed:
             return
-        if not any(WORKS[name].played for name in self.made):
-            return
-        if still:
-            self.played = PLAYED
-            self.changes += 1
-        elif self._next is None or now >= self._next:
-            self._next = now + max(1 / step.play, LEAST_DELAY)
-            self.played += 1
+        if self.works.plays and self._playing.tick(now, step.play, still):
             self.changes += 1
 
     # What follows from it
@@ -277,10 +260,8 @@ class Course:
     def _enter(self) -> None:
         """The screen is another: begin its session, and go again what was gone by hand."""
         self.changes += 1
-        self._visits += 1
-        self.made: dict[str, object] = {}
-        self.failed: tuple[str, ...] = ()
-        self.played, self._next = 0, None
+        self.works.begin()
+        self._playing = Playing()
         self.others = ()
         step = self.step
         if step is None:
@@ -341,7 +322,7 @@ class Course:
         return start if theta is None else round(float(np.degrees(theta[int(number) - 1])), 3)
 
     def _look_whether_done(self) -> None:
-        stage, ask = self.stage, self.step.ask if self.step else None
+        stage, ask = self.stage, self._ask
         if stage is None or not isinstance(ask, Do) or self.given.done:
             return
         value = float(MEASURES[ask.measure].of(stage))
@@ -354,45 +335,19 @@ class Course:
         step = self.step
         if step is None:
             return
-        shown = [name for figure in (*step.main, *step.side) for name in FIGURES[figure.figure].works]
         session = self.session
         task = Task(
             step, session.world, self.moments[-1], session.settings, self._sliders(step), self.given.seed,
-            self.staging, self._selected(),
+            self.staging, settings_selected(self.given, step.ask),
         )  # fmt: skip
-        for name in dict.fromkeys((*shown, *step.works)):
-            if WORKS[name].when in when:
-                self._work(name, partial(WORKS[name].make, task), partial(self._take, task, self._visits, name))
-
-    def _selected(self) -> dict[str, object]:
-        """Fields of settings, by name."""
-        ask = self.step.ask if self.step else None
-        if not isinstance(ask, Select):
-            return {}
-        return {field.name: field.values[k].value for field, k in zip(ask.fields, self.given.selected) if k >= 0}
-
-    def _take(self, task: Task, visit: int, name: str, made: object) -> None:
-        """made: or what was raised; visit: of the screen and the start that it was made for."""
-        if visit != self._visits:
-            return
-        self.changes += 1
-        if isinstance(made, Exception):
-            self.failed = (*self.failed, f"{name}: {made}")
-            return
-        self.made = {**self.made, name: made}
-        work = WORKS[name]
-        if work.goes_on(made):
-            task = dataclasses.replace(task, made=made)
-            self._work(name, partial(work.make, task), partial(self._take, task, visit, name))
-        elif work.outcome is not None:
-            self._keep(work.outcome(made))
+        self.works.ask(task, *when)
 
     def _keep(self, numbers: tuple[float, ...]) -> None:
-        """In place of what the same came to before."""
-        given = self.given
-        now = Outcome(seed=given.seed, selected=given.selected, numbers=numbers)
-        others = [old for old in given.outcomes if (old.seed, old.selected) != (now.seed, now.selected)]
-        self._give(outcomes=(*others[1 - MOST_OUTCOMES :], now))
+        """What a work came to."""
+        self._give(outcomes=with_outcome(self.given, numbers))
+
+    def _change(self) -> None:
+        self.changes += 1
 
     def _sliders(self, step: Step) -> dict[str, float]:
         """Where they stand, by name."""

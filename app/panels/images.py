@@ -1,10 +1,10 @@
 """The four images."""
 
-from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.over.links import link
 from viewimit.drawing.over.points import LESS, MORE, point_links, point_places, proposed_marks
 
+from ..control.moments.images import draw_shown
 from ..control.state import LARGE, PageState
 from .panel import Layout, Panel
 from .widgets import put_html
@@ -36,17 +36,8 @@ class ImagesPanel(Panel):
             return
         marks = state.points.proposed_in
         put_html(self._proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
-        drawn = draw_images(
-            state.looked,
-            bodies,
-            windows,
-            view.chosen,
-            view.whole_frames,
-            pictures=state.pictures,
-            construction=state.construction,
-            stage=state.stage,
-            standing=None if state.see_through is None else state.look_at(state.present)[0],
-        )
+        standing = None if state.see_through is None else state.look_at(state.present)[0]
+        drawn = draw_shown(state, state.stage, standing)
         if self._address is not None:
             views = state.looked.views
             points = point_links(self._address, len(views.demo), view.whole_frames)

@@ -4,7 +4,7 @@ from viser import Icon
 
 from viewimit.drawing.standalone import INSTALL, RENDERER, can_render
 
-from ..control.commands.saving import ChooseFormat, ChoosePicture, SavePicture, SaveReplay
+from ..control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
 from ..control.saving import FORMATS, PICTURES
 from ..control.state import PageState
 from .panel import Layout, Panel
@@ -26,8 +26,8 @@ class SavePanel(Panel):
                 gui.add_html(f'<div class="vi-why">PNG needs {RENDERER}: {INSTALL}; SVG does not</div>')
         queue.on_click(replay, SaveReplay())
         queue.on_click(picture, SavePicture())
-        queue.on_value(self._what, ChoosePicture.parse)
-        queue.on_value(self._form, ChooseFormat.parse)
+        queue.on_value(self._what, choose_picture)
+        queue.on_value(self._form, choose_format)
 
     def depends_on(self, state: PageState) -> tuple:
         return state.view.picture, state.view.picture_as, state.refusals

@@ -8,19 +8,13 @@ import secrets
 import threading
 import time
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future
-from concurrent.futures import TimeoutError as NotYet
-from dataclasses import dataclass, field
-from typing import TypeVar
-
-import msgspec
 
 from viewimit.settings import Settings
-from viewimit.snapshot import Snapshot
 
-from . import codec
-from .saved import CHUNK, HEAD, MOST_BYTES, SavedPage, SavedSession, chunks, decoded
+from .saved import CHUNK, HEAD, MOST_BYTES, SavedPage, SavedSession
 from .store import RENEW_EVERY, Store
+from .stored import StoredSession
+from .within import NotYet, answer_until
 
 ANSWERS_WITHIN = 2.0  # s that a visitor waits for the store
 STOPS_WITHIN = 6.0  # s for what is left to be written
@@ -28,38 +22,6 @@ TAKEN = "another tab has taken this session"
 log = logging.getLogger(__name__)
 
 __all__ = ["CHUNK", "HEAD", "Autosave", "SavedPage", "SavedSession"]
-T = TypeVar("T")
-
-
-@dataclass(eq=False)
-class _Written:
-    """What the store has of a session, and by whose lease. there(): whether its page still is; renewed: whether the
-    lease is kept up; taken: another has it; sizes: bytes of its parts; claimed: this writer's is what is kept; unread:
-    nobody knows what it has; lost: why what was kept is not gone on with."""
-
-    writer: str
-    there: Callable[[], bool] = lambda: True
-    head: SavedPage | None = None
-    history: tuple[Snapshot, ...] = ()
-    renewed: bool = True
-    taken: bool = False
-    sizes: dict[str, int] = field(default_factory=dict)
-    claimed: bool = False
-    unread: bool = False
-    lost: str | None = None
-
-    @property
-    def memory(self) -> SavedSession | None:
-        """What the store has; None if that is nothing."""
-        return None if self.head is None else SavedSession(self.head, self.history)
-
-    def forget(self) -> None:
-        """All of it has to be written."""
-        self.head, self.history, self.sizes = None, (), {}
-
-
-class Held(Exception):
-    """The session is leased to another page."""
 
 
 class Autosave:
@@ -74,7 +36,7 @@ class Autosave:
         self._changed = threading.Condition()
         self._waiting: dict[str, SavedSession] = {}
         self._busy: str | None = None  # key that is being written
-        self._written: dict[str, _Written] = {}
+        self._written: dict[str, StoredSession] = {}
         self._leaving: set[str] = set()  # keys whose page is gone, and that are still to be written
         self._going: set[str] = set()  # whose leases are given back just now
         self._problems: dict[str, str] = {}
@@ -86,7 +48,7 @@ class Autosave:
         """Which sessions are leased, by whomever, and for how many s yet. Raises OSError."""
         keys = list(keys)
         try:
-            return _answer(lambda: self._store.held(keys), time.monotonic() + self._within)
+            return answer_until(lambda: self._store.held(keys), time.monotonic() + self._within)
         except NotYet:
             raise OSError(f"the store of sessions gave no answer within {self._within:g} s") from None
 
@@ -108,10 +70,10 @@ class Autosave:
                 if memory is not None and memory.head.begun == begun:
                     return memory
         if written is not None and written.claimed and not written.taken:
-            written = _Written(written.writer, there, claimed=True)
+            written = StoredSession(self._store, key, written.writer, there, claimed=True)
         else:
-            written = _Written(secrets.token_hex(8), there)
-        memory = self._read(key, written, begun, until)
+            written = StoredSession(self._store, key, secrets.token_hex(8), there)
+        memory = written.read(begun, until, self._within)
         with self._changed:
             self._waiting.pop(key, None)
             self._written[key] = written
@@ -125,10 +87,9 @@ class Autosave:
 
     def set_aside(self, key: str, why: str) -> None:
         """What was claimed is of no use: it is kept apart, and the key begins anew."""
-        log.warning("a session cannot be resumed: %s", why)
         with self._changed:
             written = self._written[key]
-        self._set_aside(key, written, why, time.monotonic() + self._within)
+        written.set_aside(why, time.monotonic() + self._within)
 
     def keep(self, key: str, memory: SavedSession) -> str | None:
         """Write what is new in it, soon; nothing is taken any more once it is stopped, or once another page has the
@@ -179,48 +140,6 @@ class Autosave:
             self._waiting.clear()
         log.warning("the store does not answer: what %d visitors did last is not kept", left)
 
-    def _read(self, key: str, written: _Written, begun: Settings, until: float) -> SavedSession | None:
-        """What the store has, and that it is known here; None if there is nothing to go on with."""
-        try:
-            parts = _answer(lambda: self._claimed(key, written), until)
-            memory = decoded(parts, begun)
-        except (OSError, NotYet) as error:
-            why = str(error) or f"no answer within {self._within:g} s"
-            log.warning("a session cannot be resumed: %s", why)
-            written.unread = True
-            written.lost = f"What you left cannot be read now: {why}. Reload the page to try again."
-            return None
-        except ValueError as error:
-            log.warning("a session cannot be resumed: %s", error)
-            self._set_aside(key, written, str(error), until)
-            return None
-        if memory is not None:
-            written.head, written.history = memory.head, memory.history
-            written.sizes = {name: len(data) for name, data in parts.items()}
-        return memory
-
-    def _claimed(self, key: str, written: _Written) -> dict[str, bytes]:
-        """What is there can be gone on with even if it cannot be written."""
-        if written.claimed:
-            return self._store.read(key)
-        try:
-            parts = self._store.claim(key, written.writer)
-        except OSError as error:
-            log.warning("a session is resumed, but not kept: %s", error)
-            return self._store.read(key)
-        if parts is None:
-            raise Held
-        written.claimed = True
-        return parts
-
-    def _set_aside(self, key: str, written: _Written, why: str, until: float) -> None:
-        written.forget()
-        written.lost = f"What you left cannot be gone on with, so this begins anew: {why}."
-        try:
-            _answer(lambda: self._store.set_aside(key), until)
-        except (OSError, NotYet) as error:
-            log.warning("a session that cannot be resumed is not set aside: %s", error or "no answer")
-
     def _run(self) -> None:
         due = time.monotonic()
         while True:
@@ -255,10 +174,10 @@ class Autosave:
             gone = {key: self._written.pop(key, None) for key in self._going}
             for key in gone:
                 self._problems.pop(key, None)
-        for key, written in gone.items():
+        for written in gone.values():
             try:
-                if written is not None and written.claimed:
-                    self._store.release(key, written.writer)
+                if written is not None:
+                    written.release()
             except Exception as error:  # as in writing
                 log.warning("a session is free only after a while: %s", error)
         with self._changed:
@@ -267,12 +186,10 @@ class Autosave:
 
     def _renew(self) -> None:
         with self._changed:
-            all_written = {
-                key: written for key, written in self._written.items() if written.renewed and written.claimed
-            }
-        all_written = {key: written for key, written in all_written.items() if written.there()}
+            leased = {key: written for key, written in self._written.items() if written.leased}
+        leased = {key: written for key, written in leased.items() if written.there()}
         try:
-            lost = self._store.renew({key: written.writer for key, written in all_written.items()})
+            lost = self._store.renew({key: written.writer for key, written in leased.items()})
         except Exception as error:  # as in writing
             if not self._unrenewed:  # one line until it answers again
                 log.warning("sessions are not kept alive: %s", error)
@@ -280,9 +197,9 @@ class Autosave:
             return
         self._unrenewed = False
         for key in lost:
-            self._lose(key, all_written[key])
+            self._lose(key, leased[key])
 
-    def _lose(self, key: str, written: _Written) -> None:
+    def _lose(self, key: str, written: StoredSession) -> None:
         """Another page has the session: this one writes it no more, and says so."""
         with self._changed:
             if self._written.get(key) is not written or written.taken:
@@ -292,11 +209,11 @@ class Autosave:
             self._problems[key] = TAKEN
         log.warning("a session is not kept: %s", TAKEN)
 
-    def _try_to_write(self, key: str, memory: SavedSession, written: _Written) -> None:
+    def _try_to_write(self, key: str, memory: SavedSession, written: StoredSession) -> None:
         """What fails is said, and tried again with what is handed over next."""
         problem = None
         try:
-            if not self._write(key, memory, written):
+            if not written.write(memory, self._most_bytes):
                 self._lose(key, written)
                 return
         # a full disk, a Redis that is down; a state that nobody said how to store
@@ -311,54 +228,3 @@ class Autosave:
                 self._problems.pop(key, None)
             else:
                 self._problems[key] = problem
-
-    def _write(self, key: str, memory: SavedSession, written: _Written) -> bool:
-        """False if the session is another's."""
-        there = self._store.names(key)
-        if written.unread:
-            if there:
-                raise OSError("what you left before is kept in its place; reload the page to go on with that")
-            written.unread = False
-        if not written.claimed:
-            if self._store.claim(key, written.writer) is None:
-                return False
-            written.claimed = True
-        if not there >= written.sizes.keys():  # removed to make room, or with its whole database
-            written.forget()
-        parts = {}
-        history, before = memory.history, written.history
-        for first in range(0, len(history), CHUNK):
-            chunk, known = history[first : first + CHUNK], before[first : first + CHUNK]
-            if len(chunk) != len(known) or not all(map(_same, chunk, known)):
-                parts[str(first // CHUNK)] = codec.encode(chunk)
-        if memory.head != written.head:
-            parts[HEAD] = msgspec.msgpack.encode(memory.head)
-        gone = there - {HEAD, *(str(k) for k in range(chunks(len(history))))}
-        if not parts and not gone:
-            return True
-        sizes = {**written.sizes, **{name: len(data) for name, data in parts.items()}}
-        sizes = {name: size for name, size in sizes.items() if name not in gone}
-        if sum(sizes.values()) > self._most_bytes:
-            raise OSError(f"it takes more than {self._most_bytes / 2**20:g} MB")
-        if not self._store.save(key, written.writer, parts, gone):
-            return False
-        written.head, written.history, written.sizes = memory.head, history, sizes
-        return True
-
-
-def _answer(ask: Callable[[], T], until: float) -> T:
-    """What it returns or raises, or NotYet if that takes until then; it is not waited for any more, even at the end."""
-    answer: Future[T] = Future()
-
-    def run() -> None:
-        try:
-            answer.set_result(ask())
-        except BaseException as error:
-            answer.set_exception(error)
-
-    threading.Thread(target=run, name="viewimit-store", daemon=True).start()
-    return answer.result(max(until - time.monotonic(), 0.0))
-
-
-def _same(one: Snapshot, other: Snapshot) -> bool:
-    return one is other or one.keeps_the_same(other)

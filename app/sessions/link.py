@@ -11,7 +11,8 @@ import zstandard
 from viewimit.history import MAX_HISTORY
 from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script, file_name
 from viewimit.settings import Settings
-from viewimit.simulation.scene import robot_names, scene_names
+from viewimit.simulation.robots import robot_names
+from viewimit.simulation.scene import scene_names
 
 FORM = "1"  # the first character: which form the rest has
 MOST_CHARS = 6_000

@@ -16,7 +16,8 @@ from websockets.exceptions import ConnectionClosed
 from viewimit.settings import Settings
 
 from .. import viser_private
-from .autosave import Autosave, Held, SavedSession
+from .autosave import Autosave, SavedSession
+from .stored import Held
 
 MOST_TABS = 8  # of a browser that are kept
 ANSWERS_WITHIN = 2.0  # s: an open tab answers a ping sooner

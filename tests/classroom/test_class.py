@@ -8,7 +8,8 @@ import pytest
 from class_pages import NAME, Class
 from quiet_page import QuietPage
 from viewimit.app.classroom.board import GONE_S
-from viewimit.app.classroom.classroom import Classroom, Member
+from viewimit.app.classroom.classroom import Classroom
+from viewimit.app.classroom.member import Member
 from viewimit.app.classroom.messages import Summary
 from viewimit.app.control.classroom.following import rest
 from viewimit.app.control.commands.classroom import NameYourself, OfClass
@@ -16,6 +17,7 @@ from viewimit.app.control.commands.display import FitView
 from viewimit.app.control.commands.lessons import BeginLesson, InLesson, LeaveLesson
 from viewimit.app.control.commands.method import change_transfer
 from viewimit.app.control.commands.session import Play, PoseJoint, Reset, Step, Undo
+from viewimit.app.control.memory import memory_of
 
 from viewimit.script import Changed, Posed, Script, Stepped
 from viewimit.script_player import play
@@ -63,7 +65,7 @@ def test_who_leads_is_followed_motion_for_motion_and_back(of):
     of.go_on()
     assert same(student, lecturer) and model(student).session.settings.transfer == "projective"
     of.do("lead")  # let go
-    assert model(student).student.holds is None
+    assert model(student).role.holds is None
     student.page.put(Undo())
     of.go_on(0.5)
     assert model(student).session.snapshot.theta.tobytes() == own.theta.tobytes()
@@ -105,30 +107,30 @@ def test_a_lecturer_who_goes_away_lets_go_and_one_who_comes_back_leads(of):
     of.do("lead")
     of.do("freeze")
     student = of.students[0]
-    assert model(student).student.holds is not None
+    assert model(student).role.holds is not None
     of.lecturer.page.close()
     left, of.lecturer = of.lecturer, of.students[1]  # nobody else sees to it
     of.students.pop()
     of.go_on(GONE_S + 2)
-    assert model(student).student.holds is None
+    assert model(student).role.holds is None
     of.lecturer = of.open(lecturer=True)
     of.go_on()
-    assert model(of.lecturer).lecturer.leads and not model(of.lecturer).lecturer.orders.frozen
-    assert model(student).student.holds is None and left is not of.lecturer
+    assert model(of.lecturer).role.leads and not model(of.lecturer).role.orders.frozen
+    assert model(student).role.holds is None and left is not of.lecturer
 
 
 def test_of_two_pages_of_the_lecturer_the_newest_leads_and_the_other_is_told(of):
     first, of.lecturer = of.lecturer, of.open(lecturer=True)
     of.students.append(first)  # is ticked as well
     of.go_on()
-    assert model(of.lecturer).lecturer.leads and "Another of your pages leads" in first.shown
+    assert model(of.lecturer).role.leads and "Another of your pages leads" in first.shown
     first.page.put(OfClass("freeze"))
     of.go_on()
     assert "another of the lecturer's pages" in model(first).message.text
-    assert model(of.students[0]).student.holds is None
+    assert model(of.students[0]).role.holds is None
     first.page.put(OfClass("take"))
     of.go_on()
-    assert model(first).lecturer.leads and "Another of your pages leads" in of.lecturer.shown
+    assert model(first).role.leads and "Another of your pages leads" in of.lecturer.shown
 
 
 def test_the_lecturer_sees_who_is_here_and_opens_a_copy(of):
@@ -136,7 +138,7 @@ def test_the_lecturer_sees_who_is_here_and_opens_a_copy(of):
     student.page.put(NameYourself.parse(" Mira  "))
     step(student, 3)
     of.go_on()
-    lecturer = model(of.lecturer).lecturer
+    lecturer = model(of.lecturer).role
     seen = {one.name: one for one in lecturer.seen.students}
     mira = seen["Mira"]
     assert set(seen) == {"Mira", ""} and mira.motions == 3 and len(mira.path) == 8 and mira.state == "paused"
@@ -165,7 +167,7 @@ def test_nobody_but_the_lecturer_gives_orders(of):
         student.page.put(OfClass.parse(verb))
         of.go_on(0.5)
         assert "not the lecturer's" in model(student).message.text
-    assert model(of.students[1]).student.holds is None
+    assert model(of.students[1]).role.holds is None
     alone = QuietPage()
     alone.page.put(OfClass.parse("lead"))
     alone.tick()
@@ -194,7 +196,7 @@ def test_a_question_is_asked_counted_revealed_and_asked_again():
         of.go_on(0.25)
     assert model(student).guided.course is course and not course.given.revealed
     answer(of, 0, 1, 1)
-    tally = model(of.lecturer).lecturer.view(0.0).tally
+    tally = model(of.lecturer).role.view(0.0).tally
     assert (tally.total, tally.counts) == (3, (1, 2, 0)) and "3</b> of 4 answered" in of.lecturer.shown
     assert "vi-tally" not in of.lecturer.shown + student.shown
     of.do("tell")
@@ -203,7 +205,7 @@ def test_a_question_is_asked_counted_revealed_and_asked_again():
     assert "0</b> of 4 answered" in of.lecturer.shown and model(student).guided.course.given.choice is None
     answer(of, 0, 0, 1, 0)
     of.do("reveal", 3.0)
-    tally = model(of.lecturer).lecturer.view(0.0).tally
+    tally = model(of.lecturer).role.view(0.0).tally
     assert (tally.total, tally.counts, tally.right, tally.moved) == (4, (3, 1, 0), 3, (1, 1, 0, 1))
     for page in (of.lecturer, student):
         assert "1 moved from wrong to right" in page.shown and "vi-bar-right" in page.shown
@@ -216,7 +218,7 @@ def test_a_question_is_asked_counted_revealed_and_asked_again():
     for row in rows:
         moves[row["person"]].append(row["number"])
     assert sorted(map(tuple, moves.values())) == [("1",), ("1", "1"), ("2", "1"), ("2", "2")]
-    assert not any(one.id in files[0][1] for one in model(of.lecturer).lecturer.seen.students)
+    assert not any(one.id in files[0][1] for one in model(of.lecturer).role.seen.students)
     of.do("close")
     assert model(student).guided.course.lesson.short == model(student).guided.lessons["limits"].short
     assert model(of.students[1]).guided.course is None and model(of.students[1]).session.cursor == 2
@@ -233,7 +235,7 @@ def test_clicks_of_a_class_are_a_cloud_in_the_figure_of_all_once_it_is_revealed(
     of.go_on(3.0)
     assert "vi-crowd" not in of.students[0].shown + of.lecturer.shown
     of.do("reveal", 3.0)
-    places = model(of.lecturer).lecturer.view(0.0).tally.places
+    places = model(of.lecturer).role.view(0.0).tally.places
     given = [model(page).guided.course.given.place for page in of.students]
     assert np.allclose(sorted(places), sorted(given), atol=0.051)
     assert all("vi-crowd" in page.shown for page in of.pages)
@@ -252,7 +254,7 @@ def test_what_a_student_has_answered_elsewhere_is_not_touched_by_a_question(of):
     model(of.lecturer).guided.go_to_step("tour", "eyes")
     of.do("ask")
     answer(of, 0)
-    assert model(student).guided.kept == before and model(student).memory().head.lesson == "tour"
+    assert model(student).guided.kept == before and memory_of(model(student)).head.lesson == "tour"
     of.do("close")
     assert model(student).guided.kept == before and not model(student).guided.asked
 
@@ -302,7 +304,7 @@ def test_a_summary_is_small_whatever_was_done(of):
     student = of.students[0]
     step(student, 30)
     of.go_on()
-    summary = model(student).student.summary
+    summary = model(student).role.summary
     from viewimit.app.classroom.messages import MOST_SUMMARY, encode
 
     assert isinstance(summary, Summary) and len(encode(summary)) < MOST_SUMMARY / 2

@@ -9,6 +9,7 @@ from viewimit.app.control.commands.session import ChoosePreset, ChooseSpeed, Pla
 from viewimit.app.control.commands.touch import TOUCHES
 from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
 from viewimit.app.control.joints import joint_choices
+from viewimit.app.control.memory import memory_of
 from viewimit.app.control.names import servo_names, transfer_names
 from viewimit.app.control.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.control.queue import PENDING_LIMIT, CommandQueue
@@ -426,7 +427,7 @@ def test_posing_by_a_motion_wakes_the_loop(page):
     for now in range(200):
         player.advance(float(now))
     rested = session.snapshot.motion
-    visitor.model.pose(np.radians([70.0, -60.0]))
+    visitor.model.undoable.pose(np.radians([70.0, -60.0]))
     player.advance(300.0)
     assert session.snapshot.motion > rested and session.settings.demonstrator_deg == (70, -60)
 
@@ -438,4 +439,4 @@ def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
         assert model.view.on("dark") == (dark == "1")
     Hands(model).set("dark", False)
     TOUCHES["dark"]("1").apply(model, 0.0)
-    assert not model.view.on("dark") and model.memory().head.dark is False
+    assert not model.view.on("dark") and memory_of(model).head.dark is False

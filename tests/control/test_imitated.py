@@ -58,8 +58,8 @@ def test_it_ends_by_a_motion_by_escape_and_by_its_button(model, ends):
 
 
 def test_it_is_not_seen_in_another_world(model):
-    model.imitated.stop()
-    model.change(points=16)
+    model.moments.imitated.stop()
+    model.undoable.change(points=16)
     with pytest.raises(ValueError, match="other points"):
         ShowImitation().apply(model, BEGUN)
     model.experiments.chosen = "fig7"

@@ -4,7 +4,8 @@ import msgspec
 import numpy as np
 import pytest
 from quiet_page import QuietPage
-from viewimit.app.control.commands.session import FollowLink, Step, Undo
+from viewimit.app.control.commands.links import FollowLink
+from viewimit.app.control.commands.session import Step, Undo
 from viewimit.app.control.presets import PRESETS
 from viewimit.app.panels.guide.share import share_html
 from viewimit.app.sessions.link import read, written

@@ -5,7 +5,7 @@ import pytest
 from page_fakes import Camera, Hands, Visit, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.control.moments.past import MOST
+from viewimit.app.control.history.past import MOST
 from viewimit.app.control.names import modified
 from viewimit.app.control.presets import AS_STARTED, PRESETS
 
@@ -34,7 +34,7 @@ LOSSES = {
     "reset": lambda visitor: visitor.act("reset"),
     "preset": lambda visitor: visitor.set("preset", "Few points"),
     "another robot": lambda visitor: visitor.set("preset", "KUKA iiwa"),
-    "start": lambda visitor: visitor.model.start_at((60, -60)),
+    "start": lambda visitor: visitor.model.undoable.start_at((60, -60)),
     "joints": lambda visitor: visitor.set("joints", "all seven"),
     "points": lambda visitor: visitor.set("points", "16 points"),
 }
@@ -91,12 +91,12 @@ def test_nothing_is_kept_where_nothing_is_lost(visit):
     model, visitor = visit
     visitor.set("joint0", 60)  # at the last moment
     visitor.set("noise_px", 1)
-    assert model.left_here is None
+    assert model.past.here is None
     visitor.act("reset")
-    there = model.left_here
+    there = model.past.here
     for angle in (30, 40, 50):  # a start that is looked for by a slider
-        model.start_at((angle, -60))
-    assert model.left_here is there
+        model.undoable.start_at((angle, -60))
+    assert model.past.here is there
 
 
 def test_what_is_refused_leaves_nothing_behind(visit):
@@ -105,8 +105,8 @@ def test_what_is_refused_leaves_nothing_behind(visit):
     with pytest.raises(ValueError):
         visitor.set("joint0", 1e3)
     with pytest.raises(ValueError):
-        model.start_at((1e3, 0))
-    assert model.left_here is None and len(model.session.history) == 6
+        model.undoable.start_at((1e3, 0))
+    assert model.past.here is None and len(model.session.history) == 6
 
 
 def test_losses_are_taken_back_one_after_the_other_and_only_so_many(visit):
@@ -114,10 +114,10 @@ def test_losses_are_taken_back_one_after_the_other_and_only_so_many(visit):
     for k in range(MOST + 3):
         visitor.set("preset", PRESETS[2 + k % 3].name)
     for k in reversed(range(MOST + 2)):
-        left = model.left_here
+        left = model.past.here
         visitor.act("undo")
         assert left is None or model.preset is PRESETS[2 + k % 3]
-    assert model.left_here is None and model.preset is PRESETS[2 + 2 % 3]
+    assert model.past.here is None and model.preset is PRESETS[2 + 2 % 3]
 
 
 def test_a_reset_in_a_duel_brings_back_both(visit):
@@ -132,7 +132,7 @@ def test_a_reset_in_a_duel_brings_back_both(visit):
     assert [(list(session.history), session.cursor) for session in (model.session, model.duel.opponent)] == both
     visitor.act("reset")
     visitor.act("duel")  # ends it: what was left had two learners
-    assert model.left_here is None
+    assert model.past.here is None
 
 
 def test_camera_images_that_were_left_come_back_with_new_pictures():

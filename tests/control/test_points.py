@@ -5,6 +5,7 @@ import pytest
 from page_fakes import Camera, Hands, Visit, quiet_model
 from viewimit.app.control.commands.points import PlacePoint
 from viewimit.app.control.commands.touch import TOUCHES
+from viewimit.app.control.memory import go_on, memory_of
 from viewimit.app.control.points.editing import MOST_POINTS
 from viewimit.app.sessions import codec
 from viewimit.app.sessions.autosave import SavedSession
@@ -40,19 +41,18 @@ def files():
 
 
 @pytest.fixture
-def visit(files):
-    """A model in which points are being edited, and its visitor."""
-    model, queue = quiet_model(Settings(start_deg=(25, -45)), send=lambda *file: files.append(file))
-    visitor = Hands(model, queue)
-    visitor.act("edit points")
-    return model, visitor
+def worker():
+    return Worker()
 
 
 @pytest.fixture
-def worker(visit):
-    model, found = visit[0], Worker()
-    model._services = type(model._services)(**{**vars(model._services), "landscapes": found})
-    return found
+def visit(files, worker):
+    """A model in which points are being edited, and its visitor."""
+    send = lambda *file: files.append(file)
+    model, queue = quiet_model(Settings(start_deg=(25, -45)), send=send, landscapes=worker)
+    visitor = Hands(model, queue)
+    visitor.act("edit points")
+    return model, visitor
 
 
 def rows(model):
@@ -110,7 +110,7 @@ def test_a_point_that_cannot_be_changes_nothing(visit, point):
     before = model.session.snapshot
     with pytest.raises(ValueError):
         point.apply(model, 0.0)
-    assert model.session.snapshot is before and model.left_here is None
+    assert model.session.snapshot is before and model.past.here is None
 
 
 def test_there_is_an_end_to_points(visit):
@@ -276,10 +276,10 @@ def test_a_kept_session_goes_on_with_its_points(visit):
     model, visitor = visit
     PLACE.apply(model, 0.0)
     visitor.act("step")
-    kept = model.memory()
+    kept = memory_of(model)
     read = SavedSession(kept.head, tuple(codec.decode(codec.encode(kept.history))))
     other, _ = quiet_model(Settings(start_deg=(25, -45)))
-    other.go_on(read)
+    go_on(other, read)
     assert rows(other) == rows(model) and other.view.chosen == 10
     assert Hands(other).act("step") is None and other.session.cursor == 2
     model.session.step()

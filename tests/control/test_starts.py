@@ -65,7 +65,7 @@ def test_motions_and_starts_change_nothing_of_it(visit):
     model, visitor, worker = visit
     toggle(model)
     visitor.act("step")
-    model.start_at((60, -60))
+    model.undoable.start_at((60, -60))
     model.ask_for_landscapes()
     assert worker.cancelled == 0 and model.basins.going_on
 

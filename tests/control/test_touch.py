@@ -94,7 +94,7 @@ def test_a_posture_that_cannot_be_is_refused_and_changes_nothing(visit, value, l
     before = model.session.snapshot
     with pytest.raises(ValueError):
         touch(model, "posture", value)
-    assert model.session.snapshot is before and model.see_through.moment is None
+    assert model.session.snapshot is before and model.moments.see_through.moment is None
 
 
 def test_a_look_shows_what_would_be_seen_and_disturbs_nothing(visit):
@@ -118,15 +118,16 @@ def test_a_look_follows_the_demonstrator_and_ends_with_a_motion_or_when_it_is_le
     model, visitor = visit
     visitor.set_view(look_only=True)
     touch(model, "posture", "20,-60")
-    E = model.see_through.moment.E
+    see_through = model.moments.see_through
+    E = see_through.moment.E
     visitor.set("joint0", 60.0)
-    assert model.see_through.moment.E != E and np.allclose(np.degrees(model.see_through.moment.theta), [20, -60])
+    assert see_through.moment.E != E and np.allclose(np.degrees(see_through.moment.theta), [20, -60])
     assert len(model.poses(0.0)) == 3
     touch(model, "dismiss", "0")
-    assert model.see_through.moment is None and len(model.poses(0.0)) == 2
+    assert model.moments.see_through.moment is None and len(model.poses(0.0)) == 2
     touch(model, "posture", "20,-60")
     visitor.act("step")
-    assert model.see_through.moment is None
+    assert model.moments.see_through.moment is None
 
 
 def test_the_learner_starts_where_the_see_through_arm_is(visit):
@@ -136,7 +137,7 @@ def test_the_learner_starts_where_the_see_through_arm_is(visit):
     visitor.set_view(look_only=True)
     touch(model, "posture", "20,-60")
     touch(model, "start", "0")
-    assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.see_through.moment is None
+    assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.moments.see_through.moment is None
 
 
 def test_a_moment_of_the_curves_is_gone_to(visit):

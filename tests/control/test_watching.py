@@ -84,7 +84,7 @@ def test_every_posture_is_seen_on_its_way_at_the_speed_of_the_page(visit):
 @pytest.mark.parametrize("servo", ["gradient", "gradient-retuned", "broyden"])
 def test_where_the_servo_makes_no_use_of_it_it_is_refused_and_nothing_changes(visit, servo):
     model, visitor = visit
-    model.change(servo=servo)
+    model.undoable.change(servo=servo)
     before = model.session.snapshot
     with pytest.raises(ValueError, match="makes no use of a rehearsal; choose Trust region on images"):
         visitor.act("rehearse")
@@ -105,7 +105,7 @@ def test_what_is_said_follows_what_is_remembered(visit):
     play(model)
     count = motions_of_imitation(model.session)
     assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} motions."
-    model.change(servo="broyden")
+    model.undoable.change(servo="broyden")
     assert said(model) == "Remembers 12 postures; only for Trust region on images."
 
 
@@ -113,7 +113,7 @@ def test_another_head_is_noticed(visit):
     model, visitor = visit
     visitor.act("rehearse")
     play(model, POSTURES)
-    model.change(scene="panda-toed")
+    model.undoable.change(scene="panda-toed")
     assert said(model) == "Remembers 12 postures; Play imitates with them."  # of the same body
     play(model, 5)
     assert said(model) == "Remembers 12 postures, which do not hold here: it probes."

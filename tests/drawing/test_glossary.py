@@ -138,7 +138,7 @@ def test_what_was_there_before_is_given_back_to_the_bit():
         page.tick(1.0)
         page.tick(10.0)
         assert give_back_offered(page) == [key]
-    model.change(noise_px=1.0)
+    model.undoable.change(noise_px=1.0)
     page.page.touch("point", "1")
     page.page.touch("restore", "0")
     page.tick(1.0)

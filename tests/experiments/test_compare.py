@@ -9,7 +9,10 @@ import pytest
 
 from viewimit.commands.bench_tables import compared_table
 from viewimit.experiments.bench import compare
-from viewimit.experiments.bench.compare import CASES, Row, compared, read, run_draw, write
+from viewimit.experiments.bench.compare import run_draw
+from viewimit.experiments.bench.compare_draws import CASES
+from viewimit.experiments.bench.compare_table import Row, read, write
+from viewimit.experiments.bench.compared import compared
 from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
 from viewimit.experiments.bench.success import wilson
 from viewimit.servo import SERVOS

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 from quiet_page import QuietPage
-from viewimit.app.control.commands.saving import ChooseFormat, ChoosePicture, SavePicture, SaveReplay
+from viewimit.app.control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
 from viewimit.app.control.commands.session import Step
 from viewimit.app.control.saving import PICTURES
 
@@ -100,12 +100,12 @@ def test_the_page_hands_out_a_replay_and_every_picture():
     replay = save(SaveReplay(), "viewimit-replay.html").decode()
     assert "1 motions" not in replay and 'id="run"' in replay
     for what in PICTURES:
-        page.page.put(ChoosePicture(what))
+        page.page.put(choose_picture(what))
         name = f"viewimit-{what.split()[0].lower()}.svg"
         assert "seed 7" in text_of(save(SavePicture(), name).decode())
     if standalone.can_render():
-        page.page.put(ChoosePicture("Curves"))
-        page.page.put(ChooseFormat("PNG"))
+        page.page.put(choose_picture("Curves"))
+        page.page.put(choose_format("PNG"))
         png = save(SavePicture(), "viewimit-curves.png")
         assert png[:4] == b"\x89PNG" and int.from_bytes(png[16:20]) == 4 * 440  # px: 15 cm at 300 an inch
 

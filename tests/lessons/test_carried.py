@@ -6,9 +6,10 @@ import msgspec
 import numpy as np
 import pytest
 from viewimit.app.lessons.card import draw_lesson
-from viewimit.app.lessons.course import PLAYED, Course
+from viewimit.app.lessons.course import Course
 from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.measures.carried import ELSEWHERE, LIKE, OTHER
+from viewimit.app.lessons.playing import PLAYED
 from viewimit.app.lessons.progress import Progress
 from viewimit.app.lessons.source import shipped
 from viewimit.app.lessons.works import WORKS

@@ -6,7 +6,7 @@ from html import unescape
 
 import numpy as np
 from viewimit.app.lessons.card import draw_lesson
-from viewimit.app.lessons.course import PLAYED
+from viewimit.app.lessons.playing import PLAYED
 from walking import course_at
 
 ROW = re.compile(r"<tr[^>]*><td>.*?</svg>([^<]+)</td>" + "<td>([^<]*)</td>" * 5)

@@ -66,6 +66,6 @@ def test_what_comes_after_is_hidden_before_and_both_are_told_then(course):
 
 def test_nothing_is_told_right_while_it_is_computed():
     course = course_at("toed-in")
-    course.made = {}
+    course.works.made = {}
     assert right_answer(course.stage, course.step.ask) == -1 and np.isnan(MEASURES["off rectified"].of(course.stage))
     assert "computing …" in words(course)

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.scene import robot_names
+from viewimit.simulation.robots import robot_names
 from viewimit.viewer import shapes
 
 RADIUS, HEIGHT = 0.2, 0.3  # m, of a pedestal's plate and of all of it

@@ -10,7 +10,8 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.lens import Lens
-from viewimit.simulation.scene import ROOT, load_robot, load_scene, robot_names, scene_names
+from viewimit.simulation.robots import robot_names
+from viewimit.simulation.scene import ROOT, load_robot, load_scene, scene_names
 from viewimit.simulation.world import World
 
 

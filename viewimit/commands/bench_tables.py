@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments.bench import claims, compare, following, robots, robustness, scenes, speed, success
+from ..experiments.bench import claims, compared, following, robots, robustness, scenes, speed, success
 from ..experiments.bench.intervals import Interval
 from ..experiments.executors.study import Study
 
@@ -169,17 +169,17 @@ def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
     return "\n".join(lines)
 
 
-def compared_table(found: Sequence[compare.Compared]) -> str:
+def compared_table(found: Sequence[compared.Compared]) -> str:
     """For people: a block a case, a row a law. In brackets 95 % confidence intervals."""
-    near = compare.WITHIN_DEG[0]
+    near = compared.WITHIN_DEG[0]
     heads = (
-        *(f"ended ≤{within:g}°" for within in compare.WITHIN_DEG),
+        *(f"ended ≤{within:g}°" for within in compared.WITHIN_DEG),
         "motions",
         "95 %",
         "error",
         "95 %",
         "claimed",
-        f"and >{compare.FALSE_DEG:g}°",
+        f"and >{success.FALSE_DEG:g}°",
         f"≤{near:g}°, more",
         "error less",
     )

@@ -13,7 +13,8 @@ from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..servo import SERVOS
 from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
-from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, robot_names, scene_names
+from ..simulation.robots import robot_names
+from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
 from ..simulation.urdf.descriptions import description_path, is_description
 from ..simulation.urdf.formats import require_urdf
 from ..simulation.urdf.reference import is_reference, parse_reference

@@ -6,20 +6,18 @@ image Jacobian Ĵ. Ĵ is what all motions so far tell, those long past with weig
 forgetting). A motion after which E is larger raises μ, one after which it is less lowers it (Levenberg 1944, Marquardt
 1963); the arm goes on from where it stands, as a step back would be a motion as well. The target stands still, so the
 term of that paper for one that moves is 0.
-
-It has no test of arrival: it rests where the next motion would be too small, and claims nothing.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import HOLE, Equation, angles, column, each, number
-from .kalman import DONE_STEP, LONGEST, PATIENCE, PROGRESS, said
+from ..equations import HOLE, Equation, column, each, number
 from .observation import Conflict, Observation
-from .probing import probe_of
 from .recursive_jacobian import RecursiveJacobian
+from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
 from .visit import Visit
 
@@ -32,19 +30,11 @@ _WEIGHTS = r"\hat{𝐉}=\mathrm{arg\,min}\sum_i\lambda^{k-i}\,|Δ𝐲_i-𝐉𝐡
 
 
 @dataclass(frozen=True)
-class GaussNewtonState:
-    """model: of the own images; asked: (m,) rad, what the law wants, before bounds and limits; damping: μ; before: px²,
-    E before the motion just made, None if that is not to be judged by it; the rest as of `KalmanState`."""
+class GaussNewtonState(RecursiveState):
+    """damping: μ; before: px², E before the motion just made, None if that is not to be judged by it."""
 
-    model: RecursiveJacobian
-    asked: NDArray
-    probes: tuple[int, ...]
-    best_E: float
     damping: float = DAMPING
     before: float | None = None
-    since_best: int = 0
-    status: str = "moving"
-    probe: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,8 +49,7 @@ class GaussNewton:
     stored = (GaussNewtonState, RecursiveJacobian, Visit)
 
     def start(self, seen: Observation) -> GaussNewtonState:
-        m = len(seen.displacement)
-        return GaussNewtonState(RecursiveJacobian.start(seen, FIRST), np.zeros(m), tuple(range(m)), seen.E)
+        return begun(GaussNewtonState, seen, FIRST)
 
     def retarget(self, state: GaussNewtonState, seen: Observation) -> GaussNewtonState:
         """What was learned of the own images stays; the damping was about another E."""
@@ -68,29 +57,18 @@ class GaussNewton:
 
     def step(self, state: GaussNewtonState, seen: Observation, conflict: Conflict) -> tuple[GaussNewtonState, NDArray]:
         model = state.model.learn(seen, FORGETTING, forgetting=FORGETTING)
-        progress = seen.E < PROGRESS * state.best_E
-        since_best, best_E = (0, seen.E) if progress else (state.since_best + 1, state.best_E)
-        state = replace(_judged(state, seen.E), model=model, best_E=best_E, since_best=since_best, status="moving")
-        if state.probes:
-            joint, *rest = state.probes
-            return replace(state, probes=tuple(rest), before=None, probe=True), probe_of(joint, seen)
-        e, J = model.linearised(conflict)
-        if not np.isfinite(e).all() or since_best >= PATIENCE:
-            return replace(state, probe=False, status="stalled"), np.zeros_like(seen.displacement)
-        low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
-        asked = _damped(J, e, state.damping, low, high)
-        step = np.clip(asked * min(1.0, LONGEST / max(np.abs(asked).max(), 1e-12)), low, high)
-        state = replace(state, asked=asked, before=seen.E, probe=False)
-        if np.abs(step).max() < DONE_STEP:
-            return replace(state, status="rests"), np.zeros_like(step)
-        return state, step
+        state = learned(_judged(state, seen.E), model, seen.E)
+        state, step = next_motion(state, seen, conflict, partial(_damped, damping=state.damping))
+        if state.status == "stalled":
+            return state, step
+        return replace(state, before=None if state.probe else seen.E), step
 
     def equations(self, state: GaussNewtonState | None, moment: Moment) -> tuple[Equation, ...]:
         weighted = Equation("", "Jacobian: least squares with forgetting", _WEIGHTS, wide=True)
         if state is None:
             return (Equation("", "no motion yet", _LAW, wide=True), weighted)
         if state.probe:
-            note = f"This motion, ({angles(moment.moved)}), is a probe: it teaches a first column of Ĵ."
+            note = probe_note(moment)
             return (Equation("", "servo: damped Gauss-Newton", _LAW, note=note, wide=True), weighted)
         asked = tuple(angle + "°" for angle in each(np.degrees(state.asked), 2))
         latex = rf"{_LAW}={column(len(asked))},\quad\mu={HOLE}"
@@ -100,7 +78,7 @@ class GaussNewton:
         )
 
     def says(self, state: GaussNewtonState, status: str) -> str:
-        return said(state.probe, state.since_best, status)
+        return said(state, status)
 
 
 def _judged(state: GaussNewtonState, E: float) -> GaussNewtonState:
@@ -111,7 +89,7 @@ def _judged(state: GaussNewtonState, E: float) -> GaussNewtonState:
     return replace(state, damping=float(np.clip(state.damping * factor, LEAST_DAMPING, MOST_DAMPING)))
 
 
-def _damped(J: NDArray, e: NDArray, damping: float, low: NDArray, high: NDArray) -> NDArray:
+def _damped(J: NDArray, e: NDArray, low: NDArray, high: NDArray, damping: float) -> NDArray:
     """(m,) rad; joints that stand at a limit and would go beyond are held."""
     gradient, normal = J.T @ e, J.T @ J
     free = ~(((low >= 0) & (gradient > 0)) | ((high <= 0) & (gradient < 0)))

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.distortion import Radial
-from ..reading import parse_toml, read_toml
 from ..settings import BodyPoint
 from .camera import StereoHead
 from .lens import Lens
-from .robot import BodyPoints, Robot
+from .robot import BodyPoints
+from .robots import load_robot, require_joints
+from .scene_reading import merged, read_fields
 from .urdf.formats import require_urdf
 from .urdf.reference import is_reference, parse_reference
 
@@ -27,8 +27,6 @@ Vector = tuple[float, float, float]
 ROUNDING_DEG = 0.01  # URDFs round π
 MOST_TOE_IN_DEG = 45.0
 SCENE_JOINTS = 2  # for as many, a scene is made about those that move
-MOST_EXTENDED = 16  # scenes that one builds on
-MOST_NUMBER = 1e6  # of anything in a scene: m, px or degrees
 LEAST_LENGTH = 1e-6  # m, px: what is less is nothing
 MOST_IMAGE_PX = 10_000  # an edge
 
@@ -153,11 +151,6 @@ def scene_names() -> list[str]:
     return sorted(path.stem for path in (ROOT / "scenes").glob("*.toml"))
 
 
-def robot_names() -> list[str]:
-    """Names of the shipped robots."""
-    return sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir())
-
-
 def load_scene(
     name: str | Path = "panda",
     robot: str | Path | None = None,
@@ -186,7 +179,7 @@ def load_scene(
     if robot is not None:
         load_robot(robot)  # its own faults are not the scene's
     try:
-        fields = fields if is_reference(name) else _read(path)
+        fields = fields if is_reference(name) else read_fields(path)
         scene = _converted(fields)
         scene = msgspec.structs.replace(scene, robot=_robot_of(scene, None if is_reference(name) else path, robot))
         if undistort is not None:
@@ -204,9 +197,9 @@ def load_scene(
 
 def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
     """As a scene file that extends this one has it, with these fields. Raises ValueError that names the field."""
-    merged = msgspec.convert(_merge(msgspec.to_builtins(scene), dict(fields)), Scene)
-    _check(merged)
-    return merged
+    scene = msgspec.convert(merged(msgspec.to_builtins(scene), dict(fields)), Scene)
+    _check(scene)
+    return scene
 
 
 def _check_head(head: Head) -> None:
@@ -230,18 +223,6 @@ def _check_head(head: Head) -> None:
             raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
 
 
-def load_robot(name: str | Path) -> Robot:
-    """A shipped robot by name, or any URDF by path. Raises ValueError with what there is."""
-    require_urdf(name)
-    if is_reference(name):
-        found = parse_reference(name)
-        return Robot.from_urdf(found.path, found.tip, found.base)
-    path = ROOT / "robots" / str(name) / f"{name}.urdf"
-    if not path.is_file():
-        raise ValueError(f"no robot {str(name)!r}; there are {', '.join(robot_names())}, or the path of a .urdf file")
-    return Robot.from_urdf(path)
-
-
 def made_scene(name: str | Path, joints: tuple[int, ...] | None = None) -> "Derived":
     """What is chosen for the URDF of a reference. joints: that move, if they are few enough to choose all else by them.
 
@@ -250,7 +231,7 @@ def made_scene(name: str | Path, joints: tuple[int, ...] | None = None) -> "Deri
     from .derived.scene import derive  # loads trimesh
 
     if joints is not None:
-        _require_joints(load_robot(name), joints)
+        require_joints(load_robot(name), joints)
     return derive(parse_reference(name), joints if joints and len(joints) <= SCENE_JOINTS else None)
 
 
@@ -259,34 +240,6 @@ def _converted(fields: dict) -> Scene:
         return msgspec.convert(fields, Scene)
     except RecursionError:
         raise ValueError("it nests too deeply") from None
-
-
-def _read(path: Path, above: tuple[Path, ...] = ()) -> dict:
-    """above: scenes that build on this one."""
-    fields = dict(_decoded(read_toml(path)))
-    if "extends" not in fields:
-        return fields
-    above = (*above, path.resolve())
-    parent = fields.pop("extends")
-    beside, shipped = (folder / f"{parent}.toml" for folder in (path.parent, ROOT / "scenes"))
-    if not (beside.is_file() or shipped.is_file()):
-        raise ValueError(f"extends {parent!r}, but there is no {beside}, nor a shipped scene of that name")
-    below = beside if beside.is_file() else shipped
-    if below.resolve() in above:
-        raise ValueError(f"extends {parent!r}, which builds on it: a scene cannot build on itself")
-    if len(above) > MOST_EXTENDED:
-        raise ValueError(f"extends {parent!r}: more than {MOST_EXTENDED} scenes build on each other")
-    return _merge(_read(below, above), fields)
-
-
-@lru_cache(16)  # every run of a study begins with it
-def _decoded(content: bytes) -> dict:
-    fields = parse_toml(content)
-    try:
-        _require_finite(fields)
-    except RecursionError:
-        raise ValueError("it nests too deeply") from None
-    return fields
 
 
 def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
@@ -306,21 +259,10 @@ def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
     return str(replace(own, path=beside))
 
 
-def _require_finite(value, name: str = "") -> None:
-    """TOML can say nan, inf, and more than anybody can compute with."""
-    if isinstance(value, (int, float)) and not abs(value) <= MOST_NUMBER:
-        finite = isinstance(value, int) or np.isfinite(value)
-        wanted = f"within ±{MOST_NUMBER:g}" if finite else "a finite number"
-        raise ValueError(f"{name} is {str(value)[:20]}, not {wanted}")
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, item in items:
-        _require_finite(item, f"{name}.{key}".lstrip("."))
-
-
 def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
     """The scene with other joints moving."""
     robot = load_robot(scene.robot)
-    _require_joints(robot, joints)
+    require_joints(robot, joints)
     known = dict(zip(scene.moving_joints, zip(scene.range_deg, scene.start_deg)))
     rest = {}
     for joint, posture in zip(joints, np.array(scene.posture_deg)[np.array(joints) - 1].tolist()):
@@ -328,32 +270,6 @@ def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
         rest[joint] = (tuple(limits.round(6).tolist()), posture)
     ranges, starts = zip(*(known.get(joint, rest[joint]) for joint in joints))
     return msgspec.structs.replace(scene, moving_joints=tuple(joints), range_deg=ranges, start_deg=starts)
-
-
-def _require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
-    """In order, of the robot's, and each moves by itself."""
-    if not joints or list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
-        raise ValueError(f"joints {', '.join(map(str, joints))} must ascend, within 1 … {len(robot.joints)}")
-    for joint in joints:
-        one = robot.joints[joint - 1]
-        if one.leader is not None:
-            leader = one.leader.joint
-            raise ValueError(
-                f"joint {joint}, {one.name}, follows joint {leader + 1}, {robot.joints[leader].name}: move that one"
-            )
-        if joint not in robot.free:
-            raise ValueError(
-                f"joint {joint}, {one.name}, is held by its limits at {np.degrees(one.lower):.4g}°: give it a "
-                '<limit lower=… upper=…> in the URDF, or type="continuous", or move another'
-            )
-
-
-def _merge(below: dict, above: dict) -> dict:
-    merged = dict(below)
-    for key, value in above.items():
-        both = isinstance(value, dict) and isinstance(below.get(key), dict)
-        merged[key] = _merge(below[key], value) if both else value
-    return merged
 
 
 def _check(scene: Scene) -> None:

@@ -2,7 +2,8 @@
 
 from typing import NamedTuple
 
-from ...classroom.classroom import Classroom, Member
+from ...classroom.classroom import Classroom
+from ...classroom.member import Member
 from ..commands.classroom import FollowOn, SeeClass, TakeOrders
 from ..page_model import PageModel
 from ..queue import CommandQueue
@@ -32,25 +33,25 @@ class Attendance:
         see = lambda seen: queue.put(SeeClass(seen))
         if who.lecturer:
             self._member = Member(classroom.id_of(None), hear, see)
-            model.lecturer = Lecturer(self._member, queue)
+            model.role = Lecturer(self._member, queue)
             model.guided.offered = False
         else:
             self._member = Member(classroom.id_of(who.key), hear)
-            model.student = Student(self._member, queue)
+            model.role = Student(self._member, queue)
         classroom.join(self._member)
 
     def tick(self, now: float) -> None:
         """Tell what the page is, and follow what the lecturer's does; not while a turn goes on beside the scheduler."""
-        model = self._model
-        if model.lecturer is not None and now - self._followed_at >= FOLLOW_EVERY:
-            self._followed_at = now
-            model.lecturer.follow(model)
-        if model.student is None:
-            return
-        if now - self._told_at >= TELL_EVERY:
+        model, role = self._model, self._model.role
+        if isinstance(role, Student) and now - self._told_at >= TELL_EVERY:
             self._told_at = now
-            model.student.tell(model)
-        if model.student.follows and now - self._followed_at >= FOLLOW_EVERY and model.student.due(model):
+            role.tell(model)
+        if now - self._followed_at < FOLLOW_EVERY:
+            return
+        if isinstance(role, Lecturer):
+            self._followed_at = now
+            role.follow(model)
+        elif isinstance(role, Student) and role.due(model):
             self._followed_at = now
             self._queue.put(FollowOn())
 

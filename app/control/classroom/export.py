@@ -5,7 +5,7 @@ import io
 import secrets
 from collections.abc import Mapping
 
-from ...classroom.classroom import Rounds
+from ...classroom.member import Rounds
 from ...classroom.messages import Answer
 from ...lessons.format import Choice, Lesson, Number, Place, Pose
 

@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 from typing import Any
 
-from ...classroom.classroom import Heard, Member
-from ...classroom.messages import Answer, Copy, Orders, Round, Shown, Summary, call_of
+from ...classroom.member import Heard, Member
+from ...classroom.messages import Answer, Asked, Copy, Orders, Round, Shown, Summary, call_of
 from ...sessions.link import written
-from ..commands.command import Command
+from ..commands.links import show_view_of
+from ..history.past import Left
+from ..page_model import PageModel
 from ..queue import CommandQueue
 from .following import linked_of, only_steps, rest
+from .role import Role
 from .summaries import answer_of, summary_of
 
 WHOLE_EVERY = 1.0  # s at least between two states that are followed from their beginning
@@ -25,11 +28,12 @@ class Follow:
     keep: bool
 
 
-class Student:
+class Student(Role):
     """heard: what the lecturer wants; name: as typed. Of what was wanted before the page came, it does what goes on."""
 
     def __init__(self, member: Member, queue: CommandQueue):
-        self.member, self.queue, self.name = member, queue, ""
+        self.member, self.queue = member, queue
+        self.name: str = ""
         self.heard: Heard | None = None
         self._done = 0, 0, 0  # numbers of what was wanted once: reset, sent, a copy
         self._asked: Round | None = None
@@ -37,11 +41,11 @@ class Student:
         self._looked: tuple[Any, ...] = ()
         self._followed: str | None = None  # link from the beginning of which this page has followed
         self._at = -WHOLE_EVERY
-        self._before: Any = None  # what was there before the lecturer led
+        self._before: Left | None = None  # what was there before the lecturer led
 
     # What goes up
 
-    def tell(self, model: Any) -> None:
+    def tell(self, model: PageModel) -> None:
         """To be called once a second at most."""
         self.member.tell(summary_of(model, self.member.id, self.name))
         course = model.guided.course
@@ -57,13 +61,8 @@ class Student:
 
     # What comes down
 
-    def held_back(self, command: Command) -> str | None:
-        """Why a command is not carried out now; None if it is."""
-        return None if command.when_locked else self.holds
-
     @property
     def holds(self) -> str | None:
-        """Why the page's controls are locked; None if they are not."""
         if self.heard is None or not self.heard.present:
             return None
         if self._asked is not None:
@@ -72,16 +71,21 @@ class Student:
 
     @property
     def follows(self) -> bool:
-        """Whether the page shows what the lecturer's does."""
         return self.heard is not None and self.heard.leads and self._asked is None
 
     @property
     def moves_along(self) -> bool:
-        """Whether the lecturer's session plays, which this one follows."""
         lead = None if self.heard is None else self.heard.orders.lead
         return self.follows and lead is not None and lead.playing
 
-    def take(self, model: Any, heard: Heard) -> Follow | None:
+    @property
+    def asked(self) -> Asked | None:
+        return None if self.heard is None else self.heard.orders.asked
+
+    def call(self, name: str) -> None:
+        self.name = name
+
+    def take(self, model: PageModel, heard: Heard) -> Follow | None:
         """New orders. → a link that is to be followed."""
         before, self.heard, orders = self.heard, heard, heard.orders
         sent = 0 if orders.sent is None else orders.sent.number
@@ -91,7 +95,7 @@ class Student:
         if before is not None and not heard.first:
             if orders.reset > done[0]:
                 model.guided.leave()
-                model.reset()
+                model.undoable.reset()
             if orders.wanted is not None and wanted > done[2] and orders.wanted.student == self.member.id:
                 self.member.reply(call_of(orders.wanted), _copy(model))
             if orders.sent is not None and sent > done[1]:
@@ -99,21 +103,21 @@ class Student:
         led = before is not None and before.leads
         if heard.leads and not led:
             model.player.pause()
-            self._before, self._looked, self._followed = model.present, (), None
+            self._before, self._looked, self._followed = model.past.present, (), None
         elif led and not heard.leads and self._before is not None:
-            model.leave_here(self._before)
+            model.past.leave_here(self._before)
             self._before = None
         self._take_question(model, orders)
         return follow
 
-    def due(self, model: Any) -> bool:
+    def due(self, model: PageModel) -> bool:
         """Whether this page has to follow on: something has changed here or there."""
         if not self.follows or self.heard is None:
             return False
         looked = self.heard.orders.lead, model.session.snapshot, model.guided.course
         return not self._looked or any(a is not b for a, b in zip(looked, self._looked))
 
-    def follow(self, model: Any, now: float) -> Follow | None:
+    def follow(self, model: PageModel, now: float) -> Follow | None:
         """Do what the lecturer's session did since. → a link, if it has to be followed from its beginning. Raises
         ValueError for what cannot be."""
         lead = None if self.heard is None else self.heard.orders.lead
@@ -129,7 +133,7 @@ class Student:
         self._followed, self._at = lead.text, now
         return Follow(lead.text, False)
 
-    def _goes_on(self, model: Any, lead: Shown, now: float) -> bool:
+    def _goes_on(self, model: PageModel, lead: Shown, now: float) -> bool:
         """From what this page has done itself; False where that is not the way."""
         if lead.lesson is not None:
             model.guided.go_to(*lead.lesson)
@@ -144,21 +148,21 @@ class Student:
         onwards, back = rest(done, linked.script), rest(linked.script, done)
         if onwards is not None:
             for deed in onwards:
-                model.do_along(deed, linked.speed, now)
+                model.undoable.do_along(deed, linked.speed, now)
         elif back is not None and only_steps(back):
             model.player.scrub(lead.motion, now)
         if rest(model.session.script, linked.script) != ():
             return False
-        model.show_view_of(linked)
+        show_view_of(model, linked)
         return True
 
-    def _show(self, model: Any, shown: Shown) -> Follow | None:
+    def _show(self, model: PageModel, shown: Shown) -> Follow | None:
         if shown.lesson is None:
             return Follow(shown.text, True)
         model.guided.go_to(*shown.lesson)
         return None
 
-    def _take_question(self, model: Any, orders: Orders) -> None:
+    def _take_question(self, model: PageModel, orders: Orders) -> None:
         asked = orders.asked
         if asked is None:
             if self._asked is not None:
@@ -173,7 +177,7 @@ class Student:
             course.reveal(() if asked.tally is None else asked.tally.places)
 
 
-def _copy(model: Any) -> Copy:
+def _copy(model: PageModel) -> Copy:
     try:
         return Copy(text=written(model.linked()))
     except ValueError as error:

@@ -1,7 +1,5 @@
 """What a student's page tells the lecturer of itself: small, and nothing that a person has written but a name."""
 
-from typing import Any
-
 import numpy as np
 
 from viewimit.drawing.svg import thinned
@@ -10,6 +8,7 @@ from viewimit.snapshot import AT_REST, Snapshot
 
 from ...classroom.messages import MOST_NAME, MOST_PATH, Answer, Summary
 from ...lessons.course import Course
+from ..page_model import PageModel
 
 STATES = {"converged": "arrived", "rests": "rests", "untold": "stalled", "stalled": "stalled", "stopped": "stopped"}
 
@@ -19,8 +18,8 @@ def name_of(text: str) -> str:
     return "".join(c for c in " ".join(text.split()) if c.isprintable())[:MOST_NAME].strip()
 
 
-def summary_of(model: Any, id: str, name: str) -> Summary:
-    """model: `PageModel`, which imports this."""
+def summary_of(model: PageModel, id: str, name: str) -> Summary:
+    """In brief."""
     course = model.guided.course
     session = model.session if course is None else course.session
     moments = session.history[: session.cursor + 1] if course is None else course.moments

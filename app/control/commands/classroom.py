@@ -6,15 +6,15 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ...classroom.classroom import Heard, Rounds, Seen
+from ...classroom.member import Heard, Rounds, Seen
 from ..checks import words
 from ..classroom.export import as_csv
 from ..classroom.lecturer import SORTS, Lecturer
-from ..classroom.student import Follow
+from ..classroom.student import Follow, Student
 from ..classroom.summaries import name_of
 from ..page_model import PageModel
 from .command import Command, Value
-from .session import FollowLink
+from .links import FollowLink, follow_link
 
 
 @dataclass(frozen=True)
@@ -29,44 +29,51 @@ class FollowShown(FollowLink):
         return FollowShown
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.follow_link(self.read(model), self.keep)
+        follow_link(model, self.read(model), self.keep)
+
+
+class FromLecturer(Value):
+    """Whatever the page does, it follows."""
+
+    moves: ClassVar[bool] = True
+    in_lesson: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
+
+
+class AboutClass(Command):
+    """What changes nothing of the page's session, and is carried out in a lesson too."""
+
+    in_lesson: ClassVar[bool] = True
+    commutes: ClassVar[bool] = True
 
 
 @dataclass(frozen=True, eq=False)
-class TakeOrders(Value):
+class TakeOrders(FromLecturer):
     """What the lecturer wants of the class now."""
 
     heard: Heard
-    moves: ClassVar[bool] = True
-    in_lesson: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        if model.lecturer is not None:
-            model.lecturer.take(self.heard)
-        if model.student is not None:
-            _follow(model, model.student.take(model, self.heard))
+        role = model.role
+        if isinstance(role, Lecturer):
+            role.take(self.heard)
+        elif isinstance(role, Student):
+            _follow(role, role.take(model, self.heard))
 
 
-class FollowOn(Value):
+class FollowOn(FromLecturer):
     """Do what the lecturer's session has done since."""
 
-    moves: ClassVar[bool] = True
-    in_lesson: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
-
     def apply(self, model: PageModel, now: float) -> None:
-        if model.student is not None:
-            _follow(model, model.student.follow(model, now))
+        if isinstance(model.role, Student):
+            _follow(model.role, model.role.follow(model, now))
 
 
 @dataclass(frozen=True, eq=False)
-class SeeClass(Value):
+class SeeClass(AboutClass, Value):
     """What there is of all, for the lecturer's page."""
 
     seen: Seen
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         lecturer = _lecturer(model)
@@ -76,24 +83,20 @@ class SeeClass(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class SaveAnswers(Command):
+class SaveAnswers(AboutClass):
     """All that was answered, as a file."""
 
     rounds: Rounds
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.send("viewimit-class.csv", as_csv(self.rounds, model.guided.lessons))
 
 
 @dataclass(frozen=True)
-class NameYourself(Value):
+class NameYourself(AboutClass, Value):
     """A student's name, for the lecturer to see; "" for none."""
 
     name: str
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
     when_locked: ClassVar[bool] = True
 
     @classmethod
@@ -101,18 +104,15 @@ class NameYourself(Value):
         return cls(name_of(words(value, "name")))
 
     def apply(self, model: PageModel, now: float) -> None:
-        if model.student is not None:
-            model.student.name = self.name
+        model.role.call(self.name)
 
 
 @dataclass(frozen=True)
-class OfClass(Command):
+class OfClass(AboutClass):
     """What the lecturer does. verb: of VERBS; about: what it is about."""
 
     verb: str
     about: str = ""
-    in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> OfClass:
@@ -126,14 +126,14 @@ class OfClass(Command):
 
 
 def _lecturer(model: PageModel) -> Lecturer:
-    if model.lecturer is None:
+    if not isinstance(model.role, Lecturer):
         raise ValueError("this page is not the lecturer's")
-    return model.lecturer
+    return model.role
 
 
-def _follow(model: PageModel, follow: Follow | None) -> None:
-    if follow is not None and model.student is not None:
-        model.student.queue.put(FollowShown(follow.text, follow.keep))
+def _follow(student: Student, follow: Follow | None) -> None:
+    if follow is not None:
+        student.queue.put(FollowShown(follow.text, follow.keep))
 
 
 def _sort(lecturer: Lecturer, model: PageModel, now: float, about: str) -> None:

@@ -44,6 +44,13 @@ class Value(Command):
         return type(self).__qualname__
 
 
+class OfView(Command):
+    """What changes how the session is shown, and nothing of it."""
+
+    commutes: ClassVar[bool] = True
+    when_locked: ClassVar[bool] = True
+
+
 @dataclass(frozen=True)
 class Refused(Command):
     """What a browser sent cannot be. sender: the control that it came from; of one the newest is enough."""

@@ -10,7 +10,7 @@ from ..checks import choice, number, switch
 from ..names import NO_POINT
 from ..page_model import PageModel
 from ..state import LARGE
-from .command import Command, Value
+from .command import Command, OfView, Value
 
 
 @dataclass(frozen=True)
@@ -31,24 +31,19 @@ class ChoosePoint(Value):
         model.view = replace(model.view, chosen=self.point)
 
 
-class NextPoint(Command):
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
-
+class NextPoint(OfView):
     def apply(self, model: PageModel, now: float) -> None:
         chosen, count = model.view.chosen, len(model.session.world.body)
         model.view = replace(model.view, chosen=0 if chosen is None else (chosen + 1) % count)
 
 
 @dataclass(frozen=True)
-class Switch(Value):
+class Switch(OfView, Value):
     """One of the switches of `View`."""
 
     name: str
     on: bool
     in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, name: str, value: object) -> Switch:
@@ -63,28 +58,23 @@ class Switch(Value):
         model.view = replace(model.view, **changed)
 
 
-class BuildUp(Command):
+class BuildUp(OfView):
     """Show step by step how the chosen point is recovered; once more: all at once."""
 
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
-
     def apply(self, model: PageModel, now: float) -> None:
-        if model.building.goes_on:
-            model.building.end()
+        if model.moments.building.goes_on:
+            model.moments.building.end()
             return
         if model.view.chosen is None:
             NextPoint().apply(model, now)
-        model.building.begin(now)
+        model.moments.building.begin(now)
 
 
 @dataclass(frozen=True)
-class Enlarge(Command):
+class Enlarge(OfView):
     """A panel or an image, by its name in LARGE; the one that is large already: all as before."""
 
     what: str
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> Enlarge:
@@ -95,13 +85,11 @@ class Enlarge(Command):
 
 
 @dataclass(frozen=True)
-class PreferStill(Command):
+class PreferStill(OfView):
     """Whether the browser asks for less motion: arms are then seen where they arrive, not on their way."""
 
     still: bool
     in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> PreferStill:
@@ -111,62 +99,50 @@ class PreferStill(Command):
         model.player.still = self.still
 
 
-class NextLarger(Command):
+class NextLarger(OfView):
     """The images large, then the figures, then all as before."""
-
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         after = {None: "images", "images": "figures"}
         model.view = replace(model.view, large=after.get(model.view.large))
 
 
-class LetGo(Command):
+class LetGo(OfView):
     """Of the help, or else of a lesson, or else of a proposed point, or of editing them, or else of an imitation, the
     see-through arm, what is large and the offer."""
 
     in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help or model.view.share:
             model.view = replace(model.view, help=False, share=False)
         elif model.guided.course is not None:
-            model.require_free()
+            model.role.require_free()
             model.guided.leave()
         elif not model.points.let_go():
             model.guided.offered = False
-            model.imitated.stop()
-            model.see_through.let_go()
+            model.moments.imitated.stop()
+            model.moments.see_through.let_go()
             model.view = replace(model.view, large=None)
 
 
-class FitView(Command):
+class FitView(OfView):
     in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, fits=model.view.fits + 1)
 
 
-class ToggleShare(Command):
+class ToggleShare(OfView):
     """The card with a link to what the page shows, and with the code that repeats it."""
 
     in_lesson: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, share=not model.view.share)
 
 
-class ToggleHelp(Command):
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
-
+class ToggleHelp(OfView):
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, help=not model.view.help)
 

@@ -42,13 +42,13 @@ class ShowImitation(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         run = model.experiments.shown
-        if model.imitated.playing:
-            model.imitated.stop()
+        if model.moments.imitated.playing:
+            model.moments.imitated.stop()
         elif run is None or run.imitation is None:
             raise ValueError("there is no imitation to be seen before the experiment is done")
         else:
             model.player.pause()
-            model.imitated.play(run.imitation, now)
+            model.moments.imitated.play(run.imitation, now)
 
 
 @dataclass(frozen=True)

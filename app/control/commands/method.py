@@ -32,7 +32,7 @@ class Change(Value):
         return self.value == "rendered"
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.change(**{self.field: self.value})
+        model.undoable.change(**{self.field: self.value})
 
 
 def change_transfer(value: object) -> Change:
@@ -76,4 +76,4 @@ class FreeJoints(Value):
         settings = model.session.settings
         joints = choice(self.name, joint_choices(settings), "joints")
         if joints != settings.joints:
-            model.change(**model.freedom.fields(settings, model.session.scene, joints))
+            model.undoable.change(**model.freedom.fields(settings, model.session.scene, joints))

@@ -25,7 +25,7 @@ class ChooseLayout(Value):
     def apply(self, model: PageModel, now: float) -> None:
         fields = choice(self.name, layout_choices(model.session.settings), "layout")
         if fields:
-            model.change(**fields)
+            model.undoable.change(**fields)
 
 
 class EditPoints(Command):
@@ -37,8 +37,8 @@ class EditPoints(Command):
         model.points.toggle()
         if model.points.on:
             model.player.pause()
-            model.see_through.let_go()
-            model.imitated.stop()
+            model.moments.see_through.let_go()
+            model.moments.imitated.stop()
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..checks import choice
 from ..page_model import PageModel
@@ -24,29 +25,27 @@ class SaveReplay(Command):
 
 
 @dataclass(frozen=True)
-class ChoosePicture(Value):
-    """Which panel is saved."""
+class PictureChoice(Value):
+    """Which panel is saved, or in which format: a field of `View`, and what it becomes."""
 
-    what: str
+    field: str
+    value: str
 
-    @classmethod
-    def parse(cls, value: object) -> ChoosePicture:
-        return cls(choice(value, {name: name for name in PICTURES}, "picture"))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.view = replace(model.view, picture=self.what)
-
-
-@dataclass(frozen=True)
-class ChooseFormat(Value):
-    form: str
-
-    @classmethod
-    def parse(cls, value: object) -> ChooseFormat:
-        return cls(choice(value, {name: name for name in FORMATS}, "format"))
+    @property
+    def control(self) -> Hashable:
+        return PictureChoice, self.field
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.view = replace(model.view, picture_as=self.form)
+        changed: dict[str, Any] = {self.field: self.value}
+        model.view = replace(model.view, **changed)
+
+
+def choose_picture(value: object) -> PictureChoice:
+    return PictureChoice("picture", choice(value, {name: name for name in PICTURES}, "picture"))
+
+
+def choose_format(value: object) -> PictureChoice:
+    return PictureChoice("picture_as", choice(value, {name: name for name in FORMATS}, "format"))
 
 
 class SavePicture(Command):

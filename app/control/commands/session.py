@@ -13,9 +13,9 @@ from viewimit.export.citation import motions
 from viewimit.settings import given
 from viewimit.simulation.kinematics import pose_for_hand
 
-from ...sessions.autosave import SavedSession
-from ...sessions.link import Linked, read
+from ...sessions.saved import SavedSession
 from ..checks import choice, number, words
+from ..memory import go_on
 from ..moments.rehearsal import rehearsal_of
 from ..names import SPEEDS, modified
 from ..page_model import PageModel
@@ -32,7 +32,7 @@ class Play(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         if not model.player.playing:
-            model.keep_branch()
+            model.past.keep_branch()
             model.duel.follow()
         model.player.toggle()
 
@@ -44,7 +44,7 @@ class Step(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.player.pause()
-        model.keep_branch()
+        model.past.keep_branch()
         model.duel.follow()
         model.player.step(now)
 
@@ -55,16 +55,16 @@ class Undo(Command):
     moves: ClassVar[bool] = True
 
     def opens_pictures(self, model: PageModel) -> bool:
-        left = model.left_here
+        left = model.past.here
         return left is not None and left.camera == "rendered" != model.session.settings.camera
 
     def apply(self, model: PageModel, now: float) -> None:
         model.player.pause()
-        left = model.left_here
+        left = model.past.here
         if left is None:
             model.player.undo(now)
         else:
-            model.bring_back(left)
+            model.undoable.bring_back(left)
             points = f", {len(model.session.world.body)} points" if model.points.on else ""
             what = f"{left.preset.name}, {motions(left.motions)}{points}"
             model.say(f"Back is what was here before: {what}.", now + BACK_STAYS)
@@ -76,7 +76,7 @@ class Reset(Command):
     moves: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.reset()
+        model.undoable.reset()
         model.message = None
 
 
@@ -87,9 +87,9 @@ class ToggleRehearsal(Command):
 
     def apply(self, model: PageModel, now: float) -> None:
         if rehearsal_of(model.session).held:
-            model.forget()
+            model.undoable.forget_rehearsal()
         else:
-            model.rehearse()
+            model.undoable.rehearse()
 
 
 @dataclass(frozen=True)
@@ -134,12 +134,12 @@ class ChoosePreset(Value):
         return cls(words(value, "preset"))
 
     def opens_pictures(self, model: PageModel) -> bool:
-        return self.name in model.presets and model.presets[self.name].settings.camera == "rendered"
+        return self.name in model.presets.offered and model.presets.offered[self.name].settings.camera == "rendered"
 
     def apply(self, model: PageModel, now: float) -> None:
         if self.name != modified(model.preset.name):  # which it is already
-            offered = {**model.presets, model.preset.name: model.preset}
-            model.begin_preset(choice(self.name, offered, "preset"))
+            offered = {**model.presets.offered, model.preset.name: model.preset}
+            model.undoable.begin_preset(choice(self.name, offered, "preset"))
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class PoseJoint(Value):
         theta = model.session.snapshot.theta_demo.copy()
         if self.k < len(theta):  # a slider of the scene before may still have sent
             theta[self.k] = self.angle
-            model.pose(theta)
+            model.undoable.pose(theta)
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ class StartAt(Command):
     moves: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.start_at(self.angles_deg)
+        model.undoable.start_at(self.angles_deg)
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ class StartJoint(Value):
         start = list(given(model.session.settings.start_deg))
         if self.k < len(start):  # a slider of the scene before may still have sent
             start[self.k] = self.angle_deg
-            model.start_at(tuple(start))
+            model.undoable.start_at(tuple(start))
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,29 +212,7 @@ class PoseHand(Value):
         return cls(np.array(value, float))
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.pose(pose_for_hand(model.session.world, self.position, model.session.snapshot.theta_demo))
-
-
-@dataclass(frozen=True)
-class FollowLink(Command):
-    """What somebody has sent, motion by motion: beside the scheduler, as that may take seconds."""
-
-    text: str
-    moves: ClassVar[bool] = True
-    takes_long: ClassVar[bool] = True
-    in_lesson: ClassVar[bool] = True
-
-    def opens_pictures(self, model: PageModel) -> bool:
-        try:
-            return self.read(model).script.settings.camera == "rendered"
-        except ValueError:
-            return False
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.follow_link(self.read(model))
-
-    def read(self, model: PageModel) -> Linked:
-        return read(self.text, model.begun)
+        model.undoable.pose(pose_for_hand(model.session.world, self.position, model.session.snapshot.theta_demo))
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,4 +226,4 @@ class Resume(Command):
         return True
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.go_on(self.memory)
+        go_on(model, self.memory)

@@ -15,20 +15,19 @@ from ..checks import choice, number
 from ..page_model import PageModel
 from ..presets import Preset
 from .classroom import OfClass
-from .command import Command
+from .command import Command, OfView
 from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
 from .lessons import touched
+from .links import FollowLink
 from .points import BestNext, RemovePoint, SaveScene
-from .session import FollowLink, Play, Scrub, StartAt
+from .session import Play, Scrub, StartAt
 
 
 @dataclass(frozen=True)
-class TogglePoint(Command):
+class TogglePoint(OfView):
     """Choose a point; the chosen one again: none."""
 
     point: int
-    commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> TogglePoint:
@@ -57,7 +56,7 @@ class TouchPosture(Command):
             StartAt(self.angles_deg).apply(model, now)
         else:
             model.player.pause()
-            model.see_through.look(np.radians(self.angles_deg))
+            model.moments.see_through.look(np.radians(self.angles_deg))
 
 
 class StartThere(Command):
@@ -66,7 +65,7 @@ class StartThere(Command):
     moves: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
-        moment = model.see_through.moment
+        moment = model.moments.see_through.moment
         if moment is None:
             raise ValueError("there is no see-through arm to start from")
         StartAt(tuple(np.degrees(moment.theta).tolist())).apply(model, now)
@@ -93,7 +92,8 @@ class ShowWord(Command):
         entry = glossary()[self.key]
         speed = 0.0 if entry.plays else model.player.speed
         lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
-        model.show_word(self.key, Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)))
+        preset = Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson))
+        model.word.show(self.key, preset, model.view)
         model.view = replace(model.view, help=False)
         if entry.plays:
             Play().apply(model, now)
@@ -105,11 +105,11 @@ class GiveBack(Command):
     moves: ClassVar[bool] = True
 
     def opens_pictures(self, model: PageModel) -> bool:
-        before = model.shown_word
+        before = model.word.before
         return before is not None and before.left.camera == "rendered" != model.session.settings.camera
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.give_back()
+        model.view = model.word.give_back(model.view)
 
 
 TOUCHES: Mapping[str, Callable[[str], Command]] = {

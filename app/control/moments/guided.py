@@ -1,7 +1,6 @@
 """Which lesson a page is in, if any, and what was answered in all of them."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
 
 import msgspec
 
@@ -9,7 +8,6 @@ from ...jobs.landscapes import LandscapeWorker
 from ...lessons.course import Course
 from ...lessons.format import Lesson
 from ...lessons.progress import Progress
-from ..commands.command import Arrival
 from ..queue import CommandQueue
 
 
@@ -117,8 +115,4 @@ class Guided:
             self.begin(name)
 
     def _work(self, kind: str, make: Callable[[], object], take: Callable[[object], None]) -> None:
-        done = partial(self._take_later, kind, self.course, take)
-        self._worker.ask(self._page_id, make, done, kind=f"lesson {kind}")
-
-    def _take_later(self, kind: str, course: Course | None, take: Callable[[object], None], made: object) -> None:
-        self._queue.put(Arrival(("lesson", kind), take, made))
+        self._worker.ask(self._page_id, make, self._queue.taker(("lesson", kind), take), kind=f"lesson {kind}")

@@ -60,20 +60,25 @@ def draw_biases(
         aside, end = (-6, " vi-end") if x > right - 60 else (6, "")
         parts.append(svg.text(x + aside, top + 11, "here", f"vi-b vi-halo{end}"))
     if "curves" in layers:
-        labels = []
-        for name in reversed(STYLES):  # what is used last, on top
-            if name not in shown:
-                continue
-            points, kind = plot.place(times, shown[name]), STYLES[name]
-            parts.append(f'<path class="vi-bias vi-bias-{kind}" d="{svg.path(points)}"/>')
-            below = " < 0.01°" if degrees[name].max() < FLOOR else ""
-            labels.append((float(points[-1, 1]), NAMES[name] + below, f"vi-bias-words-{kind}"))
-        parts.append(plot.labels(labels))
+        parts.append(_curves(plot, times, degrees, shown))
     elif "here" in layers:
         known = plot.place(times[:1], shown[transfer][:1])
         parts.append(f'<path class="vi-bias-dots vi-bias-used" d="{svg.dots(known)}"/>')
     parts.append(_foretold(plot, times, degrees[transfer], layers, asked, guess))
     return _wrap("".join(parts), size)
+
+
+def _curves(plot: Axes, times: NDArray, degrees: Mapping[str, NDArray], shown: Mapping[str, NDArray]) -> str:
+    """With their names. shown: degrees within the plot."""
+    parts, labels = [], []
+    for name in reversed(STYLES):  # what is used last, on top
+        if name not in shown:
+            continue
+        points, kind = plot.place(times, shown[name]), STYLES[name]
+        parts.append(f'<path class="vi-bias vi-bias-{kind}" d="{svg.path(points)}"/>')
+        below = " < 0.01°" if degrees[name].max() < FLOOR else ""
+        labels.append((float(points[-1, 1]), NAMES[name] + below, f"vi-bias-words-{kind}"))
+    return "".join(parts) + plot.labels(labels)
 
 
 def _foretold(

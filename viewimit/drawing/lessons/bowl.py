@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ...analysis.landscape import Landscape
 from ...simulation.scene import Scene
 from .. import relief, svg
+from ..labels import Labels
 from ..posture_plane import PosturePlane
 from ..theme import OBSERVED
 from . import mark, narrow
@@ -30,6 +31,15 @@ class Way:
     postures_deg: NDArray
     probes: NDArray
     best: int
+
+
+@dataclass(frozen=True, eq=False)
+class Hills:
+    """What is drawn of a landscape, where its smallest E is, and where its levels can be labelled."""
+
+    parts: tuple[str, ...] = ()
+    lowest: NDArray | None = None
+    levels: Sequence[relief.Level] = ()
 
 
 def plane_of(scene: Scene, in_narrow: bool = False) -> PosturePlane:
@@ -63,19 +73,8 @@ def draw_bowl(
     plane = plane_of(scene, in_narrow)
     labels = plane.labels.copy()
     labels.letter = narrow.LETTER if in_narrow else labels.letter
-    parts, above = [plane.frame("vi-plane")], []
-    lowest = None
-    levels: list[relief.Level] = []
-    if "relief" in layers:
-        if found is None:
-            parts.append(plane.message("computing …"))
-        elif np.isnan(found.E).all():
-            parts.append(plane.message("nowhere are five points seen in all four images"))
-        else:
-            grid = plane.grid(found.axes)
-            lowest = plane.place(np.degrees(found.minimum))
-            parts += [relief.shading(grid, found.E, plane.box), relief.contours(grid, found.E)]
-            levels = relief.level_places(grid, found.E, labels.bounds, lowest)
+    hills = _hills(plane, found, labels) if "relief" in layers else Hills()
+    parts, above, lowest = [plane.frame("vi-plane"), *hills.parts], [], hills.lowest
     if others is not None:
         above.append(mark.crowd(plane.place(others)))
     for way in ways:
@@ -95,21 +94,35 @@ def draw_bowl(
         above.append(labels.led(float(demo[0]), float(demo[1]), "demonstrator", "vi-lead-demo", True))
     if lowest is not None and "smallest" in layers:
         above.append(labels.led(float(lowest[0]), float(lowest[1]), "smallest E", "vi-lead", False))
-    for way in ways:
-        end = plane.place(way.postures_deg[way.best])
-        labels.take_points(end, 6)
-        kind = f"vi-b vi-halo vi-way-{way.role}-words"
-        above.append(labels.beside(float(end[0]), float(end[1]), way.name, kind, 12))
+    above += [_name(way, plane, labels) for way in ways]
     if guess is not None:
         at = plane.place(guess)
         if "apart" in layers and lowest is not None:
             above.append(mark.distance(at, lowest, distance))
         above.append(mark.cross_hair(at, "your mark", (width, plane.height)))
     axes = plane.axes(note, named=not in_narrow)
-    inside = "".join(parts) + relief.draw_levels(levels, labels) + axes + "".join(above)
+    inside = "".join(parts) + relief.draw_levels(hills.levels, labels) + axes + "".join(above)
     label = "The landscape of E over both joints"
     box, kind = f"0 0 {width} {plane.height:.1f}", narrow.CLASS if in_narrow else ""
     return f'<svg class="vi vi-bowl{kind}" viewBox="{box}" role="img" aria-label="{label}">{inside}</svg>'
+
+
+def _hills(plane: PosturePlane, found: Landscape | None, labels: Labels) -> Hills:
+    """found: None while it is computed."""
+    if found is None:
+        return Hills((plane.message("computing …"),))
+    if np.isnan(found.E).all():
+        return Hills((plane.message("nowhere are five points seen in all four images"),))
+    grid, lowest = plane.grid(found.axes), plane.place(np.degrees(found.minimum))
+    drawn = relief.shading(grid, found.E, plane.box), relief.contours(grid, found.E)
+    return Hills(drawn, lowest, relief.level_places(grid, found.E, labels.bounds, lowest))
+
+
+def _name(way: Way, plane: PosturePlane, labels: Labels) -> str:
+    """Beside where it ends."""
+    end = plane.place(way.postures_deg[way.best])
+    labels.take_points(end, 6)
+    return labels.beside(float(end[0]), float(end[1]), way.name, f"vi-b vi-halo vi-way-{way.role}-words", 12)
 
 
 def _way(points: NDArray, way: Way) -> str:

@@ -1,0 +1,1 @@
+"""What a page can go back to: what a change to its session loses, and what was there before a word was shown."""

@@ -1,0 +1,168 @@
+"""A page's session and what goes with it, and all that changes it: what a change loses, Undo brings back."""
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.rehearsal import POSTURES, begin_rehearsal
+from viewimit.script import Changed, Deed, Posed, Script, Stepped
+from viewimit.script_player import converted, do, play
+from viewimit.session import Session
+from viewimit.settings import BodyPoint, Settings
+
+from ...jobs.camera_images import CameraProcess
+from ...jobs.session_eyes import SessionEyes
+from ..duel import Duel
+from ..moments.rehearsal import require_use
+from ..player import DENSE, Player
+from ..presets import Preset, Presets
+from .past import Left, Past
+
+METHOD = {"transfer", "servo"}
+
+
+class UndoableSession:
+    """settings: what it begins with; in_new_world(): the world has become another, or the session has begun anew."""
+
+    def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
+        self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
+        self._in_new_world = in_new_world
+        self.session = Session(settings, self._eyes, DENSE)
+        self.player = Player(self.session)
+        self.duel = Duel(self.session, self.player, self._opponents_eyes)
+        self.presets = Presets(settings)
+        self.past = Past(self.player, self.presets)
+
+    def pose(self, theta: NDArray, keep: bool = True) -> None:
+        """Move the demonstrator to theta, (m,) rad. keep: what is lost by that, Undo brings back."""
+        with self._kept(keep):
+            self.session.pose(theta)
+        self.duel.follow()
+        self.player.wake()
+
+    def change(self, **fields) -> None:
+        """Some of the settings."""
+        self._change(fields)
+
+    def lay_points(self, points: tuple[BodyPoint, ...]) -> None:
+        """Begin anew with these body points on both arms. Raises ValueError, with all as it is, if they cannot be."""
+        self.player.pause()
+        with self.past.kept(whole=True):
+            self.session.change(body_points=points)
+        self.begin_anew()
+
+    def start_at(self, angles_deg: tuple[float, ...]) -> None:
+        """The learner begins anew at a posture, (m,)."""
+        self.player.pause()
+        self.change(start_deg=angles_deg)
+        self.player.settle()
+
+    def rehearse(self) -> None:
+        """The learner watches itself in its next motions, and then imitates. Raises ValueError, with all as it is,
+        where its servo would make no use of that."""
+        require_use(self.session.settings.servo)
+        with self.past.kept():
+            begin_rehearsal(self.session, POSTURES, self.session.settings.seed)
+            self.duel.rehearse(POSTURES)
+        self.player.play()
+
+    def forget_rehearsal(self) -> None:
+        """What the learner has seen of itself, or what is left to be watched."""
+        with self.past.kept():
+            self.session.remember(None)
+            self.duel.remember_alike()
+        self.player.wake()
+
+    def begin_preset(self, preset: Preset) -> None:
+        self.player.pause()
+        with self.past.kept(whole=True):
+            self.session.begin(preset.settings)
+        self.player.speed = preset.motions_per_second
+        self.presets.chosen = preset
+        self.begin_anew()
+
+    def begin_like(self, settings: Settings) -> None:
+        """With projected points; nothing of what was here is kept."""
+        self.session.begin(msgspec.structs.replace(settings, camera="points"))
+
+    def leave_pictures(self) -> None:
+        """Begin anew with projected points."""
+        self.player.pause()
+        self.begin_like(self.session.settings)
+        self.begin_anew()
+
+    def reset(self) -> None:
+        """Back to the start."""
+        self.player.pause()
+        with self.past.kept():
+            self.session.reset()
+        self.duel.begin()
+
+    def bring_back(self, left: Left) -> None:
+        """As it was. Raises ValueError, with all as it is, if that cannot be any more."""
+        self.go_on_with(left)
+        self.past.forget_newest()
+
+    def go_on_with(self, left: Left) -> None:
+        """As `bring_back`, for what the past does not hold."""
+        world = self.session.world
+        for session, (moments, cursor, log) in zip(self.player.sessions, left.runs):
+            session.resume(moments, cursor, log)
+        self.presets.chosen, self.player.speed = left.preset, left.speed
+        self.player.settle()
+        if self.session.world is not world:
+            self._in_new_world()
+
+    def repeat(self, script: Script, keep: bool = True) -> None:
+        """All that a script does, from its settings on; keep: Undo brings back what was here. Raises ValueError, with
+        all as it is."""
+        self.player.pause()
+        before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
+        try:
+            with self._kept(keep, whole=True):
+                play(script, self.session)
+        except ValueError:
+            self.session.resume(*before)
+            raise
+
+    def do_along(self, deed: Deed, speed: float, now: float) -> None:
+        """What was done to another session, which Undo does not count as this one's past. speed: motions a second
+        there. Raises ValueError for what cannot be."""
+        if isinstance(deed, Stepped):
+            self.player.follow(deed.times, speed, now)
+        elif isinstance(deed, Posed):
+            self.pose(np.array(deed.theta_demo), keep=False)
+        elif isinstance(deed, Changed):
+            self._change(converted(deed.fields), keep=False)
+        else:
+            do(self.session, deed)
+            self.player.wake()
+
+    def begin_anew(self) -> None:
+        """The session has begun anew, in a world of its own."""
+        self.duel.begin()
+        self._in_new_world()
+
+    def close(self) -> None:
+        """Give the eyes back."""
+        self._eyes.close()
+        self._opponents_eyes.close()
+
+    def _change(self, fields: Mapping[str, Any], keep: bool = True) -> None:
+        world = self.session.world
+        with self._kept(keep):
+            self.session.change(**fields)
+        self.player.wake()
+        if self.session.world is not world:
+            self.begin_anew()
+        elif self.duel.opponent is not None and not METHOD.isdisjoint(fields):
+            self.duel.begin_again()
+        else:
+            self.duel.follow()
+
+    def _kept(self, keep: bool, whole: bool = False) -> AbstractContextManager[None]:
+        return self.past.kept(whole) if keep else nullcontext()

@@ -1,0 +1,68 @@
+"""A page as it is kept, and how another one goes on from that."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..sessions.saved import SavedPage, SavedSession
+from .classroom.summaries import name_of
+from .page_model import PageModel
+from .state import SWITCHES, View
+
+
+def memory_of(model: PageModel) -> SavedSession:
+    """The opponent of a duel and what runs in the tab Experiments is not kept."""
+    session, view = model.session, model.view
+    head = SavedPage(
+        begun=model.begun,
+        cursor=session.cursor,
+        length=len(session.history),
+        preset=model.preset.name,
+        speed=model.player.speed,
+        chosen=view.chosen,
+        show={name: getattr(view, name) for name in SWITCHES},
+        dark=view.dark,
+        motion=model.motions.file,
+        lessons=model.guided.kept,
+        lesson=model.guided.going_on,
+        offered=model.guided.offered,
+        log=session.log.copy(),
+        name=model.role.name or "",
+    )
+    return SavedSession(head, tuple(session.history))
+
+
+def go_on(model: PageModel, memory: SavedSession) -> None:
+    """With a session that was kept; the loop is paused."""
+    model.session.resume(memory.history, memory.head.cursor, memory.head.log)
+    _show_as(model, memory.head)
+    model.view = replace(model.view, chosen=memory.head.chosen)
+    model.undoable.begin_anew()
+
+
+def begin_like(model: PageModel, memory: SavedSession) -> None:
+    """By points from where a session that was kept stands, until its first camera images are there."""
+    model.undoable.begin_like(memory.history[memory.head.cursor].settings)
+    _show_as(model, memory.head)
+    model.undoable.begin_anew()
+
+
+def require_fit(model: PageModel) -> None:
+    """Raises ValueError if the session's moments are of another arm or other points than its scene's."""
+    session, present = model.session, model.session.snapshot
+    if present.theta.shape != session.embodiment.lower.shape or len(present.views.demo) != len(session.world.body):
+        raise ValueError("its moments are not of this scene")
+
+
+def switched(view: View, show: Mapping[str, bool]) -> View:
+    """With the switches on or off that are kept by their names."""
+    known: dict[str, Any] = {name: show[name] for name in SWITCHES if name in show}
+    return replace(view, **known)
+
+
+def _show_as(model: PageModel, head: SavedPage) -> None:
+    model.presets.choose_named(head.preset)
+    model.player.speed = head.speed
+    model.view = replace(switched(model.view, head.show), dark=head.dark)
+    model.guided.resume(head.lessons, head.lesson, head.offered)
+    model.role.call(name_of(head.name))

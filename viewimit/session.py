@@ -19,7 +19,6 @@ from .body_image import FEWEST, BodyImage
 from .contradictions import believed
 from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
 from .embodiment.in_scene import OpenEyes, degrees
-from .geometry.affine import MIN_POINTS
 from .history import MAX_HISTORY, History
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .rectifying import POOLED, rectification_for
@@ -199,7 +198,7 @@ class Session:
             motion=now.motion,
             noise_px=noise_px if known is None else max(noise_px, known.noise_px),
             rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
-            shown=int(now.views.visible[:, :2].all(-1).sum()),
+            shown=now.shown,
         )
 
     def predicted_conflict(self, now: Snapshot) -> Conflict:
@@ -322,8 +321,8 @@ class Session:
 
     def _knows_on(self, now: Snapshot) -> bool:
         """Whether its servo can tell a way on from where too few points are in sight: the demonstrator is seen."""
-        shown = now.views.visible[:, :2].all(-1).sum()
-        return bool(SERVOS[now.settings.servo].predicts and now.servo_state is not None and shown >= MIN_POINTS)
+        begun = now.servo_state is not None
+        return begun and SERVOS[now.settings.servo].predicts and now.shows_demonstrator
 
     def _ask(self, now: Snapshot) -> tuple[Any, NDArray]:
         """The servo's next state, and the displacement that it wants, (m,) rad."""

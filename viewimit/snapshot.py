@@ -60,6 +60,16 @@ class Snapshot:
         """(N,) bool: seen in all four views."""
         return self.views.usable
 
+    @property
+    def shown(self) -> int:
+        """How many of the demonstrator's points are in sight in both images."""
+        return int(self.views.visible[:, :2].all(-1).sum())
+
+    @property
+    def shows_demonstrator(self) -> bool:
+        """By as many points as a transfer needs."""
+        return self.shown >= MIN_POINTS
+
     @cached_property
     def transfer(self) -> FittedTransfer | None:
         """Fitted to the usable points; None with too few of them."""

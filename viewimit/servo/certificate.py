@@ -5,7 +5,8 @@ About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For 
 a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of that
 rise was measured, more than noise makes, and more than the share CONFLICTING of what the own images moved by. Where
 there is none a check motion along v asks; if E does not rise as it should, v is not told, and no joint that it turns.
-Of too few points E is next to 0 and rises all around at wrong postures as well: they allow no claim.
+Of too few points E is next to 0 and rises all around at wrong postures as well: they allow no claim. Nor is a joint
+told that a single point tells, where points are seen from some postures only.
 
 How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more.
 """
@@ -26,6 +27,7 @@ ALIGNED = 0.95  # of its length: what must be along a direction, for a visit to 
 CONFLICTING = 1e-4  # of the squared motion of the own images: what must be left as conflict
 SURELY = 3.0  # standard deviations
 UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
+LEVEL = np.radians(200.0)  # a pixel: so little tells that E is level
 PART = 0.1  # of a direction of length 1: a joint that has less is not turned by it
 
 
@@ -65,6 +67,8 @@ def certify(here: Surroundings) -> Certificate:
     """From the visits that there are."""
     spread = deviations(here.hessian, here.points)
     told, check = spread < UNTOLD, np.zeros(len(spread))
+    for hessian in here.without_one:
+        told = told & (deviations(hessian, max(here.seen - 1, 1)) < LEVEL)
     shown = here.seen >= enough_points(len(spread))
     for direction in _directions(here):
         risen, level = _evidence(here, direction)

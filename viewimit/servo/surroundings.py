@@ -25,7 +25,7 @@ def enough_points(joints: int) -> int:
 @dataclass(frozen=True)
 class Surroundings:
     """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; seen: of
-    them, really, at the best visit; left:
+    them, really, at the best visit; without_one: (k, m, m), hessians of these but one, where some are hidden; left:
     (m,) rad, from there to where E should be least; slopes:
     (m, m) px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits
     from there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is
@@ -36,6 +36,7 @@ class Surroundings:
     E: float
     points: int
     seen: int
+    without_one: NDArray
     left: NDArray
     slopes: NDArray
     away: NDArray
@@ -76,6 +77,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         E=known.E,
         points=found.points,
         seen=_really_seen(known),
+        without_one=_without_each(known, place),
         left=found.theta - place,
         slopes=_image_slopes(known.model, place),
         away=np.array([visit.displacement for visit in known.visits]) - place,
@@ -112,6 +114,22 @@ def _really_seen(known: Known) -> int:
     """How many points told E at the best visit without being predicted."""
     best = known.visits[known.best]
     return known.residual_of(np.where(best.seen.all(-1)[:, None], best.own, np.nan)).shape[-2]
+
+
+def _without_each(known: Known, place: NDArray) -> NDArray:
+    """(k, m, m) px²/rad², by the points really seen at the best visit but each of them in turn; none where all points
+    are seen at every visit, as then none is seen because the posture is a wrong one."""
+    m, seen = len(place), np.array([visit.seen.all(-1) for visit in known.visits])
+    if seen.all():
+        return np.empty((0, m, m))
+    about = known.model.predict(place + DIFFERENCE * np.eye(1 + m, m, -1))
+    hessians = []
+    for point in np.flatnonzero(seen[known.best]):
+        others = seen[known.best] & (np.arange(seen.shape[1]) != point)
+        e = known.residual_of(np.where(others[:, None], about, np.nan))
+        J = (e[1:] - e[0]).reshape(m, -1) / DIFFERENCE if np.isfinite(e).all() else np.zeros((m, 1))
+        hessians.append(J @ J.T / e.shape[-2])
+    return np.array(hessians).reshape(-1, m, m)
 
 
 def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:

@@ -140,11 +140,22 @@ def test_a_server_that_is_stopped_and_started_again_has_lost_nothing(tmp_path):
     server.stop()
 
 
+@contextlib.contextmanager
+def heard_of(number: int, how: signal.Handlers):
+    """Processes that are begun inside hear of this signal by default, or not at all, however the tests were begun."""
+    before = signal.signal(number, how)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
     options = "--store", str(tmp_path / "state"), "--workers", workers
-    server = Server(*options)
+    with heard_of(signal.SIGHUP, signal.SIG_DFL):
+        server = Server(*options)
     cookie = browser_of(server.url)
     with Client(server.url, cookie=cookie).ready() as client:
         work(client)
@@ -156,6 +167,18 @@ def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
     server = Server("--port", server.url.rsplit(":", 1)[1], *options)
     comes_back(server.url, cookie, seen)
     server.stop()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
+def test_who_was_started_by_nohup_goes_on_when_the_terminal_is_closed():
+    with heard_of(signal.SIGHUP, signal.SIG_IGN):
+        server = Server("--workers", "2")
+    for pid in reversed(processes_of(server.process.pid)):
+        os.kill(pid, signal.SIGHUP)
+    with pytest.raises(subprocess.TimeoutExpired):
+        server.process.wait(1.0)
+    Client(server.url).ready().close()
+    assert server.stop() == 0
 
 
 def test_turns_that_do_not_end_hold_a_stop_up_once_not_each(tmp_path, monkeypatch):

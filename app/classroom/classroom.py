@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import msgspec
 
-from .board import GONE_S, Board
+from .board import LED_S, Board
 from .messages import Answer, Copy, Orders, Roster, Round, Summary, call_of, decode, encode
 
 PUBLISH_EVERY = 1.0  # s at least between two rosters of a process, and between two looks at all students
@@ -200,7 +200,7 @@ class Classroom:
         number, data, age = self._board.orders()
         if data != self._read[0]:
             self._read = data, _read_orders(data)
-        return number, self._read[1], age < GONE_S
+        return number, self._read[1], age < LED_S
 
     def _give_orders(self, members: list[Member]) -> None:
         """What was asked for since, each a change of what then stands there."""

@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from protocol import Client
@@ -103,7 +104,9 @@ def test_a_class_over_two_processes_is_led_asked_and_survives_one_of_them(server
     wait_until(lambda: mira.shows("The controls are frozen"))
     with server.says("another takes its place"):
         os.kill(workers_of(server)[int(mira.address[7])], signal.SIGKILL)
-    again = [Tab(server.url, tab.cookie) for tab in (mira, lecturer) if tab.closed(10)]  # as a page does by itself
+    gone = [tab.cookie for tab in (mira, lecturer) if tab.closed(10)]
+    with ThreadPoolExecutor() as browsers:  # as pages do by themselves
+        again = list(browsers.map(lambda cookie: Tab(server.url, cookie), gone))
     wait_until(lambda: again[0].shows("The controls are frozen"))
     newest = again[-1] if len(again) == 2 else lecturer
     wait_until(lambda: newest.shows("2 here") and newest.shows("&lt;b&gt;Mira"))

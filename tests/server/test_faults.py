@@ -16,6 +16,8 @@ from protocol import Client
 from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of
 from viewimit.app.control.command_loop import CommandLoop
 from viewimit.app.page import LEAVES_WITHIN
+from viewimit.app.panels.save import SavePanel
+from viewimit.app.server import pages
 from viewimit.app.server.limits.connection_limits import Limits
 from waiting import stays, wait_until
 
@@ -282,3 +284,18 @@ def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
     grown = server.memory - before
     server.stop()
     assert grown < bound_mb, f"{grown:.1f} MB"
+
+
+def test_a_page_that_cannot_be_made_says_why_and_comes_back_to_what_it_was(here, monkeypatch, caplog):
+    monkeypatch.setattr(pages, "AGAIN_AFTER", 0.5)
+    cookie = browser_of(here.url)
+    with Client(here.url, cookie=cookie).ready() as client:
+        work(client)
+        seen = what_a_visitor_sees(client)
+    with monkeypatch.context() as broken:
+        broken.setattr(SavePanel, "build", lambda *_: 1 / 0)
+        with Client(here.url, cookie=cookie) as client:
+            wait_until(lambda: any("cannot be shown: division by zero" in html for html in client.html.values()))
+            assert client.closed(5) == (1013, "the page cannot be shown")
+    assert caplog.text.count("a page cannot be shown: ZeroDivisionError") == 1 and not here.pages
+    comes_back(here.url, cookie, seen)

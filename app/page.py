@@ -30,7 +30,7 @@ from .sessions.autosave import SavedSession
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
-KEPT_EVERY = 5.0  # s
+KEPT_EVERY = 4.0  # s: with the writing, no more than the last 5 s are lost of a process that is killed
 SAID_FOR = 30.0  # s: of what was lost
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
 

@@ -155,7 +155,7 @@ class App:
             self._retire(client.client_id)
 
     def _send_back(self, client: viser.ClientHandle, error: Exception) -> None:
-        """Who cannot be shown a page is told why, and that it is tried again: closed, a browser comes back by itself."""
+        """Who cannot be shown a page is told why. A browser whose connection is closed comes back by itself."""
         log.error(in_a_line("a page cannot be shown", error))
         connection = viser_private.connection_of(self._server, client.client_id)
         if connection is not None:

@@ -1,7 +1,6 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
 from collections.abc import Collection, Mapping
-from functools import lru_cache
 from typing import Annotated, TypeVar, get_type_hints
 
 import msgspec
@@ -69,7 +68,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     def amounts(self, kind: type[D]) -> tuple[tuple[D, float], ...]:
         """Of every disturbance of a kind, those that are 0 too."""
-        return _amounts(self, kind)
+        return tuple((found, getattr(self, name)) for name, found in disturbances(kind).items())
 
     def __post_init__(self) -> None:
         _require_choice("transfer", self.transfer, TRANSFERS)
@@ -89,11 +88,6 @@ DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much o
     for mark in getattr(hint, "__metadata__", ())
     if isinstance(mark, Disturbance)
 }
-
-
-@lru_cache(256)  # asked several times a motion
-def _amounts(settings: Settings, kind: type[D]) -> tuple[tuple[D, float], ...]:
-    return tuple((found, getattr(settings, name)) for name, found in disturbances(kind).items())
 
 
 def disturbances(kind: type[D]) -> dict[str, D]:

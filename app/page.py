@@ -31,7 +31,7 @@ from .sessions.saved import SavedSession
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
-KEPT_EVERY = 5.0  # s
+KEPT_EVERY = 4.0  # s: with the writing, no more than the last 5 s are lost of a process that is killed
 SAID_FOR = 30.0  # s: of what was lost
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
 
@@ -59,15 +59,13 @@ class Page:
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         self._attendance = Attendance(services.classroom, reach.of_class, self.model, self.queue)
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures)
-        if resumed is not None:
-            self._resume(resumed)
-        with client.atomic():
-            layout, state = Layout(client, self.queue, reach), self.model.state(0.0)
-            self._panels = [panel() for panel in PANELS]
-            for panel in self._panels:
-                panel.build(layout, state)
-            layout.dock()
-            self._scene = Scene3D(client, self.queue, services.share)
+        try:
+            if resumed is not None:
+                self._resume(resumed)
+            self._build(services, reach)
+        except BaseException:
+            self.close(0.0)  # what it has taken in its class, and of the camera images
+            raise
         self.model.eye = self._scene.eye
         self._docking = Docking(client, waits=reach.address is not None)
 
@@ -129,6 +127,15 @@ class Page:
     def _close_later(self) -> None:
         self._commands.wait()
         self.model.close()
+
+    def _build(self, services: Services, reach: Reach) -> None:
+        with self._client.atomic():
+            layout, state = Layout(self._client, self.queue, reach), self.model.state(0.0)
+            self._panels = [panel() for panel in PANELS]
+            for panel in self._panels:
+                panel.build(layout, state)
+            layout.dock()
+            self._scene = Scene3D(self._client, self.queue, services.share)
 
     def _resume(self, memory: SavedSession) -> None:
         """Show what the visitor had chosen; the loop is paused. Camera images are taken in the first turn."""

@@ -14,6 +14,7 @@ from .server.address import address, invite, invite_lecturer, listen, require_fr
 from .server.options import ServerOptions
 from .server.origins import is_loopback
 from .server.seat_counts import SeatCounts
+from .server.termination import Termination
 from .server.worker import LOG_FORMAT
 from .server.workers import working
 
@@ -38,7 +39,7 @@ def serve(
         raise ValueError(f"{options.workers} workers need a system where processes hand each other sockets: take 1")
     require_free(host, port)
     logging.basicConfig(format=LOG_FORMAT)
-    stopped = threading.Event()
+    stopped = Termination()
     for number in _signals():
         signal.signal(number, lambda *_: stopped.set())
     ending = threading.Timer(STOPS_WITHIN, _end)

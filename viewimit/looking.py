@@ -28,12 +28,16 @@ class Observer:
         self._eyes, self._theta_rest = eyes, theta_rest
         self._demo: tuple[tuple, Images] | None = None  # what it depends on, what was seen
         self._noise: tuple[tuple, float] | None = None
+        self._visible: NDArray | None = None
 
     def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
         """theta, theta_demo: (m,) rad; look: which one it is, of the own body."""
         demo, demo_visible = self.demo(settings, theta_demo)
         own, own_visible = self.own(settings, theta, look)
-        return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
+        visible = np.concatenate([demo_visible, own_visible], -1)
+        if self._visible is None or self._visible.tobytes() != visible.tobytes():
+            self._visible = visible  # mostly all, at every look: kept once
+        return FourViews(demo, own, self._visible)
 
     def own(self, settings: Settings, theta: NDArray, look: int) -> Images:
         """The own body, looked at anew. theta: (m,) rad."""

@@ -7,7 +7,8 @@ call. Everything is bytes: who reads it checks it.
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
-GONE_S = 6.0  # without a sign of life: a process and its students, or the lecturer
+GONE_S = 6.0  # without a sign of life: a process and its students
+LED_S = 15.0  # without one of the lecturer, whose page comes back in this time from a process that was killed
 KEPT_S = 6 * 3600  # s that orders and replies stay without a sign of life of a lecturer
 MOST_REPLIES = 1_000  # to a call
 

@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from .board import GONE_S, Board
+from .board import LED_S, Board
 from .member import Heard, Member, Seen
 from .messages import Orders, Roster, encode
 from .orders import read_orders
@@ -111,7 +111,7 @@ class Classroom:
         number, data, age = self._board.orders()
         if data != self._read[0]:
             self._read = data, read_orders(data)
-        return number, self._read[1], age < GONE_S
+        return number, self._read[1], age < LED_S
 
     def _give_orders(self, members: list[Member]) -> None:
         """What was asked for since, each a change of what then stands there."""

@@ -28,4 +28,7 @@ class Redraw:
         before, self._state[what] = self._state.get(what), state
         if before is None or len(before) != len(state):
             return True
-        return any(a is not b and (isinstance(a, Snapshot) or a != b) for a, b in zip(before, state))
+        for a, b in zip(before, state):
+            if a is not b and (isinstance(a, Snapshot) or a != b):
+                return True
+        return False

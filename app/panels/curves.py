@@ -1,7 +1,7 @@
 """E and the joint errors, motion by motion, each of which is touched there: a card over a wide window's scene, or a
 tab."""
 
-from viewimit.drawing.curves import draw_curves, moment_links, moments_made
+from viewimit.drawing.curves import axis_end, draw_curves, moment_links, moments_made
 from viewimit.drawing.over.links import sink
 
 from ..control.state import PageState
@@ -19,6 +19,7 @@ class CurvesPanel(Panel):
             self._tab, self._over_tab = gui.add_html(""), gui.add_html("")
             if self._address is not None:
                 gui.add_html(sink())
+        self._linked: tuple[int, bool] | None = None  # what the links were made of
 
     def period(self, state: PageState) -> float:
         return SLOW
@@ -34,9 +35,16 @@ class CurvesPanel(Panel):
         drawn = draw_curves(session.history, session.cursor, E_true, joints, width, state.errors_deg)
         if self._address is not None:
             drawn += moments_made(last)
-            links = moment_links(self._address, last, width)
-            put_html(self._over_card, f'<div class="vi-card-over">{links}</div>' if wide else "")
-            put_html(self._over_tab, "" if wide else f'<div class="vi-over">{links}</div>')
+            self._show_links(self._address, axis_end(last), wide)
         put_html(self._card if wide else self._tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
         put_visible(self._card, wide)
         put_visible(self._over_card, wide)
+
+    def _show_links(self, address: str, end: int, wide: bool) -> None:
+        """Made anew only when they change. end: motions at the end of the axis."""
+        if (end, wide) == self._linked:
+            return
+        self._linked = end, wide
+        links = moment_links(address, end, CARD_WIDTH if wide else TAB_WIDTH)
+        put_html(self._over_card, f'<div class="vi-card-over">{links}</div>' if wide else "")
+        put_html(self._over_tab, "" if wide else f'<div class="vi-over">{links}</div>')

@@ -5,7 +5,7 @@ from viewimit.drawing.over.links import link
 from viewimit.drawing.over.points import LESS, MORE, point_links, point_places, proposed_marks
 
 from ..control.moments.images import draw_shown
-from ..control.state import LARGE, PageState
+from ..control.state import LARGE, PageState, View
 from .panel import Layout, Panel
 from .widgets import put_html
 
@@ -16,6 +16,7 @@ class ImagesPanel(Panel):
         with layout.upper_tab("Images"):
             self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
             self._proposed = layout.gui.add_html("")
+        self._linked: tuple | None = None  # what the links were made of
 
     @property
     def html(self) -> str:
@@ -31,7 +32,7 @@ class ImagesPanel(Panel):
         view, (bodies, windows) = state.view, state.arms_in_images
         if view.rectified:
             put_html(self._images, draw_rectified(state.looked, bodies))
-            put_html(self._links, "" if self._address is None else _large(self._address, view.large))
+            self._show_links(None, view)
             put_html(self._proposed, "")
             return
         marks = state.points.proposed_in
@@ -40,10 +41,18 @@ class ImagesPanel(Panel):
         drawn = draw_shown(state, state.stage, standing)
         if self._address is not None:
             views = state.looked.views
-            points = point_links(self._address, len(views.demo), view.whole_frames)
-            put_html(self._links, points + _large(self._address, view.large))
+            self._show_links(len(views.demo), view)
             drawn += point_places(views.demo, views.own, views.visible, windows, view.whole_frames)
         put_html(self._images, drawn)
+
+    def _show_links(self, points: int | None, view: View) -> None:
+        """Made anew only when they change. points: how many there are; None: none that can be chosen."""
+        of = points, view.whole_frames, view.large
+        if self._address is None or of == self._linked:
+            return
+        self._linked = of
+        to_points = "" if points is None else point_links(self._address, points, view.whole_frames)
+        put_html(self._links, to_points + _large(self._address, view.large))
 
 
 def _large(address: str, large: str | None) -> str:

@@ -1,10 +1,11 @@
 """The default camera of a page's 3-D scene: where it is put, and when anew."""
 
+import math
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.viewer.view import BELOW, FOV, fitted_view
@@ -58,10 +59,10 @@ class DefaultView:
         """What was fitted is gone: the next `follow` fits anew."""
         self._aspect = None
 
-    def _at(self, places: Iterable[ArrayLike]) -> bool:
+    def _at(self, places: Iterable[Sequence[float] | NDArray]) -> bool:
         """Whether the camera is at one of places (3,) m."""
         here = self._client.camera.position
-        return any(np.linalg.norm(here - np.asarray(place)) < UNTOUCHED for place in places)
+        return any(math.dist(here, place) < UNTOUCHED for place in places)
 
 
 class Docking:

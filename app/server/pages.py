@@ -1,9 +1,11 @@
 """A process that serves pages: one viser server, one page a browser tab, one scheduler for all."""
 
+import asyncio
 import contextlib
 import gc
 import html
 import io
+import logging
 import socket
 import threading
 import time
@@ -11,6 +13,8 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import viser
+from websockets.asyncio.server import ServerConnection
+from websockets.frames import CloseCode
 
 from viewimit.simulation.scene import load_scene
 
@@ -29,15 +33,19 @@ from ..panels.panel import Reach
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..sessions.autosave import Autosave
-from ..sessions.resume import SessionKeys, token_of_client
+from ..sessions.resume import Place, SessionKeys, token_of_client
 from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
 from .connection import GuardedConnection
 from .lecturer import class_name
+from .limits.fault_lines import in_a_line
 from .options import ServerOptions
 from .seat_counts import SeatCounts
 from .touches import Touches
+
+AGAIN_AFTER = 5.0  # s, until who could not be shown a page is to try again
+log = logging.getLogger(__name__)
 
 
 @contextlib.contextmanager
@@ -125,22 +133,19 @@ class App:
         self.services.basins.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        place = self._keys.take(client)
-        key = place.key
         viser_private.wake_in_loop(client)
         token = token_of_client(self._server, client.client_id)
         address = None if token is None else self._touches.new_address()
-        keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
+        place = Place()
         try:
-            page = self._page(client, key, keep, place.memory, address)
-        except Exception as error:
-            if key:
-                self._keys.leave(key)
-            if not isinstance(error, (ValueError, OSError)):
-                raise
-            # a scene or URDF of the user's that has changed meanwhile
-            client.gui.add_html(f"<p>This page cannot be shown: {html.escape(str(error))}</p>")
+            place = self._keys.take(client)
+            page = self._page(client, place, address)
+        except Exception as error:  # a scene of the user's that has changed meanwhile, or what nobody foresaw
+            if place.key:
+                self._keys.leave(place.key)
+            self._send_back(client, error)
             return
+        key = place.key
         with self._lock:
             self._pages[client.client_id] = page, key
             self._scheduler.add(page)
@@ -149,13 +154,25 @@ class App:
         if client.client_id not in self._server.get_clients():  # it closed before this callback ran
             self._retire(client.client_id)
 
-    def _page(self, client: viser.ClientHandle, key: str | None, keep, resumed, address: str | None) -> Page:
+    def _send_back(self, client: viser.ClientHandle, error: Exception) -> None:
+        """Who cannot be shown a page is told why. A browser whose connection is closed comes back by itself."""
+        log.error(in_a_line("a page cannot be shown", error))
+        connection = viser_private.connection_of(self._server, client.client_id)
+        if connection is not None:
+            asyncio.run_coroutine_threadsafe(_close_soon(connection), self._server.get_event_loop())
+        client.gui.reset()  # of what there is of it
+        why = html.escape(str(error) or type(error).__name__)
+        client.gui.add_html(f"<p>This page cannot be shown: {why}. It is tried again in {AGAIN_AFTER:g} s.</p>")
+
+    def _page(self, client: viser.ClientHandle, place: Place, address: str | None) -> Page:
         """What was kept goes on, or the page says why it does not."""
+        key = place.key
+        keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         connection = viser_private.connection_of(self._server, client.client_id)
         of_class = Attendee(key, isinstance(connection, GuardedConnection) and connection.lecturer)
         reach = Reach(address, viser_private.origin_of(self._server, client.client_id), of_class)
         try:
-            page = Page(client, self.services, self._settings, keep, resumed, reach)
+            page = Page(client, self.services, self._settings, keep, place.memory, reach)
         except CannotResume as error:
             if key is not None:
                 self._autosave.set_aside(key, str(error))
@@ -194,6 +211,11 @@ class App:
                 if whole:  # else what was handed over some seconds ago stays
                     self._autosave.keep(key, page.memory())
                 self._keys.leave(key)
+
+
+async def _close_soon(connection: ServerConnection) -> None:
+    await asyncio.sleep(AGAIN_AFTER)
+    await connection.close(CloseCode.TRY_AGAIN_LATER, "the page cannot be shown")
 
 
 def _classroom(options: ServerOptions) -> Classroom | None:

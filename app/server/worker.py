@@ -3,11 +3,11 @@
 import logging
 import signal
 import socket
-import threading
 
 from ..jobs.child import stand_back
 from .options import ServerOptions
 from .seat_counts import SeatCounts
+from .termination import Termination
 
 LOG_FORMAT = "%(asctime)s %(message)s"
 
@@ -15,7 +15,7 @@ LOG_FORMAT = "%(asctime)s %(message)s"
 def work(handed: socket.socket, port: int, counts: SeatCounts, worker: int, options: ServerOptions) -> None:
     """Serve the connections that are handed over until SIGTERM, or until the process that hands them over is gone."""
     stand_back(0)
-    stopped = threading.Event()
+    stopped = Termination()
     signal.signal(signal.SIGTERM, lambda *_: stopped.set())
     logging.basicConfig(format=LOG_FORMAT)
 

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from .dispatcher import Placing, dispatching
 from .options import ServerOptions
 from .seat_counts import SeatCounts
+from .termination import Termination
 from .worker import work
 
 READY_WITHIN, SILENT_FOR = 60.0, 20.0  # s that a worker has to begin, and afterwards for each sign of life
@@ -25,7 +26,7 @@ log = logging.getLogger(__name__)
 
 
 @contextlib.contextmanager
-def working(options: ServerOptions, listeners: Sequence[socket.socket], stopped: threading.Event) -> Iterator[None]:
+def working(options: ServerOptions, listeners: Sequence[socket.socket], stopped: Termination) -> Iterator[None]:
     """Inside, workers serve what comes to the listeners; in the end they have kept all sessions.
 
     stopped: no process is begun any more; set here when it is of no use to go on. Raises RuntimeError, then in the
@@ -47,7 +48,7 @@ class Workers:
     The sockets through which connections are handed over outlive them: who comes meanwhile waits for the next one.
     """
 
-    def __init__(self, options: ServerOptions, listeners: Sequence[socket.socket], stopped: threading.Event):
+    def __init__(self, options: ServerOptions, listeners: Sequence[socket.socket], stopped: Termination):
         self._options, self._listeners, self._stopped = options, listeners, stopped
         self._port = listeners[0].getsockname()[1]
         self._counts = SeatCounts(options.workers)

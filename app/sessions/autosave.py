@@ -4,6 +4,7 @@ A store may hang, refuse or hold anything: nobody waits for it longer than ANSWE
 """
 
 import logging
+import math
 import secrets
 import threading
 import time
@@ -18,6 +19,7 @@ from .within import NotYet, answer_until
 
 ANSWERS_WITHIN = 2.0  # s that a visitor waits for the store
 STOPS_WITHIN = 6.0  # s for what is left to be written
+TRIED_FOR = 60.0  # s to write what is left of a page that is gone, once a second
 TAKEN = "another tab has taken this session"
 log = logging.getLogger(__name__)
 
@@ -37,7 +39,8 @@ class Autosave:
         self._waiting: dict[str, SavedSession] = {}
         self._busy: str | None = None  # key that is being written
         self._written: dict[str, StoredSession] = {}
-        self._leaving: set[str] = set()  # keys whose page is gone, and that are still to be written
+        self._again: dict[str, SavedSession] = {}  # of pages that are gone, what the store did not take
+        self._leaving: dict[str, float] = {}  # keys whose page is gone, and until when s they are tried to be written
         self._going: set[str] = set()  # whose leases are given back just now
         self._problems: dict[str, str] = {}
         self._stopped = self._unrenewed = False
@@ -62,11 +65,12 @@ class Autosave:
         self.flush(key)
         with self._changed:
             self._changed.wait_for(lambda: key not in self._going, max(until - time.monotonic(), 0.0))
-            self._leaving.discard(key)
+            self._leaving.pop(key, None)
             written = self._written.get(key)
             if written is not None and not written.taken and written.claimed:
                 written.there, written.renewed = there, True  # its lease goes on
-                memory = self._waiting.get(key, written.memory)  # which the store may not have taken in time
+                unwritten = self._waiting.get(key) or self._again.get(key)  # which the store may not have taken in time
+                memory = unwritten or written.memory
                 if memory is not None and memory.head.begun == begun:
                     return memory
         if written is not None and written.claimed and not written.taken:
@@ -118,7 +122,7 @@ class Autosave:
         with self._changed:
             self._problems.pop(key, None)
             if key in self._written:
-                self._leaving.add(key)
+                self._leaving[key] = time.monotonic() + TRIED_FOR
                 self._changed.notify_all()
 
     def flush(self, key: str) -> bool:
@@ -130,6 +134,7 @@ class Autosave:
         """Write all, as far as that goes within so many s, and close the store."""
         with self._changed:
             self._stopped = True
+            self._try_again()
             self._changed.notify_all()
         self._thread.join(within)
         if not self._thread.is_alive():
@@ -150,7 +155,7 @@ class Autosave:
                 self._changed.wait_for(self._has_to_do, max(due - time.monotonic(), 0.0))
                 ends = self._stopped and not self._waiting
                 if ends:
-                    self._leaving.update(self._written)
+                    self._leaving.update(dict.fromkeys(self._written, 0.0))
                 if self._waiting:
                     self._busy = next(iter(self._waiting))
                     memory, written = self._waiting.pop(self._busy), self._written.get(self._busy)
@@ -161,16 +166,17 @@ class Autosave:
                 return
             if time.monotonic() >= due:
                 self._renew()
+                self._try_again()
                 due = time.monotonic() + RENEW_EVERY
 
     def _has_to_do(self) -> bool:
-        return bool(self._waiting or self._stopped or self._leaving)
+        return bool(self._waiting or self._stopped or self._leaving.keys() - self._again.keys())
 
     def _leave(self) -> None:
         """Know nothing any more of pages that are gone and written, and give their leases back."""
         with self._changed:
-            self._going = {key for key in self._leaving if key not in self._waiting}
-            self._leaving -= self._going
+            self._going = self._leaving.keys() - self._waiting.keys() - self._again.keys()
+            self._leaving = {key: until for key, until in self._leaving.items() if key not in self._going}
             gone = {key: self._written.pop(key, None) for key in self._going}
             for key in gone:
                 self._problems.pop(key, None)
@@ -199,6 +205,13 @@ class Autosave:
         for key in lost:
             self._lose(key, leased[key])
 
+    def _try_again(self) -> None:
+        """To write what was left by pages that are gone, and that hand over nothing more."""
+        with self._changed:
+            for key, memory in self._again.items():
+                self._waiting.setdefault(key, memory)
+            self._again = {}
+
     def _lose(self, key: str, written: StoredSession) -> None:
         """Another page has the session: this one writes it no more, and says so."""
         with self._changed:
@@ -210,16 +223,17 @@ class Autosave:
         log.warning("a session is not kept: %s", TAKEN)
 
     def _try_to_write(self, key: str, memory: SavedSession, written: StoredSession) -> None:
-        """What fails is said, and tried again with what is handed over next."""
-        problem = None
+        """What fails is said, and tried again with what is handed over next; once a second if its page is gone."""
+        problem, again = None, False
         try:
             if not written.write(memory, self._most_bytes):
                 self._lose(key, written)
                 return
         # a full disk, a Redis that is down; a state that nobody said how to store
         except (OSError, TypeError) as error:
-            problem = str(error)
-            log.warning("a session is not kept: %s", error)
+            problem, again = str(error), isinstance(error, OSError)
+            if self.problem(key) != problem:
+                log.warning("a session is not kept: %s", error)
         except Exception as error:  # this thread writes for everybody: what it did not foresee must not end it
             problem = f"{type(error).__name__}: {error}"
             log.exception("a session is not kept")
@@ -228,3 +242,5 @@ class Autosave:
                 self._problems.pop(key, None)
             else:
                 self._problems[key] = problem
+                if again and not written.renewed and time.monotonic() < self._leaving.get(key, math.inf):
+                    self._again[key] = memory

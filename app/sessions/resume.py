@@ -148,14 +148,17 @@ def answers(server: ViserServer, client_id: int, within: float) -> bool:
     if connection is None:
         return False
 
-    async def ask() -> bool:
+    async def ask() -> None:
+        await (await connection.ping())  # whose way out may be blocked as well
+
+    async def is_answered() -> bool:
         try:
-            await asyncio.wait_for(await connection.ping(), within)
+            await asyncio.wait_for(ask(), within)
         except (asyncio.TimeoutError, ConnectionClosed):
             return False
         return True
 
-    return asyncio.run_coroutine_threadsafe(ask(), server.get_event_loop()).result()
+    return asyncio.run_coroutine_threadsafe(is_answered(), server.get_event_loop()).result()
 
 
 def cut_off(server: ViserServer, client_id: int) -> None:

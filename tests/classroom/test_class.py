@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from class_pages import NAME, Class
 from quiet_page import QuietPage
-from viewimit.app.classroom.board import GONE_S
+from viewimit.app.classroom.board import LED_S
 from viewimit.app.classroom.classroom import Classroom
 from viewimit.app.classroom.member import Member
 from viewimit.app.classroom.messages import Summary
@@ -111,7 +111,7 @@ def test_a_lecturer_who_goes_away_lets_go_and_one_who_comes_back_leads(of):
     of.lecturer.page.close()
     left, of.lecturer = of.lecturer, of.students[1]  # nobody else sees to it
     of.students.pop()
-    of.go_on(GONE_S + 2)
+    of.go_on(LED_S + 2)
     assert model(student).role.holds is None
     of.lecturer = of.open(lecturer=True)
     of.go_on()

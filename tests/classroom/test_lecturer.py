@@ -7,10 +7,12 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from protocol import Client
-from serving import STARTS_WITHIN_S, Server, browser_of, processes_of
+from serving import STARTS_WITHIN_S, Server, browser_of, kept_of, processes_of
 from viewimit.app.server.lecturer import LecturerAccess, class_name, new_secret, require_secret
 from waiting import wait_until
 
@@ -53,9 +55,11 @@ class Tab(Client):
 @pytest.fixture(scope="module")
 def server():
     """Whose seats two students take."""
-    server = Server("--workers", "2", "--max-clients", "2", "--lecturer")
-    yield server
-    assert server.stop() == 0
+    with tempfile.TemporaryDirectory(prefix="viewimit-class-") as folder:
+        server = Server("--workers", "2", "--max-clients", "2", "--lecturer", "--store", folder)
+        server.store = folder
+        yield server
+        assert server.stop() == 0
 
 
 @pytest.fixture(scope="module")
@@ -101,14 +105,23 @@ def test_a_class_over_two_processes_is_led_asked_and_survives_one_of_them(server
     _ask(lecturer, students)
     lecturer.follow("class/freeze")
     wait_until(lambda: mira.shows("The controls are frozen"))
+    wait_until(lambda: all(kept.lesson is None for kept in kept_of_all(server, mira, lecturer)))  # else they are in it
     with server.says("another takes its place"):
         os.kill(workers_of(server)[int(mira.address[7])], signal.SIGKILL)
-    again = [Tab(server.url, tab.cookie) for tab in (mira, lecturer) if tab.closed(10)]  # as a page does by itself
+    gone = [tab.cookie for tab in (mira, lecturer) if tab.closed(10)]
+    with ThreadPoolExecutor() as browsers:  # as pages do by themselves
+        again = list(browsers.map(lambda cookie: Tab(server.url, cookie), gone))
     wait_until(lambda: again[0].shows("The controls are frozen"))
     newest = again[-1] if len(again) == 2 else lecturer
     wait_until(lambda: newest.shows("2 here") and newest.shows("&lt;b&gt;Mira"))
     for tab in (ben, newest, *again):
         tab.close()
+
+
+def kept_of_all(server, *tabs):
+    """What was written of them last."""
+    own = [next(one for one in tab.cookie.split("; ") if one.startswith("viewimit")) for tab in tabs]
+    return [kept_of(server.store, cookie) for cookie in own]
 
 
 def workers_of(server):

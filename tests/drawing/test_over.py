@@ -8,7 +8,7 @@ import pytest
 from drawn import classes, marked, parsed, paths
 
 from viewimit.analysis.basin import Basin, Ending
-from viewimit.drawing.curves import draw_curves, moment_links, moments_made
+from viewimit.drawing.curves import axis_end, draw_curves, moment_links, moments_made
 from viewimit.drawing.images.planes import SIZES, image_windows
 from viewimit.drawing.over.basin import describe_basin, draw_basin
 from viewimit.drawing.over.links import SINK
@@ -113,6 +113,7 @@ def test_links_to_moments_stay_as_long_as_the_axis_and_hide_those_to_come(last):
     assert len(asked) <= 91 and asked[0] == 0
     ends = 4 * (asked[-1] // 4) if last else 8
     assert moment_links(ADDRESS, max(last, ends - 1)) == moment_links(ADDRESS, last)
+    assert moment_links(ADDRESS, axis_end(last)) == moment_links(ADDRESS, last)
 
 
 class TestBasin:

@@ -4,16 +4,28 @@ import asyncio
 import contextlib
 import dataclasses
 import io
+from types import SimpleNamespace
 from typing import get_type_hints
 
+import numpy as np
 import pytest
 import viser
 from protocol import Client
-from viewimit.app.viser_private import LoopEvent, NearLoop, serving_with, wake_in_loop
-from viser import GuiHtmlHandle, GuiSliderHandle
+from viewimit.app.viser_private import (
+    LoopEvent,
+    NearLoop,
+    _ArrayUpdate,
+    _Orientation,
+    _WidgetUpdate,
+    push_array,
+    serving_with,
+    wake_in_loop,
+)
 from viser._messages import (
     GuiHtmlProps,
     GuiSliderProps,
+    GuiUpdateMessage,
+    Message,
     SceneNodeUpdateMessage,
     SetOrientationMessage,
     SetPositionMessage,
@@ -26,8 +38,36 @@ def test_the_private_messages_are_as_relied_upon():
     assert names(SetOrientationMessage) == ["name", "wxyz", "owner"]
     assert names(SetPositionMessage) == ["name", "position", "owner"]
     assert names(SceneNodeUpdateMessage) == ["name", "updates", "owner"]
-    assert callable(GuiHtmlHandle._queue_update) and "content" in get_type_hints(GuiHtmlProps)
-    assert "max" in get_type_hints(GuiSliderProps) and callable(GuiSliderHandle._queue_update)
+    assert names(GuiUpdateMessage) == ["uuid", "updates"]
+    assert "content" in get_type_hints(GuiHtmlProps) and "max" in get_type_hints(GuiSliderProps)
+
+
+def test_messages_of_ones_own_are_sent_as_visers_are():
+    turned = "/arm/joint", (1.0, 0.0, 0.0, 0.0)
+    points = np.arange(6, dtype=np.float32).reshape(2, 3)
+    for own, plain in (
+        (_Orientation(*turned), SetOrientationMessage(*turned)),
+        (_WidgetUpdate("uuid", {"content": "<b>θ</b>"}), GuiUpdateMessage("uuid", {"content": "<b>θ</b>"})),
+        (_WidgetUpdate("uuid", {"value": 3}), GuiUpdateMessage("uuid", {"value": 3})),
+        (_ArrayUpdate("/now/rays", {"points": points}), SceneNodeUpdateMessage("/now/rays", {"points": points})),
+    ):
+        for message in (own, plain):
+            if hasattr(message, "owner"):
+                message.owner = "of a client"
+        theirs, ours = [memoryview(b"before")], [memoryview(b"before")]
+        assert own.as_serializable_dict(ours) == plain.as_serializable_dict(theirs)
+        assert [bytes(buffer) for buffer in ours] == [bytes(buffer) for buffer in theirs]
+        assert own.entity_state_key() == plain.entity_state_key() is not None
+        assert type(own) not in Message.get_subclasses(), "or it would be looked for in what browsers send"
+
+
+def test_an_array_is_sent_in_the_order_of_its_rows():
+    sent = []
+    node = SimpleNamespace(name="/a", _impl=SimpleNamespace(api=SimpleNamespace(_queue_scene_message=sent.append)))
+    push_array(node, "points", np.arange(6.0).reshape(3, 2).T)
+    buffers: list[memoryview] = []
+    assert sent[0].as_serializable_dict(buffers)["updates"] == {"points": {"__binary_index": 0, "dtype": "<f4"}}
+    assert np.frombuffer(buffers[0], np.float32).tolist() == [0, 2, 4, 1, 3, 5]
 
 
 def test_types_of_a_kind_of_node_are_looked_up_once():

@@ -2,8 +2,9 @@
 
 Two replicas of two workers each share a store: a Redis where there is a redis-server, else a folder. Clients come,
 play, leave and come back; in the course of it a worker is killed, the Redis is restarted, and a replica is stopped. Who
-comes back has to find the session, but for what was done since it was last written. In the end every session is held
-against a computation of the same motions by the library alone, to the last bit. Exit status 1 if one was lost or wrong.
+comes back has to find all that was done, but for the last 5 s before a kill and the last one before a restart. In the
+end every session is held against a computation of the same motions by the library alone, to the last bit. Exit status 1
+if one was lost or wrong.
 """
 
 import argparse
@@ -34,9 +35,10 @@ from viewimit.settings import Settings
 OPTIONS = ("--servo", "gradient-retuned", "--transfer", "epipolar", "--frames", "1", "--workers", "2")
 STARTS = (-50.0, -40.0, -30.0, -20.0, -10.0)  # degrees of θ₄, one a client in turn
 SPEED = 10.0  # motions a second
-UNWRITTEN_S = 15.0  # what may be lost of a process that is killed: 5 s by default, more on a busy machine
+KILLED_S, RESTARTED_S = 5.0, 1.0  # of work that may be lost: of a process that is killed, in a restart of the Redis
 STAYS_S, AWAY_S = (20.0, 60.0), (1.0, 4.0)
 TRIES_S = 60.0  # in which a client that was cut off is to have its page again
+NOTICED_S = 1.0  # after which a client knows that it is cut off, and what it shows does not stand any more
 SHOWN_S = 15.0  # in which a page that has come shows how many motions it has
 WRITTEN_S = 10.0  # until all that was done is in the store
 
@@ -70,14 +72,30 @@ class Redis:
         self._process.wait(20)
 
 
+class Faults:
+    """What was done to the servers, and what that may cost."""
+
+    def __init__(self):
+        self._costs: list[tuple[float, float]] = []
+
+    def happen(self, cost_s: float, what: Callable[[], object]) -> None:
+        what()
+        self._costs.append((time.monotonic(), cost_s))
+
+    def cost_since(self, when: float) -> float:
+        """s of work that may be lost of a page that was last looked at then."""
+        return max((cost_s for at, cost_s in self._costs if at >= when - NOTICED_S), default=0.0)
+
+
 class Student(threading.Thread):
     """Comes, plays, leaves and comes back until the end. counts: what it met with."""
 
-    def __init__(self, number: int, urls: list[str], end: threading.Event):
+    def __init__(self, number: int, urls: list[str], end: threading.Event, faults: Faults):
         super().__init__(daemon=True)
+        self._faults = faults
         self.start_deg, self._urls, self._end = STARTS[number % len(STARTS)], urls, end
         self._url, self._random, self._seen, self._seen_at = urls[number % len(urls)], random.Random(number), 0, 0.0
-        self.cookie, self.counts, self.began = browser_of(self._url), Counter(), False
+        self.token, self.counts, self.began = browser_of(self._url).split("=")[1], Counter(), False
 
     def run(self) -> None:
         while not self._end.is_set():
@@ -88,12 +106,17 @@ class Student(threading.Thread):
                 self._stay(client)
             self._end.wait(self._random.uniform(*AWAY_S))
 
+    @property
+    def _cookie(self) -> str:
+        """As behind a proxy, where both replicas are the same host to a browser; here each has its port in the name."""
+        return f"viewimit-{self._url.rsplit(':', 1)[1]}={self.token}"
+
     def _come(self) -> Client | None:
         """A page; the other replica's if its own is gone."""
         until = time.monotonic() + TRIES_S
         while not self._end.is_set() and time.monotonic() < until:
             try:
-                client = Client(self._url, cookie=self.cookie)
+                client = Client(self._url, cookie=self._cookie)
                 try:
                     client.ready(20)
                     self.counts["came"] += 1
@@ -113,12 +136,12 @@ class Student(threading.Thread):
             self._end.wait(1.0)
             self.began = True
         else:
-            due = self._seen - UNWRITTEN_S * SPEED
+            due = self._seen - self._faults.cost_since(self._seen_at) * SPEED
             shown = lambda: self._motions(client) >= due
             lost = not _within(SHOWN_S, shown, self._end)
             if lost and not self._end.is_set():
                 self.counts["sessions lost"] += 1
-                print(f"{self._motions(client)} motions where {self._seen} were seen", file=sys.stderr)
+                print(f"{self._motions(client)} motions where {self._seen} were seen, {due:g} due", file=sys.stderr)
         client.put("Speed", "10 a second")
         self._end.wait(0.2)
         client.press("Play or pause")
@@ -127,22 +150,25 @@ class Student(threading.Thread):
             if client.closed(0.5) is not None:
                 self.counts["cut off"] += 1
                 return
-            self._seen = self._motions(client)
+            self._look(client)
             client.received.clear()
         client.press("Play or pause")
         time.sleep(0.5)
-        self._seen = self._motions(client)
+        self._look(client)
+
+    def _look(self, client: Client) -> None:
+        self._seen_at, self._seen = time.monotonic(), self._motions(client)
 
     @staticmethod
     def _motions(client: Client) -> int:
         return int(client.value("History") or 0)
 
 
-def kept(url: str, cookie: str) -> SavedSession | None:
+def kept(url: str, token: str) -> SavedSession | None:
     """What the store has of a browser's tab with most motions."""
     store, found = open_store(url), []
     for place in range(8):
-        parts = store.read(f"{cookie.split('=')[1]}.{place}")
+        parts = store.read(f"{token}.{place}")
         begun = parts and msgspec.convert(msgspec.msgpack.decode(parts["head"])["begun"], Settings)
         session = decoded(parts, begun) if parts else None
         found += [session] if session is not None else []
@@ -172,18 +198,19 @@ def soak(minutes: float, count: int, folder: str) -> list[tuple[str, object]]:
     store = folder if redis is None else redis.url
     options = (*OPTIONS, "--max-clients", str(2 * count), "--store", store)
     servers, end = [Server(*options), Server(*options)], threading.Event()
-    students = [Student(k, [server.url for server in servers], end) for k in range(count)]
+    faults, urls = Faults(), [server.url for server in servers]
+    students = [Student(k, urls, end, faults) for k in range(count)]
     began, cpu, memory = time.monotonic(), 0.0, []
     for student in students:
         student.start()
         time.sleep(0.2)
     until = lambda share: time.sleep(max(began + 60 * minutes * share - time.monotonic(), 0.0))
     until(0.25)
-    os.kill(workers_of(servers[0])[0], signal.SIGKILL)
+    faults.happen(KILLED_S, lambda: os.kill(workers_of(servers[0])[0], signal.SIGKILL))
     memory.append(servers[0].memory)
     until(0.5)
     if redis is not None:
-        redis.restart()
+        faults.happen(RESTARTED_S, redis.restart)
     until(0.75)
     memory.append(servers[0].memory)
     cpu += servers[1].cpu_s
@@ -196,7 +223,7 @@ def soak(minutes: float, count: int, folder: str) -> list[tuple[str, object]]:
     time.sleep(WRITTEN_S)
     cpu += servers[0].cpu_s
     seconds = time.monotonic() - began
-    found = {student: kept(store, student.cookie) for student in students}
+    found = {student: kept(store, student.token) for student in students}
     status |= servers[0].stop()
     lines = sum(len(server.lines) for server in servers)
     if redis is not None:

@@ -16,6 +16,8 @@ from protocol import Client
 from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of
 from viewimit.app.control.command_loop import CommandLoop
 from viewimit.app.page import LEAVES_WITHIN
+from viewimit.app.panels.save import SavePanel
+from viewimit.app.server import pages
 from viewimit.app.server.limits.connection_limits import Limits
 from waiting import stays, wait_until
 
@@ -140,11 +142,22 @@ def test_a_server_that_is_stopped_and_started_again_has_lost_nothing(tmp_path):
     server.stop()
 
 
+@contextlib.contextmanager
+def heard_of(number: int, how: signal.Handlers):
+    """Processes that are begun inside hear of this signal by default, or not at all, however the tests were begun."""
+    before = signal.signal(number, how)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
     options = "--store", str(tmp_path / "state"), "--workers", workers
-    server = Server(*options)
+    with heard_of(signal.SIGHUP, signal.SIG_DFL):
+        server = Server(*options)
     cookie = browser_of(server.url)
     with Client(server.url, cookie=cookie).ready() as client:
         work(client)
@@ -156,6 +169,18 @@ def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
     server = Server("--port", server.url.rsplit(":", 1)[1], *options)
     comes_back(server.url, cookie, seen)
     server.stop()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
+def test_who_was_started_by_nohup_goes_on_when_the_terminal_is_closed():
+    with heard_of(signal.SIGHUP, signal.SIG_IGN):
+        server = Server("--workers", "2")
+    for pid in reversed(processes_of(server.process.pid)):
+        os.kill(pid, signal.SIGHUP)
+    with pytest.raises(subprocess.TimeoutExpired):
+        server.process.wait(1.0)
+    Client(server.url).ready().close()
+    assert server.stop() == 0
 
 
 def test_turns_that_do_not_end_hold_a_stop_up_once_not_each(tmp_path, monkeypatch):
@@ -259,3 +284,18 @@ def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
     grown = server.memory - before
     server.stop()
     assert grown < bound_mb, f"{grown:.1f} MB"
+
+
+def test_a_page_that_cannot_be_made_says_why_and_comes_back_to_what_it_was(here, monkeypatch, caplog):
+    monkeypatch.setattr(pages, "AGAIN_AFTER", 0.5)
+    cookie = browser_of(here.url)
+    with Client(here.url, cookie=cookie).ready() as client:
+        work(client)
+        seen = what_a_visitor_sees(client)
+    with monkeypatch.context() as broken:
+        broken.setattr(SavePanel, "build", lambda *_: 1 / 0)
+        with Client(here.url, cookie=cookie) as client:
+            wait_until(lambda: any("cannot be shown: division by zero" in html for html in client.html.values()))
+            assert client.closed(5) == (1013, "the page cannot be shown")
+    assert caplog.text.count("a page cannot be shown: ZeroDivisionError") == 1 and not here.pages
+    comes_back(here.url, cookie, seen)

@@ -19,6 +19,7 @@ from viewimit.app.server.address import listen
 from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
 from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
+from viewimit.app.server.termination import Termination
 from viewimit.app.server.workers import LOOK_EVERY, Signs, working
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
@@ -249,7 +250,7 @@ def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd, monke
     (tmp_path / "a file").touch()
     options = ServerOptions(store=str(tmp_path / "a file" / "state"), workers=2)
     with pytest.raises(RuntimeError, match="end again and again"):
-        with working(options, listen("127.0.0.1", 0), threading.Event()):
+        with working(options, listen("127.0.0.1", 0), Termination()):
             pass
     assert capfd.readouterr().err.count("NotADirectoryError") >= 3
 
@@ -257,7 +258,7 @@ def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd, monke
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
 def test_a_worker_that_gives_no_sign_of_life_is_ended_and_replaced(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr(workers_module, "SILENT_FOR", 2.0)
-    stopped, begun = threading.Event(), lambda: {child.pid for child in multiprocessing.active_children()}
+    stopped, begun = Termination(), lambda: {child.pid for child in multiprocessing.active_children()}
     others = begun()
     with working(ServerOptions(store=str(tmp_path), workers=2), listen("127.0.0.1", 0), stopped):
         first = begun() - others

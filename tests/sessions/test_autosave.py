@@ -8,6 +8,7 @@ from quiet_page import QuietPage
 from viewimit.app.page import KEPT_EVERY
 from viewimit.app.sessions.autosave import CHUNK, Autosave, SavedPage, SavedSession
 from viewimit.app.sessions.sqlite_store import SqliteStore
+from waiting import wait_until
 
 from viewimit.history import RECENT, STRIDE
 from viewimit.session import Session
@@ -21,8 +22,13 @@ class Refusing(SqliteStore):
 
     full = False
 
+    def __init__(self, folder):
+        super().__init__(folder)
+        self.folder, self.refused = folder, []
+
     def save(self, *args, **options):
         if self.full:
+            self.refused.append(args)
             raise OSError("no space left on device")
         return super().save(*args, **options)
 
@@ -69,6 +75,39 @@ def test_a_store_that_refuses_is_told_until_it_takes_it_again(autosave, store):
     autosave.keep(KEY, memory(moment()))
     autosave.flush(KEY)
     assert autosave.problem(KEY) is None and autosave.claim(KEY, BEGUN).head.length == 1
+
+
+def test_what_a_page_leaves_while_the_store_refuses_is_written_once_it_takes_it(autosave, store, caplog):
+    store.full = True
+    autosave.leaving(KEY)
+    autosave.keep(KEY, memory(moment()))
+    autosave.forget(KEY)
+    wait_until(lambda: len(store.refused) >= 2)
+    assert store.read(KEY) == {} and caplog.text.count("no space left") <= 2, "said, not each time"
+    store.full = False
+    wait_until(lambda: "head" in store.read(KEY) and not store.held([KEY]))
+
+
+def test_what_a_page_has_left_is_gone_on_with_before_the_store_takes_it(autosave, store):
+    store.full = True
+    autosave.leaving(KEY)
+    autosave.keep(KEY, memory(moment()))
+    autosave.forget(KEY)
+    wait_until(lambda: store.refused)
+    assert autosave.claim(KEY, BEGUN).head.length == 1
+
+
+def test_at_a_stop_what_pages_have_left_is_tried_once_more(store):
+    autosave = Autosave(store)
+    autosave.claim(KEY, BEGUN)
+    store.full = True
+    autosave.leaving(KEY)
+    autosave.keep(KEY, memory(moment()))
+    autosave.forget(KEY)
+    wait_until(lambda: store.refused)
+    store.full = False
+    autosave.stop()
+    assert "head" in SqliteStore(store.folder).read(KEY)
 
 
 def test_a_state_that_nobody_said_how_to_store_is_told_and_costs_no_other_session(autosave):

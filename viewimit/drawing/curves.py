@@ -83,6 +83,11 @@ def moment_links(address: str, last: int, width: int = 424) -> str:
     return f'<div class="vi-panel vi-links">{_plots(width, group, group)}</div>'
 
 
+def axis_end(last: int) -> int:
+    """Motions at the end of the x axis, for which `moment_links` are the same as for the last one made."""
+    return 4 * _x_step(last)
+
+
 def moments_made(last: int) -> str:
     """A style that hides the links to moments after the last."""
     return f"<style>.vi-moments a:nth-child(n+{last // _between_links(last) + 2}){{display:none}}</style>"

@@ -75,7 +75,7 @@ class World:
     def _images(self, theta, T_world_base: NDArray, pair: Cameras) -> tuple[NDArray, NDArray]:
         if all(np.ndim(angle) == 0 for angle in theta):  # one posture: few points, whose price is the number of steps
             images, visible = pair.project(self.points_world(theta, T_world_base))
-            return images.swapaxes(0, 1).reshape(-1, 4), visible.T
+            return np.concatenate((images[0], images[1]), 1), visible.T
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
         points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
         visible = np.empty((2, len(self.body)) + shape, bool)

@@ -20,7 +20,6 @@ PROPOSED = 4.5  # px, radius
 NAME = 4  # px from a point's centre down to the foot of its number
 
 
-@lru_cache(16)
 def point_links(address: str, count: int, whole: bool) -> str:
     """Over the four images, whole or not. Tab stops at the points of L: those of the other images ask for the same.
 

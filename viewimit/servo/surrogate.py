@@ -72,7 +72,7 @@ def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
         told = seen.reshape(len(visits), -1).T
         each = np.where(told[:, :, None] & told[:, None, :], K, np.eye(len(visits)))
         weight = np.linalg.solve(each, rise.T[:, :, None])[:, :, 0].T
-    return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape), noise_px, seen.all(-1))
+    return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape), noise_px, np.all(seen, -1))
 
 
 def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:

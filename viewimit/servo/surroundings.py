@@ -113,7 +113,7 @@ def _rises(known: Known, hessian: NDArray, place: NDArray) -> tuple[NDArray, NDA
 def _really_seen(known: Known) -> int:
     """How many points told E at the best visit without being predicted."""
     best = known.visits[known.best]
-    return known.residual_of(np.where(best.seen.all(-1)[:, None], best.own, np.nan)).shape[-2]
+    return known.residual_of(np.where(np.repeat(best.seen.all(-1, keepdims=True), 4, -1), best.own, np.nan)).shape[-2]
 
 
 def _without_each(known: Known, place: NDArray) -> NDArray:

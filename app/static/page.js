@@ -144,6 +144,11 @@ window.addEventListener("keydown", event => {
     event.preventDefault();
     return event.stopPropagation();
   }
+  const join = event.key === "Escape" && document.querySelector(".vi-join");
+  if (join) {
+    event.stopPropagation();
+    return join.click();
+  }
   if (event.key === " " && here.matches("a[role=button]")) {
     event.preventDefault();
     event.stopPropagation();

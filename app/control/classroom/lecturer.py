@@ -42,7 +42,7 @@ replace = msgspec.structs.replace
 class ClassView:
     """What the lecturer's page shows of the class. leads: whether it is this page that gives orders; students: sorted;
     sure: whether a click resets all; told: whether answers are shown before they are revealed; tally: of the question
-    that goes on."""
+    that goes on; invites: whether the address is shown to all."""
 
     leads: bool
     present: bool
@@ -53,6 +53,7 @@ class ClassView:
     told: bool
     tally: Tally | None
     problem: str | None
+    invites: bool
 
 
 class Lecturer:
@@ -62,7 +63,7 @@ class Lecturer:
         self.member, self.queue = member, queue
         self.heard: Heard | None = None
         self.seen: Seen = NOBODY
-        self.sort, self.told = "state", False
+        self.sort, self.told, self.invites = "state", False, False
         self._sure_until = -np.inf
         self._copied = 0
         self._shown: Shown | None = None
@@ -193,13 +194,11 @@ class Lecturer:
 
     def view(self, now: float) -> ClassView:
         sure = now <= self._sure_until
-        of = self.heard, self.seen, self.sort, sure, self.told, self._tally
+        of = self.heard, self.seen, self.sort, sure, self.told, self._tally, self.invites
         if self._view is None or any(a is not b and a != b for a, b in zip(of, self._view[0])):
             students = tuple(sorted(self.seen.students, key=lambda one: (*SORTS[self.sort](one), one.id)))
-            present = self.heard is not None
-            view = ClassView(
-                self.leads, present, self.orders, students, self.sort, sure, self.told, self._tally, self.seen.problem
-            )
+            present, shown = self.heard is not None, (self.sort, sure, self.told, self._tally)
+            view = ClassView(self.leads, present, self.orders, students, *shown, self.seen.problem, self.invites)
             self._view = of, view
         return self._view[1]
 

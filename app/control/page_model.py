@@ -58,7 +58,7 @@ from .presets import Preset, presets_from
 from .queue import CommandQueue
 from .saving import Saving
 from .services import Services
-from .state import SWITCHES, Message, PageState, View
+from .state import SWITCHES, TOLD, Message, PageState, View
 
 METHOD = {"transfer", "servo"}
 
@@ -227,9 +227,8 @@ class PageModel:
         self.player.pause()
         self._go_on_with(before.left)
         self.past.go_back_to(before.past)
-        self.view = replace(
-            before.view, help=False, wide=self.view.wide, narrow=self.view.narrow, prefers_dark=self.view.prefers_dark
-        )
+        told = {name: getattr(self.view, name) for name in TOLD}
+        self.view = replace(before.view, help=False, **told)
         if before.playing:
             self.player.play()
 

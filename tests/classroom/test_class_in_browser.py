@@ -53,6 +53,12 @@ def test_a_lecturer_sees_leads_and_asks_a_student(browser):
     lecturer.get_by_role("tab", name="Class").click()
     wait_for_text(lecturer, "<i>Mira</i>")
     wait_for_count(lecturer, TILE, 1, exactly=True)
+    tells = lecturer.locator(f"{TILE} .vi-tells")
+    lecturer.wait_for_function("document.querySelectorAll('.vi-tile .vi-tells').length === 3", timeout=PATIENCE_MS)
+    for shown in (3, 0, 3):  # valley, diamond, degrees: before a class until T
+        assert sum(tells.nth(k).is_visible() for k in range(3)) == shown
+        press(lecturer, "p")
+    press(lecturer, "p")
     touch(lecturer, "lead")
     wait_for_count(student, BANNER, 1)
     press(lecturer, "ArrowRight")

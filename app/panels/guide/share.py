@@ -66,11 +66,11 @@ def share_html(state: PageState, origin: str | None) -> str:
 
 
 def _copied(title: str, text: str, lines: bool = False) -> str:
-    """With a button that copies it."""
+    """With a button that copies it. lines: of code, in which the demonstrator's posture stands."""
     shown = html.escape(text)
     button = f'<button type="button" class="vi-copy" aria-label="Copy: {title}">Copy</button>'
-    kind = ' class="vi-code"' if lines else ""
-    return f'<section><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
+    kind, tells = (' class="vi-code"', ' class="vi-tells"') if lines else ("", "")
+    return f'<section{tells}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
 
 
 def _qr(address: str) -> str:

@@ -47,7 +47,7 @@ def text_of(picture):
 def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session):
     drawn, citation = draw_panels(session, [3], 7), cite(session)
     figures = (
-        four_images(drawn.images[0], "The four images"),
+        four_images(drawn.images[0][7], "The four images"),
         laid_over([drawn.grounds[0], drawn.path[0]], "E over the postures"),
         stacked([drawn.conflict[0], drawn.angles[0]], "Both curves"),
         draw_space(session.world, session.snapshot),
@@ -60,7 +60,7 @@ def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session)
         assert "".join(citation.command.split()) in "".join(said.split())
         assert ROLES["paper"][0] in picture and ROLES["paper"][1] not in picture
         assert float(root.get("height")) > figure.height
-    own = [one for one in drawings_in(drawn.images[0]) if "vi-at-L" in one.classes][0]
+    own = [one for one in drawings_in(drawn.images[0][7]) if "vi-at-L" in one.classes][0]
     points = re.search(r'<path class="vi-own" d="[^"]*"/>', own.inside)[0]
     assert points in figures[0].captioned(citation)  # the page's very drawing
 

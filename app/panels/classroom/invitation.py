@@ -26,8 +26,8 @@ def invitation_html(view: ClassView, address: str | None, shared: str | None) ->
         return ""
     here = len(view.students)
     inside = (
-        f'<span class="vi-join-words" style="--wide:{len(shared) * LETTER:.2f}">'
-        f"<small>Join the class</small><b>{escape(shared)}</b></span>"
+        f'<span class="vi-join-words"><small>Join the class</small>'
+        f'<b style="font-size:min(11dvh,{90 / (LETTER * len(shared)):.1f}vw)">{escape(shared)}</b></span>'
         f"{draw_qr(shared, 'QR code of the address')}"
         f"<small><b>{here}</b> here · a click or Escape hides this</small>"
     )

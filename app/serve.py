@@ -7,6 +7,7 @@ import signal
 import socket
 import threading
 import webbrowser
+from dataclasses import replace
 
 from viewimit.session import Session
 
@@ -33,7 +34,7 @@ def serve(
     Raises ValueError for settings that cannot be, PortInUse for a port that is taken, OSError for a store that cannot
     be used, RuntimeError if the processes of the server do not begin.
     """
-    options = options or ServerOptions()
+    options = replace(options or ServerOptions(), host=host)
     Session(options.settings)  # bad settings must fail here, not in every visitor's tab
     if options.workers > 1 and not can_hand_over():
         raise ValueError(f"{options.workers} workers need a system where processes hand each other sockets: take 1")
@@ -53,7 +54,7 @@ def serve(
         else:
             from .server.pages import serving  # what only hands over connections need not load viser
 
-            port = stack.enter_context(serving(options, SeatCounts(), host=host, port=port))
+            port = stack.enter_context(serving(options, SeatCounts(), port=port))
         url = address(host, port)
         print(f"viewimit is listening on {url}", flush=True)
         if not is_loopback(host):

@@ -78,13 +78,14 @@ class QuietPage:
         classroom=None,
         of_class=ALONE,
         landscapes=None,
+        shared=None,
     ):
         self.client, self.now = QuietClient(id(self)), 100.0
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
         services = Services(*workers, shedding, lambda robot, arm: None, classroom=classroom)
-        reach = Reach(address, of_class=of_class)
+        reach = Reach(address, shared=shared, of_class=of_class)
         self.page = Page(self.client, services, settings or Settings(), keep, resumed, reach)
         self.page.queue._clock = lambda: self.now
 

@@ -241,6 +241,7 @@ def test_the_page_is_imported_by_serve_alone_and_only_when_called():
         ("distributed", {"experiments"}),
         ("pandas", set()),
         ("resvg_py", {"drawing"}),
+        ("ziamath", {"export"}),
         ("matplotlib", set()),
         ("pybullet_data", set()),
     ],
@@ -257,12 +258,12 @@ def loaded_by(code):
 
 
 def test_import_viewimit_loads_next_to_nothing():
-    assert not loaded_by("import viewimit") & {"numpy", "viser", "pybullet", "trimesh", "resvg_py"}
+    assert not loaded_by("import viewimit") & {"numpy", "viser", "pybullet", "trimesh", "resvg_py", "ziamath"}
 
 
 def test_the_library_and_the_commands_load_neither_viser_nor_pybullet():
     everything = f"import viewimit\nfor name in viewimit.__all__: getattr(viewimit, name)\n{COMMANDS}"
-    assert not loaded_by(everything) & {"viser", "pybullet", "trimesh", "resvg_py"}
+    assert not loaded_by(everything) & {"viser", "pybullet", "trimesh", "resvg_py", "ziamath"}
 
 
 def test_a_server_loads_what_reads_meshes_for_a_robot_of_ones_own_alone():

@@ -30,23 +30,33 @@ def as_python(script: Script) -> str:
 
 def as_command(script: Script) -> str:
     """Of `viewimit imitate`. Raises ValueError, with what it is, for what a command cannot say."""
-    settings, plain = script.settings, Settings()
-    for name, why in NO_WORDS.items():
-        if getattr(settings, name) != getattr(plain, name):
-            raise ValueError(f"no command: {why}")
+    settings = script.settings
+    options = _options(settings, BEST)
     if not all(isinstance(deed, Stepped) for deed in script.deeds):
         raise ValueError("no command: something was done by hand on the way; as Python it can be said")
-    words = ["viewimit", "imitate"]
+    return shlex.join(["viewimit", "imitate", *options, f"--max-motions={script.steps}", "--json"])
+
+
+def as_reproduction(figure: str, settings: Settings, motion: str | None = None) -> str:
+    """Of `viewimit reproduce`. motion: the demonstrator's, where it has one. Raises ValueError as `as_command`."""
+    if settings.undistort != Settings().undistort:
+        raise ValueError("no command: viewimit reproduce rids no images of a distortion")
+    moves = [] if motion is None else [f"--motion={motion}"]
+    return shlex.join(["viewimit", "reproduce", figure, *moves, *_options(settings, Settings())])
+
+
+def _options(settings: Settings, usual: Settings) -> list[str]:
+    """usual: what a command begins with. Raises ValueError for what has no option."""
+    for name, why in NO_WORDS.items():
+        if getattr(settings, name) != getattr(Settings(), name):
+            raise ValueError(f"no command: {why}")
+    words = []
     for name in ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed",
                  "undistort", "rectify", "camera"):  # fmt: skip
         value = getattr(settings, name)
-        usual = USUAL_POINTS if name == "points" else getattr(BEST, name)
-        if value != usual:
+        if value != (USUAL_POINTS if name == "points" else getattr(usual, name)):
             words.append(f"--{name.replace('_', '-')}={_value(value)}")
-    for name in ("demonstrator", "start"):
-        words.append(f"--{name}={_value(getattr(settings, f'{name}_deg'))}")
-    words.append(f"--max-motions={script.steps}")
-    return shlex.join([*words, "--json"])
+    return [*words, *(f"--{name}={_value(getattr(settings, f'{name}_deg'))}" for name in ("demonstrator", "start"))]
 
 
 def _value(value: object) -> str:

@@ -5,11 +5,16 @@ from functools import partial
 from typing import NamedTuple
 
 from viewimit.drawing.curves import draw_curves
+from viewimit.drawing.duel import draw_errors_alone, draw_race
+from viewimit.drawing.equations import equations_of
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.standalone import can_render
 from viewimit.drawing.theme import DRAWING_CSS
-from viewimit.export.citation import Citation, cite, motions
-from viewimit.export.figures import Figure, four_images, laid_over, stacked, written
+from viewimit.experiments import EXPERIMENTS
+from viewimit.export.citation import Citation, cite, cite_both, cite_experiment, motions
+from viewimit.export.claims import draw_claims
+from viewimit.export.figures import Figure, beneath, four_images, laid_over, stacked, written
+from viewimit.export.formulas import draw_formulas, require_typesetter
 from viewimit.export.perspective import Eye, draw_space
 from viewimit.export.replay import replay
 from viewimit.session import Session
@@ -31,6 +36,18 @@ class Saved(NamedTuple):
 
     name: str
     data: bytes
+
+
+class Picture(NamedTuple):
+    """draw(): beside the page; citation: None for that of the page's session."""
+
+    draw: Callable[[], Figure]
+    citation: Citation | None = None
+
+    @classmethod
+    def of(cls, figure: Figure, citation: Citation | None = None) -> "Picture":
+        """That is drawn already."""
+        return cls(lambda: figure, citation)
 
 
 class Saving:
@@ -55,15 +72,13 @@ class Saving:
         for a PNG without what makes it."""
         require_form(form)
         session = state.session.copy()
-        citation = cite(session, state.present.motion)
         name = f"viewimit-{what.split(' ')[0].lower()}.{form.lower()}"
-        draw: Callable[[], Figure]
         if what == SPACE:
-            draw = partial(draw_space, session.world, state.shown, eye, state.view.rays)
+            picture = Picture(partial(draw_space, session.world, state.shown, eye, state.view.rays))
         else:
-            figure = FIGURES[what](state)
-            draw = lambda: figure
-        self._make("picture", partial(_saved, name, form, draw, citation))
+            picture = FIGURES[what](state)
+        citation = picture.citation or cite(session, state.present.motion)
+        self._make("picture", partial(_saved, name, form, picture.draw, citation))
 
     def lesson(self, form: str, course: Course) -> None:
         """Figures of the step that is shown. Raises ValueError where there are none."""
@@ -95,17 +110,17 @@ def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation)
     return Saved(name, written(picture, f".{form.lower()}", render))
 
 
-def _images(state: PageState) -> Figure:
+def _images(state: PageState) -> Picture:
     moment, made = state.looked, f"after {motions(state.looked.motion)}"
     if state.view.rectified:
         bodies, _ = state.arms_in_images
-        return stacked([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}")
-    return four_images(draw_shown(state), f"The learner’s four images {made}")
+        return Picture.of(stacked([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}"))
+    return Picture.of(four_images(draw_shown(state), f"The learner’s four images {made}"))
 
 
-def _landscape(state: PageState) -> Figure:
+def _landscape(state: PageState) -> Picture:
     if state.transfers is not None:
-        return stacked([state.transfers], "E over the postures of the learner, by all transfers")
+        return Picture.of(stacked([state.transfers], "E over the postures of the learner, by all transfers"))
     if state.landscape is None:
         raise ValueError("the landscape is not there yet")
     picture, session = state.landscape.picture, state.session
@@ -113,20 +128,54 @@ def _landscape(state: PageState) -> Figure:
     title = "E over the postures of the learner, and its path"
     if len(session.scene.moving_joints) != 2:
         title = "What a pixel of noise costs at each joint"
-    return laid_over([picture.html, path], f"{title} over {motions(session.cursor)}")
+    return Picture.of(laid_over([picture.html, path], f"{title} over {motions(session.cursor)}"))
 
 
-def _curves(state: PageState) -> Figure:
+def _curves(state: PageState) -> Picture:
     session, made = state.session, state.landscape
     E_true = None if made is None else made.E_true
     joints = session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=state.errors_deg)
-    return stacked([drawn], f"Conflict E and joint angles over {motions(session.cursor)}")
+    return Picture.of(stacked([drawn], f"Conflict E and joint angles over {motions(session.cursor)}"))
 
 
-FIGURES: Mapping[str, Callable[[PageState], Figure]] = {
+def _equations(state: PageState) -> Picture:
+    require_typesetter()
+    told = equations_of(state.present, state.view.chosen)
+    return Picture(
+        partial(draw_formulas, told, f"The equations with their numbers after {motions(state.present.motion)}")
+    )
+
+
+def _duel(state: PageState) -> Picture:
+    duel, opponent, scene = state.duel, state.duel.opponent, state.session.scene
+    if opponent is None:
+        raise ValueError("there is no duel: begin one in its tab")
+    standings = duel.standings
+    cited = cite_both(state.session, opponent)
+    race = draw_race(scene, (state.session, opponent), standings)
+    figure = laid_over([state.ground, race], f"A duel after {motions(state.present.motion)}: {cited.title}")
+    if len(scene.moving_joints) == 2:
+        figure = beneath(figure, draw_errors_alone(standings))
+    return Picture.of(figure, cited)
+
+
+def _experiment(state: PageState) -> Picture:
+    run = state.experiments.shown
+    if run is None or run.request is None or not run.claims:
+        raise ValueError("the experiment is not done yet: run it in its tab")
+    figure, asked = stacked([run.figure], EXPERIMENTS[run.name].title), run.request
+    told = draw_claims(run.claims)
+    cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
+    return Picture.of(beneath(figure, told) if told else figure, cited)
+
+
+FIGURES: Mapping[str, Callable[[PageState], Picture]] = {
     "Images": _images,
     "Landscape": _landscape,
     "Curves": _curves,
+    "Equations": _equations,
+    "Duel": _duel,
+    "Experiments": _experiment,
 }
 PICTURES = (*FIGURES, SPACE)

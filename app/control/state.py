@@ -33,6 +33,7 @@ from .points.editing import EditedPoints
 from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
+TOLD = ("wide", "narrow", "prefers_dark", "truth")  # by the browser itself
 SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified")  # that are kept by their names
 
 
@@ -42,7 +43,8 @@ class View:
     whether it is open; fits: how often the visitor has asked for the default camera; wide, narrow: whether the window
     has room for more, or for little, as it says itself; share: whether the card with link and code is open; large: of
     LARGE, which fills the window beside the controls; look_only: a posture that is touched is looked at by a
-    see-through arm, and nothing moves; picture, picture_as: which panel is saved as a picture, and in which format."""
+    see-through arm, and nothing moves; picture, picture_as: which panel is saved as a picture, and in which format;
+    truth: whether what only the viewer knows is shown in 3-D, as before a class it is when it is asked for."""
 
     chosen: int | None = None
     rays: bool = False
@@ -61,6 +63,7 @@ class View:
     large: str | None = None
     picture: str = "Images"
     picture_as: str = "SVG"
+    truth: bool = True
 
     def on(self, switch: str) -> bool:
         """Whether a switch is, by its name."""

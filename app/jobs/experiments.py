@@ -38,7 +38,7 @@ class Run:
 
     state: waiting, running, writing (its files), done, failed, cancelled; before: runs that are first;
     figure: html, of what is there so far; imitation: a motion that can be seen; archive: zip of the files;
-    seconds: since it began to run.
+    seconds: since it began to run; request: what was asked for.
     """
 
     name: str
@@ -51,6 +51,7 @@ class Run:
     archive: bytes = b""
     problem: str = ""
     seconds: float = 0.0
+    request: Request | None = None
 
     @property
     def goes_on(self) -> bool:
@@ -87,7 +88,7 @@ class ExperimentWorker:
         with self._changed:
             if self._running_of(page_id) is not None:
                 raise ValueError("an experiment of this page still runs: wait for it, or cancel it")
-            self._waiting[page_id] = _Job(page_id, request, tell, Run(request.name))
+            self._waiting[page_id] = _Job(page_id, request, tell, Run(request.name, request=request))
             self._tell_waiting()
             self._changed.notify()
 

@@ -17,10 +17,12 @@ LEFT_WIDTHS = {False: 280, True: 300}
 
 class Reach(NamedTuple):
     """How a browser reaches its page. address: what links begin with, None for none; origin: scheme://host:port by
-    which it knows the server, None if it does not say; of_class: who the page is in a class."""
+    which it knows the server, None if it does not say; shared: by which others do, None where they cannot reach it;
+    of_class: who the page is in a class."""
 
     address: str | None = None
     origin: str | None = None
+    shared: str | None = None
     of_class: Attendee = Attendee()
 
 
@@ -32,7 +34,7 @@ class Layout:
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, reach: Reach = NOWHERE):
         self.client, self.gui, self.queue = client, client.gui, queue
-        self.address, self.origin = reach.address, reach.origin
+        self.address, self.origin, self.shared = reach.address, reach.origin, reach.shared
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
         self._tabs: dict[str, AbstractContextManager] = {}

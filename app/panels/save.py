@@ -11,7 +11,7 @@ from .panel import Layout, Panel
 from .widgets import put
 
 REPLAY = "all motions as one file that any browser opens, without a server"
-PICTURE = "at print size, in colours of print, with the caption that makes it citable; P"
+PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
 
 
 class SavePanel(Panel):

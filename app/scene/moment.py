@@ -108,7 +108,8 @@ class Moment:
             push_array(self._chosen_rays, "points", segments(eyes, targets[:, chosen], seen[:, chosen]))
 
     def _draw_residuals(self, state: PageState, own: NDArray) -> None:
-        usable = state.shown.usable & (state.view.residuals and state.shown.transfer is not None)
+        view, usable = state.view, state.shown.usable
+        usable = usable & (view.residuals and view.truth and state.shown.transfer is not None)
         for node in (self._residuals, self._recovered):
             self._show(node, bool(usable.any()))
         if usable.any():

@@ -5,11 +5,12 @@ import errno
 import io
 import socket
 import sys
+from urllib.parse import urlsplit
 
 import segno
 
 from .lecturer import ROOT as LECTURER
-from .origins import lan_address
+from .origins import PORTS, is_loopback, lan_address
 
 PORTS_TO_TRY = 100
 BACKLOG = 100  # connections that wait to be accepted
@@ -63,6 +64,24 @@ def address(host: str, port: int) -> str:
     return f"http://{shown}:{port}"
 
 
+def address_for_others(host: str, port: int) -> str | None:
+    """What to type elsewhere on the network; None where nobody there can reach it."""
+    reached = lan_address() if host in ("0.0.0.0", "::") else None if is_loopback(host) else host
+    return None if reached is None else address(reached, port)
+
+
+def origin_for_others(host: str, origin: str | None) -> str | None:
+    """The same for a page that a browser has at this origin, which may be a proxy's: the origin itself, unless only
+    this machine knows its name."""
+    if origin is None:
+        return None
+    page = urlsplit(origin)
+    name = page.hostname or ""
+    if not is_loopback(name) and ("." in name or ":" in name):
+        return origin
+    return address_for_others(host, page.port or PORTS[page.scheme])
+
+
 def invite_lecturer(host: str, port: int, secret: str) -> None:
     """Print what who leads the class opens. To standard output alone: it is no line of a log."""
     print(f"the lecturer opens {address(host, port)}{LECTURER}{secret}\nand shows it to nobody", flush=True)
@@ -70,11 +89,10 @@ def invite_lecturer(host: str, port: int, secret: str) -> None:
 
 def invite(host: str, port: int) -> None:
     """Print what others on the network may open, for typing and for a phone's camera."""
-    reached = lan_address() if host in ("0.0.0.0", "::") else host
-    if reached is None:
+    url = address_for_others(host, port)
+    if url is None:
         print("no network that others could reach it by", flush=True)
         return
-    url = address(reached, port)
     drawn = io.StringIO()
     segno.make(url, micro=False).terminal(drawn, compact=True)
     print(f"others open {url}, which nothing encrypts: anybody on this network can")

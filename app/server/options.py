@@ -17,7 +17,7 @@ class ServerOptions:
     """settings: what each session begins with; store: where sessions are kept, as `open_store` has it; max_clients:
     tabs at a time; origins: of pages elsewhere that may connect; workers: processes that share the visitors;
     max_per_address: tabs of one address at a time, None: as many as there are; lessons: shown before those that are
-    shipped, by name; lecturer: the secret by which one is known, None without a class."""
+    shipped, by name; lecturer: the secret by which one is known, None without a class; host: on which it listens."""
 
     settings: Settings = Settings()
     store: str | None = None
@@ -27,6 +27,7 @@ class ServerOptions:
     max_per_address: int | None = None
     lessons: Mapping[str, Lesson] = field(default_factory=dict)
     lecturer: str | None = field(default=None, repr=False)
+    host: str = "127.0.0.1"
 
     def clients_of(self, worker: int) -> int:
         """How many of the tabs one of the processes takes."""

@@ -37,6 +37,7 @@ from ..sessions.resume import Place, SessionKeys, token_of_client
 from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
+from .address import origin_for_others
 from .connection import GuardedConnection
 from .lecturer import class_name
 from .limits.fault_lines import in_a_line
@@ -54,7 +55,6 @@ def serving(
     counts: SeatCounts,
     worker: int = 0,
     listening: socket.socket | None = None,
-    host: str = "127.0.0.1",
     port: int = 0,
 ) -> Iterator[int]:
     """Pages are served inside, on the port that it yields; in the end all that the visitors did is kept.
@@ -69,7 +69,7 @@ def serving(
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
-        server = viser.ViserServer(host=host, port=port, label="viewimit", verbose=False)
+        server = viser.ViserServer(host=options.host, port=port, label="viewimit", verbose=False)
     app = App(server, options, scheduler, autosave, access.touches)
     access.guard(server)
     gc.collect()
@@ -97,7 +97,7 @@ class App:
         touches: Touches,
     ):
         self._server, self._settings, self._scheduler, self._autosave = server, options.settings, scheduler, autosave
-        self._touches = touches
+        self._touches, self._host = touches, options.host
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._keys = SessionKeys(server, autosave, options.settings, self._retire)
         viser_private.wake_in_loop(server)
@@ -170,7 +170,8 @@ class App:
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         connection = viser_private.connection_of(self._server, client.client_id)
         of_class = Attendee(key, isinstance(connection, GuardedConnection) and connection.lecturer)
-        reach = Reach(address, viser_private.origin_of(self._server, client.client_id), of_class)
+        origin = viser_private.origin_of(self._server, client.client_id)
+        reach = Reach(address, origin, origin_for_others(self._host, origin), of_class)
         try:
             page = Page(client, self.services, self._settings, keep, place.memory, reach)
         except CannotResume as error:

@@ -34,7 +34,12 @@ let waits = false;
 const later = () => {
   if (waits) return;
   waits = true;
-  setTimeout(() => { waits = false; describe(); }, 100);
+  setTimeout(() => {
+    waits = false;
+    describe();
+    const told = presenting() && document.querySelector("[data-link]");
+    if (told && told.dataset.link !== toldTo) tellPresenting();  // to a server that was begun anew
+  }, 100);
 };
 new MutationObserver(later).observe(document, {childList: true, subtree: true});
 
@@ -65,6 +70,8 @@ document.addEventListener("click", event => {
   if (event.target.closest("[role=option]")) setTimeout(() => leave(document.activeElement));
   if (event.detail && event.target.closest("button,[role=tab]"))
     document.activeElement.blur();  // by a pointer: Space plays
+  if (event.detail && event.target.closest(".vi-views label"))
+    setTimeout(() => document.activeElement.blur());  // which only then has the focus
 });
 
 // A number box that is left without a number shows its value again, and one out of its range says which that is
@@ -144,6 +151,11 @@ window.addEventListener("keydown", event => {
     event.preventDefault();
     return event.stopPropagation();
   }
+  const join = event.key === "Escape" && document.querySelector(".vi-join");
+  if (join) {
+    event.stopPropagation();
+    return join.click();
+  }
   if (event.key === " " && here.matches("a[role=button]")) {
     event.preventDefault();
     event.stopPropagation();
@@ -166,22 +178,31 @@ window.addEventListener("keydown", event => {
 }, true);
 
 // Before a class: P, or ?present in the address. Letters are larger, controls folded, a ring goes with the pointer; what
-// is true is hidden until T; a lesson goes on by arrows or a remote
+// is true is hidden until T, in 3-D by the server; a lesson goes on by arrows or a remote
 const root = document.documentElement, pointer = document.createElement("div");
 pointer.className = "vi-pointer";
 const presenting = () => root.classList.contains("vi-presents");
-const present = on => {
-  root.classList.toggle("vi-presents", on);
-  root.classList.remove("vi-reveals");
-  document.body.append(pointer);
+let toldTo = "";
+const tellPresenting = () => {
+  const told = document.querySelector("[data-link]"), on = presenting();
+  if (!told) return;
+  toldTo = told.dataset.link;
   const narrow = on || matchMedia("(max-width:640px)").matches;  // whose drawings have large letters
-  const told = document.querySelector("[data-link]");
-  if (told) tell(told.dataset.link.replace(/link\/$/, `narrow/${Number(narrow)}`));
+  const truth = !on || root.classList.contains("vi-reveals");
+  for (const [name, holds] of Object.entries({narrow, truth})) tell(toldTo.replace(/link\/$/, `${name}/${Number(holds)}`));
+};
+const present = (on, reveals) => {
+  root.classList.toggle("vi-presents", on);
+  root.classList.toggle("vi-reveals", reveals);
+  document.body.append(pointer);
+  tellPresenting();
+  const view = document.querySelector(".vi-views :checked");  // of a small window: one that is there still
+  if (on && view && getComputedStyle(view).display === "none") document.querySelector("#vi-view-images").click();
 };
 const presents = key => {
-  if (key === "p" || key === "P") return present(!presenting()), true;
+  if (key === "p" || key === "P") return present(!presenting(), false), true;
   if (!presenting()) return false;
-  if (key === "t" || key === "T") return root.classList.toggle("vi-reveals"), true;
+  if (key === "t" || key === "T") return present(true, !root.classList.contains("vi-reveals")), true;
   const verb = {PageDown: "present", ArrowRight: "present", PageUp: "back", ArrowLeft: "back"}[key];
   if (!guide() || !verb) return false;
   tell(guide().dataset.lesson + verb);
@@ -237,7 +258,7 @@ const once = follow => {
   waiting.observe(document, {childList: true, subtree: true});
 };
 if (asked) once(followLink);
-if (searched.has("present")) once(() => document.querySelector("[data-link]") && (present(true), true));
+if (searched.has("present")) once(() => document.querySelector("[data-link]") && (present(true, false), true));
 
 document.addEventListener("click", event => {
   const button = event.target.closest(".vi-copy");

@@ -7,7 +7,7 @@ from viewimit.app.classroom.local_board import LocalBoard
 from viewimit.app.control.classroom.attendance import Attendee
 from viewimit.app.control.commands.classroom import OfClass
 
-NAME = "c" * 32
+NAME, SHARED = "c" * 32, "http://192.0.2.7:8080"
 
 
 class Class:
@@ -23,7 +23,7 @@ class Class:
 
     def open(self, key=None, lecturer=False, settings=None):
         who = {"classroom": self.classroom, "of_class": Attendee(key, lecturer)}
-        page = QuietPage(settings, address="/touch/0.x", **who, landscapes=QuietLandscapes())
+        page = QuietPage(settings, address="/touch/0.x", shared=SHARED, **who, landscapes=QuietLandscapes())
         page.now = self.now
         return page
 

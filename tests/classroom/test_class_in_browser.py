@@ -13,10 +13,31 @@ from viewimit.settings import Settings
 
 pytestmark = pytest.mark.browser
 CLASS, TILE, BANNER, QUESTION = ".vi-class-head", ".vi-tile", ".vi-banner", ".vi-class-question"
+JOIN = ".vi-join"
 
 
 def touch(page, what):
     page.locator(f"a[href$='class/{what}']").first.click()
+
+
+def test_a_lecturer_shows_how_to_join_until_the_next_click(browser):
+    server = Server("--lecturer", "--host", "0.0.0.0", "--workers", "1")
+    others = wait_until(lambda: re.search(r"others open (\S+),|no network", server.log))[1]
+    lecturer = open_page(browser, wait_until(lambda: re.search(r"the lecturer opens (\S+)\n", server.log))[1], "small")
+    lecturer.get_by_role("tab", name="Class").click()
+    wait_for_text(lecturer, f"Students open {others}" if others else "Nobody else reaches this page")
+    if others:
+        for hide in (lambda: lecturer.mouse.click(300, 200), lambda: lecturer.keyboard.press("Escape")):
+            touch(lecturer, "invite")
+            lecturer.wait_for_selector(JOIN, timeout=PATIENCE_MS)
+            assert lecturer.locator(JOIN).bounding_box() == {"x": 0, "y": 0, "width": 1280, "height": 720}
+            assert lecturer.locator(f"{JOIN} .vi-qr").bounding_box()["height"] > 720 / 2
+            assert lecturer.evaluate("document.elementFromPoint(1200, 700).closest('a')?.className") == JOIN[1:]
+            hide()
+            wait_for_count(lecturer, JOIN, 0, exactly=True)
+    assert lecturer.problems == []
+    lecturer.close()
+    assert server.stop() == 0
 
 
 def test_a_lecturer_sees_leads_and_asks_a_student(browser):
@@ -32,6 +53,12 @@ def test_a_lecturer_sees_leads_and_asks_a_student(browser):
     lecturer.get_by_role("tab", name="Class").click()
     wait_for_text(lecturer, "<i>Mira</i>")
     wait_for_count(lecturer, TILE, 1, exactly=True)
+    tells = lecturer.locator(f"{TILE} .vi-tells")
+    lecturer.wait_for_function("document.querySelectorAll('.vi-tile .vi-tells').length === 3", timeout=PATIENCE_MS)
+    for shown in (3, 0, 3):  # valley, diamond, degrees: before a class until T
+        assert sum(tells.nth(k).is_visible() for k in range(3)) == shown
+        press(lecturer, "p")
+    press(lecturer, "p")
     touch(lecturer, "lead")
     wait_for_count(student, BANNER, 1)
     press(lecturer, "ArrowRight")

@@ -1,6 +1,5 @@
 """The lecturer's address, and a class over two processes of a server: by the protocol alone."""
 
-import http.client
 import os
 import re
 import signal
@@ -11,45 +10,12 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from protocol import Client
-from serving import STARTS_WITHIN_S, Server, browser_of, kept_of, processes_of
+from class_tabs import Tab, ask_class, asked, lecturers_cookie
+from serving import Server, browser_of, kept_of, processes_of
 from viewimit.app.server.lecturer import LecturerAccess, class_name, new_secret, require_secret
 from waiting import wait_until
 
 pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="processes cannot hand over sockets here")
-
-
-def asked(url, path, cookie=""):
-    """Status and cookies of the answer to a request."""
-    connection = http.client.HTTPConnection(url.removeprefix("http://"), timeout=20)
-    connection.request("GET", path, headers={"Cookie": cookie, "Sec-Fetch-Site": "same-origin"})
-    answer = connection.getresponse()
-    answer.read()
-    return answer.status, answer.headers.get_all("Set-Cookie") or []
-
-
-class Tab(Client):
-    """With the address of its links."""
-
-    def __init__(self, url, cookie):
-        self.url, self.cookie = url, cookie
-        super().__init__(url, cookie=cookie)
-        self.ready(STARTS_WITHIN_S)  # it may come to a process that is only just begun
-        self.address = wait_until(lambda: self.found(r'href="(/touch/[^/]+)/point/'))
-
-    def follow(self, what):
-        return asked(self.url, f"{self.address}/{what}", self.cookie)[0]
-
-    def found(self, pattern):
-        return next((found[1] for html in list(self.html.values()) if (found := re.search(pattern, html))), None)
-
-    def shows(self, text):
-        return any(text in html for html in list(self.html.values()))
-
-    @property
-    def E(self):
-        found = re.search(r"E ([\d.]+) px", self.status)
-        return found and found[1]
 
 
 @pytest.fixture(scope="module")
@@ -77,10 +43,6 @@ def test_a_secret_is_traded_for_a_cookie_and_a_wrong_one_is_told_nothing(server,
     assert server.log.count(secret) == 1, "only where it is told"
 
 
-def lecturers_cookie(server, secret):
-    return "; ".join(one.split(";")[0] for one in asked(server.url, f"/lecturer/{secret}")[1])
-
-
 def test_a_class_over_two_processes_is_led_asked_and_survives_one_of_them(server, secret):
     students = [Tab(server.url, browser_of(server.url)) for _ in range(2)]
     assert {tab.address[:8] for tab in students} == {"/touch/0", "/touch/1"}
@@ -88,7 +50,7 @@ def test_a_class_over_two_processes_is_led_asked_and_survives_one_of_them(server
     mira.put("Your name", "<b>Mira")
     assert mira.follow("class/lead") == 204
     wait_until(lambda: "not the lecturer" in mira.status)
-    lecturer = Tab(server.url, lecturers_cookie(server, secret))  # although all seats are taken
+    lecturer = Tab(server.url, lecturers_cookie(server.url, secret))  # although all seats are taken
     wait_until(lambda: lecturer.shows("2 here") and lecturer.shows("&lt;b&gt;Mira"))
     assert not lecturer.shows("<b>Mira") and not mira.shows("2 here")
     assert lecturer.follow("class/lead") == 204
@@ -102,7 +64,7 @@ def test_a_class_over_two_processes_is_led_asked_and_survives_one_of_them(server
     wait_until(lambda: "The lecturer leads: this page" in mira.status)
     lecturer.follow("class/lead")
     wait_until(lambda: not any(tab.shows("The lecturer leads.") for tab in students))
-    _ask(lecturer, students)
+    ask_class(lecturer, students)
     lecturer.follow("class/freeze")
     wait_until(lambda: mira.shows("The controls are frozen"))
     wait_until(lambda: all(kept.lesson is None for kept in kept_of_all(server, mira, lecturer)))  # else they are in it
@@ -131,26 +93,6 @@ def workers_of(server):
         with open(f"/proc/{pid}/cmdline", "rb") as line:
             commands[pid] = line.read()
     return sorted(pid for pid, line in commands.items() if b"spawn_main" in line)
-
-
-def _ask(lecturer, students):
-    lecturer.follow("lesson/begin,tour")
-    wait_until(lambda: lecturer.shows("data-screen"))
-    while not lecturer.shows("class/ask"):
-        before = lecturer.found(r'data-screen="([^"]+)"')
-        lecturer.follow("lesson/next")
-        wait_until(lambda before=before: lecturer.found(r'data-screen="([^"]+)"') != before)
-    lecturer.follow("class/ask")
-    for k, tab in enumerate(students):
-        wait_until(lambda tab=tab: tab.shows("The class is asked"))
-        assert tab.follow(f"lesson/choose,{k}") == 204
-    wait_until(lambda: lecturer.shows("<b>2</b> of 2 answered"))
-    lecturer.follow("class/reveal")
-    for tab in (*students, lecturer):
-        wait_until(lambda tab=tab: tab.shows("1 of 2 are right"))
-    lecturer.follow("class/close")
-    lecturer.follow("lesson/leave")
-    wait_until(lambda: not any(tab.shows("data-screen") for tab in (*students, lecturer)))
 
 
 def test_without_a_lecturer_there_is_no_class():

@@ -1,20 +1,29 @@
 """Pictures of panels stand alone, in colours of print, and say what they show and what repeats them."""
 
+import html
 import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 from quiet_page import QuietPage
+from viewimit.app.control.commands.duel import ToggleDuel
 from viewimit.app.control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
 from viewimit.app.control.commands.session import Step
 from viewimit.app.control.saving import PICTURES
+from viewimit.app.jobs.experiments import Request, Run
 
 import viewimit
 from viewimit.drawing import standalone
+from viewimit.drawing.equations import equations_of, filled
 from viewimit.drawing.theme import ROLES
+from viewimit.equations import Equation
+from viewimit.experiments import EXPERIMENTS
+from viewimit.experiments.paper.claims import Claim
+from viewimit.export import formulas
 from viewimit.export.citation import cite
 from viewimit.export.figures import drawings_in, four_images, laid_over, stacked, written
+from viewimit.export.formulas import can_typeset, draw_formulas
 from viewimit.export.panels import draw_panels
 from viewimit.export.perspective import Eye, default_eye, draw_space
 from viewimit.session import Session
@@ -38,7 +47,7 @@ def text_of(picture):
 def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session):
     drawn, citation = draw_panels(session, [3], 7), cite(session)
     figures = (
-        four_images(drawn.images[0], "The four images"),
+        four_images(drawn.images[0][7], "The four images"),
         laid_over([drawn.grounds[0], drawn.path[0]], "E over the postures"),
         stacked([drawn.conflict[0], drawn.angles[0]], "Both curves"),
         draw_space(session.world, session.snapshot),
@@ -51,7 +60,7 @@ def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session)
         assert "".join(citation.command.split()) in "".join(said.split())
         assert ROLES["paper"][0] in picture and ROLES["paper"][1] not in picture
         assert float(root.get("height")) > figure.height
-    own = [one for one in drawings_in(drawn.images[0]) if "vi-at-L" in one.classes][0]
+    own = [one for one in drawings_in(drawn.images[0][7]) if "vi-at-L" in one.classes][0]
     points = re.search(r'<path class="vi-own" d="[^"]*"/>', own.inside)[0]
     assert points in figures[0].captioned(citation)  # the page's very drawing
 
@@ -99,15 +108,63 @@ def test_the_page_hands_out_a_replay_and_every_picture():
 
     replay = save(SaveReplay(), "viewimit-replay.html").decode()
     assert "1 motions" not in replay and 'id="run"' in replay
-    for what in PICTURES:
+    for what, why in (("Duel", "there is no duel"), ("Experiments", "the experiment is not done yet")):
+        page.page.put(choose_picture(what))
+        page.page.put(SavePicture())
+        page.tick_until(lambda why=why: why in page.shown)
+        assert not any(what.lower() in name for name in got)
+    page.page.put(ToggleDuel())
+    page.page.put(Step())
+    page.tick(1.0)
+    take_experiment(page.page.model)
+    pictures = {}
+    for what in PICTURES if can_typeset() else [what for what in PICTURES if what != "Equations"]:
         page.page.put(choose_picture(what))
         name = f"viewimit-{what.split()[0].lower()}.svg"
-        assert "seed 7" in text_of(save(SavePicture(), name).decode())
+        pictures[what] = text_of(save(SavePicture(), name).decode())
+        assert "seed 7" in pictures[what]
+    duel, done = ("".join(pictures[what].split()) for what in ("Duel", "Experiments"))
+    for session in (page.page.model.session, page.page.model.duel.opponent):
+        assert "".join(cite(session, session.snapshot.motion).command.split()) in duel
+    assert "Aduelafter1motion" in duel and "Largestjointerror" in duel
+    assert "viewimitreproducefig7" in done and "Fig.7:landscapeandminima." in done and "smallestE<4°miss" in done
     if standalone.can_render():
         page.page.put(choose_picture("Curves"))
         page.page.put(choose_format("PNG"))
         png = save(SavePicture(), "viewimit-curves.png")
         assert png[:4] == b"\x89PNG" and int.from_bytes(png[16:20]) == 4 * 440  # px: 15 cm at 300 an inch
+
+
+def take_experiment(model):
+    """One that is done, as its process tells it."""
+    chosen = EXPERIMENTS["fig7"]
+    request = Request("fig7", model.session.settings)
+    claims = (Claim("Fig. 7: smallest E", "<4°", "", "", False, ""),)
+    run = Run("fig7", "done", figure=chosen.empty_figure(model.session.scene), claims=claims, request=request)
+    model.experiments.chosen = "fig7"
+    model.experiments.take(run)
+
+
+def test_equations_become_outlines_of_their_letters_with_the_numbers_of_the_moment(session):
+    pytest.importorskip("ziamath")
+    told = equations_of(session.snapshot, 7)
+    figure = draw_formulas(told, "Equations")
+    picture = figure.captioned(cite(session))
+    root, said = ET.fromstring(picture), "".join(text_of(picture).split())
+    assert all("".join(f"{each.number}{each.title}".split()) in said for each in told)
+    assert "<math" not in picture and "href" not in picture and "black" not in picture
+    letters = [html.unescape(re.sub(r"<[^>]*>|\s", "", filled(each))) for each in told]
+    assert sum(1 for _ in root.iter(f"{SVG}path")) >= len("".join(letters))
+    wide = draw_formulas([Equation("", "", "x" * 120)], "Wide")
+    assert float(re.search(r"scale\(([\d.]+)\)", wide.inside)[1]) < 0.6  # into the column
+    other = draw_formulas(equations_of(session.history[0], 7), "Equations")
+    assert other.inside != figure.inside
+
+
+def test_without_what_sets_equations_it_is_said(session, monkeypatch):
+    monkeypatch.setattr(formulas, "can_typeset", lambda: False)
+    with pytest.raises(ValueError, match=r"needs ziamath: pip install 'viewimit\[plot\]'"):
+        formulas.require_typesetter()
 
 
 def test_a_lesson_hands_out_its_figures():

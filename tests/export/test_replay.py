@@ -8,13 +8,18 @@ import zlib
 import msgspec
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
 from waiting import wait_until
 
 import viewimit
+from viewimit.analysis.construction import construct
 from viewimit.drawing.images.panel import draw_images
+from viewimit.export import panels as panels_module
 from viewimit.export.citation import cite
 from viewimit.export.panels import MOST_MOMENTS, farthest_off, kept_motions
+from viewimit.export.weaving import Woven, weave
 from viewimit.script import Posed
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
@@ -35,6 +40,12 @@ def told(replay):
     """What the file has packed."""
     packed = re.search(r'id="run">([^<]*)<', replay.html)[1]
     return msgspec.json.decode(zlib.decompress(base64.b64decode(packed)))
+
+
+def images(replay, k, point):
+    """The four images at a moment, as the file has them for a chosen point."""
+    panels = told(replay)["panels"]
+    return Woven(**panels["images"][k])[panels["points"].index(point)]
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +71,7 @@ def test_at_every_moment_it_shows_what_the_page_would(session, replay):
         moment = session.history[k]
         bodies, windows = appearance.of(moment)
         outline = draw_images(moment, bodies, windows, chosen)
-        shown = run["panels"]["images"][k]
+        shown = images(replay, k, chosen)
         for kind in ("vi-own", "vi-found", "vi-e", "vi-hull"):
             drawn = re.findall(rf'<path class="{kind}" d="[^"]*"', outline)
             assert drawn and all(path in shown for path in drawn)
@@ -69,6 +80,33 @@ def test_at_every_moment_it_shows_what_the_page_would(session, replay):
         assert "Viewer only" in run["panels"]["claims"][k] and "press space" not in run["panels"]["claims"][k]
     grounds = run["panels"]["ground"]
     assert grounds[0] == 0 and grounds[-1] == 1  # of the demonstrator's other posture
+
+
+def test_every_point_can_be_chosen_and_costs_little(session, replay):
+    appearance, panels = Appearance(session.world, session.history[0]), told(replay)["panels"]
+    for moment in session.history:
+        appearance.of(moment)
+    assert panels["points"] == list(range(len(session.world.body)))
+    for k, point in ((0, 0), (5, 9), (len(session.history) - 1, 4)):
+        moment = session.history[k]
+        drawn = draw_images(moment, *appearance.of(moment), point, construction=construct(moment, point))
+        assert images(replay, k, point) == drawn
+        ring = re.search(r'vi-at-R.*?<circle class="vi-ring" cx="([-\d.]+)" cy="([-\d.]+)"', drawn)
+        assert panels["places"][k][3][point] == [float(ring[1]), float(ring[2])]
+    assert len(panels["images"]) * len(panels["points"]) * len(drawn) > 4 * len(msgspec.json.encode(panels["images"]))
+
+
+@given(st.lists(st.text("ab<>", max_size=12), max_size=5))
+def test_what_is_woven_comes_out_as_it_was(drawings):
+    woven = weave(drawings)
+    assert [woven[k] for k in range(len(drawings))] == drawings and len(set(woven.pieces)) == len(woven.pieces)
+
+
+def test_where_all_points_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
+    monkeypatch.setattr(panels_module, "MOST_IMAGES", 10)
+    small = viewimit.replay(session, chosen=6)
+    panels = told(small)["panels"]
+    assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["ways"]) == 1 for one in panels["images"])
 
 
 def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
@@ -105,6 +143,14 @@ def test_long_failed_and_many_jointed_runs_are_small(settings, motions, status):
     replay = viewimit.replay(session)
     assert session.snapshot.status == (status or session.snapshot.status)
     assert len(replay.html) < 0.8 * MB and len(told(replay)["motions"]) == len(session.history)
+
+
+def test_a_run_of_a_hundred_motions_with_many_points_stays_small():
+    session = Session(Settings(points=16, servo="gradient-retuned", start_deg=(25, -45)))
+    session.run(100, patience=3)
+    replay = viewimit.replay(session)
+    assert len(session.history) == 101 and len(told(replay)["panels"]["points"]) == 16
+    assert len(replay.html) < 3 * MB
 
 
 def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
@@ -167,6 +213,25 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(browser, session,
     box = page.locator("#conflict").bounding_box()
     page.mouse.click(box["x"] + 0.1 * box["width"], box["y"] + 0.5 * box["height"])  # the curve's left end
     assert page.locator("#where").inner_text() == f"0 of {last}"
+
+    ring = """[...document.querySelectorAll("#images .vi-at-L .vi-ring")].map(
+        one => [one.cx, one.cy].map(place => place.baseVal.value))"""
+    places = told(replay)["panels"]["places"]
+    for digit in (0, 9, 4):
+        page.keyboard.press(str(digit))
+        assert page.evaluate(ring) == [pytest.approx(places[0][2][digit])]
+    page.keyboard.press("n")
+    assert page.evaluate(ring) == [pytest.approx(places[0][2][5])]
+    box = page.locator("#images .vi-at-R").bounding_box()
+    scale, (x, y) = (
+        box["width"] / page.evaluate("document.querySelector('#images .vi-at-R').viewBox.baseVal.width"),
+        places[0][3][8],
+    )
+    page.mouse.click(box["x"] + scale * x, box["y"] + scale * y)
+    assert page.evaluate(ring) == [pytest.approx(places[0][2][8])]
+    page.keyboard.press("ArrowRight")  # it stays chosen
+    assert page.evaluate(ring) == [pytest.approx(places[1][2][8])]
+    page.keyboard.press("Home")
 
     run = told(replay)["space"]
     columns = page.evaluate(

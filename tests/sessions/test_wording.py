@@ -1,5 +1,6 @@
 """What is said of a session, in Python or as a command, is run, and ends at the same posture to the last bit."""
 
+import argparse
 import json
 import shlex
 import subprocess
@@ -10,12 +11,14 @@ import numpy as np
 import pytest
 from viewimit.app.control.presets import PRESETS
 
+from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
+from viewimit.commands.options import settings_from
 from viewimit.rehearsal import begin_rehearsal
 from viewimit.session import Session
 from viewimit.settings import BEST, DISTURBANCES, Settings
 from viewimit.simulation.scene import load_scene
-from viewimit.wording import MOST_LINES, NO_WORDS, as_command, as_python
+from viewimit.wording import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
 
 SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.camera == "points"]
 
@@ -81,6 +84,19 @@ def test_the_command_prints_the_same_posture(settings):
     assert found["history"] == plain(
         [{"theta_deg": np.degrees(m.theta), "E": m.E, "probe": m.probe} for m in session.history]
     )
+
+
+@pytest.mark.parametrize("settings", [Settings(), BEST, LOSSY, SEEN_BY_POINTS[5]])
+def test_a_figure_is_reproduced_with_the_same_settings(settings):
+    parser = argparse.ArgumentParser()
+    reproduce.add_options(parser)
+    settings = Session(settings).settings  # with the scene's postures
+    words = shlex.split(as_reproduction("fig10", settings, "circle"))
+    asked = parser.parse_args(words[2:])
+    assert words[:2] == ["viewimit", "reproduce"] and (asked.figures, asked.motion) == (["fig10"], "circle")
+    assert settings_from(asked) == settings
+    with pytest.raises(ValueError, match="by hand"):
+        as_reproduction("fig7", BY_HAND)
 
 
 def test_what_a_command_cannot_say_is_told():

@@ -17,7 +17,12 @@ from . import svg
 
 
 def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
-    """HTML. chosen: the point that Eqs. (1) and (4) are shown for, by default the one with the largest residual."""
+    """HTML of `equations_of`."""
+    return _cards(*equations_of(snapshot, chosen))
+
+
+def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equation, ...]:
+    """chosen: the point that Eqs. (1) and (4) are shown for, by default the one with the largest residual."""
     recovery: tuple[Equation, ...] = ()
     if snapshot.transfer is not None:
         point = _shown_point(snapshot, chosen)
@@ -27,7 +32,7 @@ def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
             demo, own = map(fitted.rectification.apply, (demo, own))
             recovery, fitted = (_rectification(fitted.rectification),), fitted.between
         recovery = *recovery, _constraint(snapshot, demo, own, name), *method.equations(fitted, demo, own, name)
-    return _cards(*recovery, _conflict(snapshot), *_law(snapshot))
+    return *recovery, _conflict(snapshot), *_law(snapshot)
 
 
 def draw_conflict(snapshot: Snapshot) -> str:
@@ -113,7 +118,7 @@ def _cards(*equations: Equation) -> str:
 def _card(equation: Equation) -> str:
     head = f"<b>{equation.number}</b> {equation.title}".strip()
     tail = f'<span class="vi-note">{equation.note}</span>' if equation.note else ""
-    return f'<div class="vi-eq">{head}{_filled(equation)}{tail}</div>'
+    return f'<div class="vi-eq">{head}{filled(equation)}{tail}</div>'
 
 
 def mathml(latex: str) -> str:
@@ -121,11 +126,12 @@ def mathml(latex: str) -> str:
     return _mathml(latex)[0]
 
 
-def _filled(equation: Equation) -> str:
+def filled(equation: Equation) -> str:
+    """MathML, with its numbers."""
     pieces = _mathml(equation.latex)
-    filled = "".join(piece + value for piece, value in zip(pieces, [*equation.numbers, ""], strict=True))
+    told = "".join(piece + value for piece, value in zip(pieces, [*equation.numbers, ""], strict=True))
     classes = "vi-long" if equation.long else "vi-wide" if equation.wide else ""
-    return filled.replace("<math ", f'<math class="{classes}" ', 1) if classes else filled
+    return told.replace("<math ", f'<math class="{classes}" ', 1) if classes else told
 
 
 @cache

@@ -9,7 +9,7 @@ from ..servo import SERVOS
 from ..session import Session
 from ..settings import Settings
 from ..transfer import TRANSFERS
-from ..wording import as_command, as_python
+from ..wording import as_command, as_python, as_reproduction
 
 PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry”, IROS 2001"
 
@@ -43,6 +43,28 @@ def cite(session: Session, motion: int | None = None) -> Citation:
     except ValueError:  # some of it cannot be said in words
         pass
     return Citation(title_of(settings), conditions_of(settings), software(), command, python)
+
+
+def cite_both(one: Session, other: Session) -> Citation:
+    """Of two sessions that go on side by side, each at its present: the conditions are the first one's."""
+    first, second = (cite(each, each.snapshot.motion) for each in (one, other))
+    command = python = None
+    if first.command and second.command:
+        command = f"{first.command} ; {second.command}"
+    if first.python and second.python:
+        python = f"{first.python}\n\n{second.python}"
+    return Citation(f"{first.title} against {second.title}", first.conditions, software(), command, python)
+
+
+def cite_experiment(name: str, settings: Settings, motion: object = None) -> Citation:
+    """motion: the demonstrator's, by its name, or one that was recorded, which a command cannot say."""
+    command = None
+    if motion is None or isinstance(motion, str):
+        try:
+            command = as_reproduction(name, settings, motion)
+        except ValueError:
+            pass
+    return Citation(title_of(settings), conditions_of(settings), software(), command, None)
 
 
 def title_of(settings: Settings) -> str:

@@ -86,6 +86,14 @@ def laid_over(panels: Sequence[str], title: str) -> Figure:
     return Figure("".join(drawn.at(0, 0, first.width) for drawn in drawings), first.width, first.height, title)
 
 
+def beneath(figure: Figure, panel: str) -> Figure:
+    """A panel's HTML below it."""
+    added = stacked([panel], figure.title)
+    part = Drawn("", added.width, added.height, added.inside).at(0, figure.height + GAP)
+    height = figure.height + GAP + added.height
+    return Figure(figure.inside + part, max(figure.width, added.width), height, figure.title)
+
+
 def four_images(panel: str, title: str) -> Figure:
     """The panel Images: L and R large, l and r beside them, legend and figures beneath; whole frames two by two."""
     drawings = drawings_in(panel)

@@ -9,26 +9,34 @@ from ..analysis.construction import construct
 from ..analysis.self_assessment import assess
 from ..drawing import svg
 from ..drawing.curves import draw_curve_pair
+from ..drawing.images import planes
 from ..drawing.images.panel import draw_images
+from ..drawing.images.planes import Windows
 from ..drawing.landscape import LandscapePicture
 from ..drawing.status import describe, describe_truth, draw_status
 from ..session import Session
+from ..simulation.appearance import Bodies
 from ..snapshot import AT_REST, Snapshot
 from ..viewer.appearance import Appearance
 from ..viewer.landscapes import TOO_FEW, MadeLandscape, landscape_key, make_landscape
+from .weaving import Woven, weave
 
 MOST_MOMENTS = 150  # of a longer run they are spread evenly
 MOST_LANDSCAPES = 24  # one for each posture of the demonstrator that is looked at
 LOOKS_BACK = 5  # motions
+MOST_IMAGES = 2400  # of all points at all moments
 FOLLOWS = "The landscape follows the demonstrator."
 
 
 @dataclass
 class Panels:
-    """One entry a moment, HTML: four images, claims (what the learner says beside what is true), E and joint angles
-    over the motions, the path over the landscape; ground: which of `grounds` lies under that."""
+    """One entry a moment, HTML: four images, for each of `points`, the chosen one, claims (what the learner says beside
+    what is true), E and joint angles over the motions, the path over the landscape; places: of all points in l,
+    r, L and R, px of the drawing, [] of one that is not seen there; ground: which of `grounds` lies under the path."""
 
-    images: list[str] = field(default_factory=list)
+    points: list[int | None] = field(default_factory=list)
+    images: list[Woven] = field(default_factory=list)
+    places: list[list[list[list[float]]]] = field(default_factory=list)
     claims: list[str] = field(default_factory=list)
     conflict: list[str] = field(default_factory=list)
     angles: list[str] = field(default_factory=list)
@@ -48,9 +56,18 @@ def farthest_off(moment: Snapshot) -> int | None:
     return None if moment.transfer is None else int(np.argmax(np.nansum(moment.e**2, -1)))
 
 
+def offered_points(session: Session, motions: Sequence[int], chosen: int | None) -> list[int | None]:
+    """Body points whose construction the images can show, None for no construction: all, unless that were too many."""
+    everything = range(len(session.world.body))
+    if len(everything) * len(motions) > MOST_IMAGES:
+        return [chosen]
+    return [*everything] if chosen is not None else [None, *everything]
+
+
 def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) -> Panels:
-    """Of a session in a scene, at these motions. chosen: a body point, whose construction the images show."""
-    history, scene, panels = session.history, session.scene, Panels()
+    """Of a session in a scene, at these motions. chosen: a body point, of `offered_points`."""
+    history, scene = session.history, session.scene
+    panels = Panels(offered_points(session, motions, chosen))
     appearance = Appearance(session.world, history[0])
     for k in motions:  # windows have widened before the first is drawn
         appearance.of(history[k])
@@ -60,9 +77,8 @@ def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) ->
     for k in motions:
         moment, made = history[k], landscapes.of(history[k])
         bodies, windows = appearance.of(moment)
-        picked = chosen if chosen is not None and chosen < len(moment.views.demo) else None
-        built = None if picked is None else construct(moment, picked)
-        panels.images.append(draw_images(moment, bodies, windows, picked, construction=built))
+        panels.images.append(weave([_images(moment, bodies, windows, point) for point in panels.points]))
+        panels.places.append(_places(moment, windows))
         before, joints = history[max(k - LOOKS_BACK, 0) : k], scene.moving_joints
         said = describe(moment, before, k < last, assessment if k == last else None, joints, advises=False)
         panels.claims.append(draw_status(said, describe_truth(joints, moment.theta, moment.theta_demo)))
@@ -74,6 +90,20 @@ def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) ->
             panels.grounds.append(made.picture.html)
         panels.ground.append(panels.grounds.index(made.picture.html))
     return panels
+
+
+def _images(moment: Snapshot, bodies: Bodies, windows: Windows, point: int | None) -> str:
+    if point is not None and point >= len(moment.views.demo):
+        point = None  # it had fewer then
+    built = None if point is None else construct(moment, point)
+    return draw_images(moment, bodies, windows, point, construction=built)
+
+
+def _places(moment: Snapshot, windows: Windows) -> list[list[list[float]]]:
+    views = moment.views
+    images = np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).transpose(1, 0, 2)
+    placed = np.round(planes.placed(images, windows[False], "lrLR"), 1).tolist()
+    return [[place if seen else [] for place, seen in zip(*each)] for each in zip(placed, views.visible.T.tolist())]
 
 
 class _Landscapes:

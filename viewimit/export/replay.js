@@ -5,18 +5,20 @@ const unpacked = id => {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")));
 };
 const fault = why => { $("fault").textContent = why; $("fault").hidden = false; };
-const PANELS = ["images", "claims", "conflict", "angles", "path"], GLIDES = 0.75;  // share of a motion's time
+const PANELS = ["claims", "conflict", "angles", "path"], GLIDES = 0.75;  // share of a motion's time
+const HIT = 14;  // units of a drawing, about a point
 
 const begin = (run, meshes) => {
   const last = run.motions.length - 1, moments = run.space.moments, shownHTML = {}, still = matchMedia(
     "(prefers-reduced-motion:reduce)");
-  let now = 0, playing = false, since = 0, view = null;
+  let now = 0, playing = false, since = 0, view = null, chosen = run.panels.points.indexOf(run.chosen);
   try { view = spaceOn($("space"), $("labels"), run.space, meshes); } catch (error) { console.warn(error); }
   if (!view) $("labels").textContent = "This browser draws no WebGL: all but the 3-D view is here.";
 
   const put = (id, html) => {
     if (shownHTML[id] !== html) $(id).innerHTML = shownHTML[id] = html;
   };
+  const woven = ({pieces, ways}, k) => ways[k].map(i => pieces[i]).join("");
   const pose = share => {
     if (!view) return;
     const from = moments[now], to = moments[Math.min(now + 1, last)], eased = share * share * (3 - 2 * share);
@@ -25,6 +27,7 @@ const begin = (run, meshes) => {
   };
   const show = k => {
     now = Math.max(0, Math.min(last, k));
+    put("images", woven(run.panels.images[now], chosen));
     for (const id of PANELS) put(id, run.panels[id][now]);
     put("ground", run.panels.grounds[run.panels.ground[now]]);
     const words = `${run.motions[now]} of ${run.motions[last]}`;
@@ -56,6 +59,22 @@ const begin = (run, meshes) => {
     if (now === last) show(0);
     requestAnimationFrame(tick);
   };
+  // A point is chosen in the images: at its place in any of them, or by its number
+  const choose = point => {
+    const k = run.panels.points.indexOf(point);
+    if (k < 0) return;
+    chosen = k;
+    put("images", woven(run.panels.images[now], chosen));
+  };
+  const nearest = event => {
+    const drawn = event.target.closest("#images svg"), view = drawn && /vi-at-([lrLR])/.exec(drawn.getAttribute("class"));
+    if (!view) return -1;
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(drawn.getScreenCTM().inverse());
+    const away = run.panels.places[now]["lrLR".indexOf(view[1])].map(
+      ([x, y]) => x === undefined ? Infinity : Math.hypot(x - at.x, y - at.y));
+    const least = Math.min(...away);
+    return least <= HIT ? away.indexOf(least) : -1;
+  };
   const jump = k => { play(false); show(k); };
   const scheme = () => {
     const root = document.documentElement.dataset;
@@ -78,11 +97,20 @@ const begin = (run, meshes) => {
   $("fit").addEventListener("click", fit);
   $("rays").addEventListener("change", () => pose(0));
   $("speed").value = last > 200 ? "25" : last > 60 ? "10" : last > 24 ? "4" : "2";
+  $("images").addEventListener("click", event => choose(nearest(event)));
+  if (run.panels.points.length > 1) {
+    $("images").title = "Click a point, or press its number: how it is recovered";
+    $("images").addEventListener("pointermove", event => {
+      $("images").style.cursor = nearest(event) < 0 ? "" : "pointer";
+    });
+  }
   const KEYS = {
     " ": () => play(!playing), ArrowLeft: () => jump(now - 1), ArrowRight: () => jump(now + 1),
     Home: () => jump(0), End: () => jump(last), "+": () => faster(1), "-": () => faster(-1),
     PageUp: () => jump(now - 10), PageDown: () => jump(now + 10), d: scheme, v: fit, r: rays,
+    n: () => choose(((run.panels.points[chosen] ?? -1) + 1) % run.panels.places[0][0].length),
   };
+  for (let digit = 0; digit < 10; digit++) KEYS[digit] = () => choose(digit);
   document.addEventListener("keydown", event => {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (event.ctrlKey || event.metaKey || event.altKey || !(key in KEYS)) return;

@@ -44,8 +44,8 @@ class Replay:
 def replay(session: Session, title: str = "", chosen: int | None = None) -> Replay:
     """All moments of a session in a scene that its history keeps, from the first on.
 
-    title: in place of the method's name; chosen: a body point whose construction is drawn, None for the one with the
-    largest residual. Raises ValueError without a scene, and for a point that there is not.
+    title: in place of the method's name; chosen: a body point whose construction is drawn until another is chosen,
+    None for the one with the largest residual. Raises ValueError without a scene, and for a point that there is not.
     """
     world, first = session.world, session.history[0]
     if chosen is None:
@@ -56,7 +56,8 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     space, meshes = describe_space(session, kept)
     left, right, end = paired_axis(len(session.history) - 1)
     panels = draw_panels(session, kept, chosen)
-    told = {"motions": kept, "space": space, "axis": [left, right, end], "panels": msgspec.to_builtins(panels)}
+    told = {"motions": kept, "space": space, "axis": [left, right, end], "chosen": chosen}
+    told["panels"] = msgspec.to_builtins(panels)
     return Replay(_page(title, cite(session), told, meshes))
 
 

@@ -8,7 +8,8 @@ from ...classroom.messages import Orders, Summary, Tally
 @dataclass(frozen=True)
 class ClassView:
     """leads: whether it is this page that gives orders; students: sorted; sure: whether a click resets all; told:
-    whether answers are shown before they are revealed; tally: of the question that goes on."""
+    whether answers are shown before they are revealed; tally: of the question that goes on; invites: whether the
+    address is shown to all."""
 
     leads: bool
     present: bool
@@ -19,3 +20,4 @@ class ClassView:
     told: bool
     tally: Tally | None
     problem: str | None
+    invites: bool

@@ -44,7 +44,7 @@ class Lecturer(Role):
         self.member, self.queue = member, queue
         self.heard: Heard | None = None
         self.seen: Seen = NOBODY
-        self.sort, self.answers = "state", AnswerCount()
+        self.sort, self.answers, self.invites = "state", AnswerCount(), False
         self._sure_until = -np.inf
         self._copied = 0
         self._shown: Shown | None = None
@@ -175,13 +175,11 @@ class Lecturer(Role):
     def view(self, now: float) -> ClassView:
         sure = now <= self._sure_until
         told, tally = self.answers.told, self.answers.tally
-        of = self.heard, self.seen, self.sort, sure, told, tally
+        of = self.heard, self.seen, self.sort, sure, told, tally, self.invites
         if self._view is None or any(a is not b and a != b for a, b in zip(of, self._view[0])):
             students = tuple(sorted(self.seen.students, key=lambda one: (*SORTS[self.sort](one), one.id)))
-            present = self.heard is not None
-            view = ClassView(
-                self.leads, present, self.orders, students, self.sort, sure, told, tally, self.seen.problem
-            )
+            present, shown = self.heard is not None, (self.sort, sure, told, tally)
+            view = ClassView(self.leads, present, self.orders, students, *shown, self.seen.problem, self.invites)
             self._view = of, view
         return self._view[1]
 

@@ -142,6 +142,11 @@ def _sort(lecturer: Lecturer, model: PageModel, now: float, about: str) -> None:
     lecturer.sort = about
 
 
+def _invite(lecturer: Lecturer, model: PageModel, now: float, about: str) -> None:
+    """Show how students join, to be seen from the last row; once more: no longer."""
+    lecturer.invites = not lecturer.invites
+
+
 def _save(lecturer: Lecturer, model: PageModel, now: float, about: str) -> None:
     lecturer.save(lambda rounds: lecturer.queue.put(SaveAnswers(rounds)))
 
@@ -153,6 +158,7 @@ VERBS: Mapping[str, Callable[[Lecturer, PageModel, float, str], None]] = {
     "reset": lambda lecturer, model, now, about: lecturer.reset(now),
     "open": lambda lecturer, model, now, about: lecturer.open(about),
     "sort": _sort,
+    "invite": _invite,
     "take": lambda lecturer, model, now, about: lecturer.member.take_over(),
     "ask": lambda lecturer, model, now, about: lecturer.ask(model),
     "again": lambda lecturer, model, now, about: lecturer.ask_again(model),

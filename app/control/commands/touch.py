@@ -118,6 +118,7 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "point": TogglePoint.parse,
     "layout": _told("wide"),
     "narrow": _told("narrow"),
+    "truth": _told("truth"),
     "posture": TouchPosture.parse,
     "construction": lambda value: BuildUp(),
     "large": Enlarge.parse,

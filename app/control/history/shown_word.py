@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from ..presets import Preset
-from ..state import View
+from ..state import TOLD, View
 from .past import Left
 from .undoable import UndoableSession
 
@@ -59,4 +59,4 @@ class ShownWord:
         self._undoable.past.go_back_to(before.past)
         if before.playing:
             player.play()
-        return replace(before.view, help=False, wide=view.wide, narrow=view.narrow, prefers_dark=view.prefers_dark)
+        return replace(before.view, help=False, **{name: getattr(view, name) for name in TOLD})

@@ -11,6 +11,7 @@ from ...control.classroom.lecturer import SORTS, ClassView
 from ...control.state import PageState
 from ..panel import Layout, Panel
 from ..widgets import put_html
+from .invitation import invitation_html, joining_html
 
 FEW = 12  # tiles that still have room to be large
 
@@ -19,11 +20,11 @@ class LecturerPanel(Panel):
     in_lessons = True
 
     def build(self, layout: Layout, state: PageState) -> None:
-        self._address = layout.address
+        self._address, self._shared = layout.address, layout.shared
         self._built = state.classroom is not None
         if not self._built:
             return
-        self._banner = layout.gui.add_html("")
+        self._banner, self._invitation = layout.gui.add_html(""), layout.gui.add_html("")
         with layout.upper_tab("Class"):
             self._head, self._tiles, self._links = (layout.gui.add_html("") for _ in range(3))
             if self._address is not None:
@@ -39,7 +40,8 @@ class LecturerPanel(Panel):
         names = {name: lesson.short for name, lesson in state.lessons.items()}
         tiles = [tile_of(one, names) for one in view.students]
         put_html(self._banner, _banner(view, self._address))
-        put_html(self._head, _head(view, self._address))
+        put_html(self._head, _head(view, self._address, self._shared))
+        put_html(self._invitation, invitation_html(view, self._address, self._shared))
         few = " vi-tiles-few" if len(tiles) <= FEW else ""
         put_html(self._tiles, f'<div class="vi-tiles{few}">{"".join(map(draw_tile, tiles))}</div>')
         if self._address is not None:
@@ -86,7 +88,7 @@ def _banner(view: ClassView, address: str | None) -> str:
     return ""
 
 
-def _head(view: ClassView, address: str | None) -> str:
+def _head(view: ClassView, address: str | None, shared: str | None) -> str:
     counts = (
         (sum(one.state in STUCK for one in view.students), "stuck", SHAPES["stalled"]),
         (sum(one.state in ("moving", "paused") for one in view.students), "on the way", SHAPES["moving"]),
@@ -99,11 +101,12 @@ def _head(view: ClassView, address: str | None) -> str:
         if count
     )
     problem = "" if view.problem is None else f'<p class="vi-class-problem">{escape(view.problem)}</p>'
-    first = f'<div class="vi-class-here"><b>{len(view.students)} here</b>{told}</div>{problem}'
+    joins = joining_html(address, shared)
+    first = f'<div class="vi-class-here"><b>{len(view.students)} here</b>{told}</div>{joins}{problem}'
     if address is None:
         return f'<div class="vi-class-head">{first}</div>'
     if not view.leads:
-        return f'<div class="vi-class-head">{first}{_button(address, "take", "Take over")}</div>'
+        return f'<div class="vi-class-head">{first}<div>{_button(address, "take", "Take over")}</div></div>'
     leads, frozen = view.orders.lead is not None, view.orders.frozen
     actions = (
         ("send", "Send my state to all", None),
@@ -135,5 +138,4 @@ def _links(students: Sequence[Summary], tiles: Sequence[Tile], address: str, few
         )
         for one, tile in zip(students, tiles)
     )
-    nobody = "" if students else '<p class="vi-2nd">Nobody is here yet: show the address.</p>'
-    return f'<div class="vi-tiles vi-tile-links{few}">{cells}</div>{nobody}'
+    return f'<div class="vi-tiles vi-tile-links{few}">{cells}</div>'

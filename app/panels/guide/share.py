@@ -3,8 +3,6 @@
 import html
 from typing import Any
 
-import segno
-
 from viewimit.script import file_name
 from viewimit.wording import as_command, as_python
 
@@ -12,6 +10,7 @@ from ...control.commands.display import ToggleShare
 from ...control.state import PageState
 from ...sessions.link import written
 from ..panel import Layout, Panel
+from ..qr import draw_qr
 from ..widgets import put_html, told_address
 
 MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
@@ -21,7 +20,7 @@ class SharePanel(Panel):
     in_lessons = True
 
     def build(self, layout: Layout, state: PageState) -> None:
-        self._gui, self._queue, self._origin = layout.gui, layout.queue, layout.origin
+        self._gui, self._queue, self._origin = layout.gui, layout.queue, layout.shared or layout.origin
         self._card: Any = None  # the open modal, whose class viser does not name
         if layout.address is not None:
             layout.gui.add_html(told_address(f"{layout.address}/link/"))
@@ -47,7 +46,7 @@ class SharePanel(Panel):
 
 
 def share_html(state: PageState, origin: str | None) -> str:
-    """origin: scheme://host:port by which the visitor's browser knows the server, None if it does not say."""
+    """origin: scheme://host:port by which the server is known, None if nobody says."""
     parts, script = [], state.session.script.renamed(file_name)
     try:
         address = f"{origin or ''}/?s={written(state.linked())}"
@@ -67,15 +66,14 @@ def share_html(state: PageState, origin: str | None) -> str:
 
 
 def _copied(title: str, text: str, lines: bool = False) -> str:
-    """With a button that copies it."""
+    """With a button that copies it. lines: of code, in which the demonstrator's posture stands."""
     shown = html.escape(text)
     button = f'<button type="button" class="vi-copy" aria-label="Copy: {title}">Copy</button>'
-    kind = ' class="vi-code"' if lines else ""
-    return f'<section><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
+    kind, tells = (' class="vi-code"', ' class="vi-tells"') if lines else ("", "")
+    return f'<section{tells}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
 
 
 def _qr(address: str) -> str:
     if len(address) > MOST_IN_QR:
         return '<p class="vi-2nd">Too long for a QR code that a telephone can read.</p>'
-    drawn = segno.make(address, error="l", micro=False).svg_inline(scale=3, border=2, dark="#000", light="#fff")
-    return f'<div class="vi-qr" role="img" aria-label="QR code of the link">{drawn}</div>'
+    return draw_qr(address, "QR code of the link", error="l")

@@ -68,7 +68,7 @@ def draw_tile(tile: Tile) -> str:
     return (
         f'<div class="vi-tile{stuck}" data-state="{tile.state}">{_landscape(tile)}'
         f'<div class="vi-tile-words">{icon}{name}</div>'
-        f'<div class="vi-tile-words"><span>{words}</span><i>{off}</i></div></div>'
+        f'<div class="vi-tile-words"><span>{words}</span><i class="vi-tells">{off}</i></div></div>'
     )
 
 
@@ -82,7 +82,7 @@ def _landscape(tile: Tile) -> str:
     low, high = np.array(tile.plane, float).T
     place = lambda degrees: np.array([0, h]) + np.array([w, -h]) * ((degrees - low) / (high - low))[..., ::-1]
     if tile.demo is not None:
-        parts.append(f'<path class="vi-seen" d="{svg.diamonds(place(np.array(tile.demo))[None], 5)}"/>')
+        parts.append(f'<path class="vi-seen vi-tells" d="{svg.diamonds(place(np.array(tile.demo))[None], 5)}"/>')
     if tile.path:
         path = place(np.array(tile.path, float))
         line = svg.path(path)
@@ -107,7 +107,7 @@ def _hills(hills: tuple[int, int, bytes]) -> str:
     return (
         f'<mask id="{name}"><image x="{-dx / 2:.2f}" y="{-dy / 2:.2f}" width="{w + dx:.2f}" height="{h + dy:.2f}"'
         f' preserveAspectRatio="none" href="{_picture(rows, columns, shades)}"/></mask>'
-        f'<rect class="vi-hills" width="{w}" height="{h}" mask="url(#{name})"/>'
+        f'<rect class="vi-hills vi-tells" width="{w}" height="{h}" mask="url(#{name})"/>'
     )
 
 

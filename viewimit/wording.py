@@ -4,6 +4,7 @@ import shlex
 
 import msgspec
 
+from .reading import is_text
 from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Stepped
 from .settings import BEST, DISTURBANCES, USUAL_POINTS, Settings
 
@@ -34,6 +35,8 @@ def as_command(script: Script) -> str:
     for name, why in NO_WORDS.items():
         if getattr(settings, name) != getattr(plain, name):
             raise ValueError(f"no command: {why}")
+    if is_text(settings.scene):
+        raise ValueError("no command: its scene came without a file; save the scene, and name its file")
     if not all(isinstance(deed, Stepped) for deed in script.deeds):
         raise ValueError("no command: something was done by hand on the way; as Python it can be said")
     words = ["viewimit", "imitate"]

@@ -54,7 +54,7 @@ from .motions import Motions
 from .on_the_way import OnTheWay
 from .player import DENSE, Player
 from .points.editing import PointEditing
-from .presets import Preset, presets_from
+from .presets import AS_STARTED, Preset, presets_from
 from .queue import CommandQueue
 from .saving import Saving
 from .services import Services
@@ -88,7 +88,7 @@ class PageModel:
         self.building = BuildingUp()
         self.presets = presets_from(settings)
         self.preset = next(iter(self.presets.values()))
-        self._of_presets: dict[str, Settings] = {}  # as a session has them
+        self._of_preset: tuple[Preset, Settings] | None = None  # as a session has them
         self.past = Past()
         self._before_word: BeforeWord | None = None
         self.motions = Motions(self.session, self.pose, self._make_motion, send)
@@ -245,10 +245,9 @@ class PageModel:
     @property
     def modified(self) -> bool:
         """Whether the settings are others than the preset's."""
-        name = self.preset.name
-        if name not in self._of_presets:
-            self._of_presets[name] = complete(self.preset.settings)
-        return self.session.settings != self._of_presets[name]
+        if self._of_preset is None or self._of_preset[0] is not self.preset:
+            self._of_preset = self.preset, complete(self.preset.settings)
+        return self.session.settings != self._of_preset[1]
 
     @property
     def _sessions(self) -> list[Session]:
@@ -358,7 +357,10 @@ class PageModel:
             self.session.resume(*before)
             raise
         settings = linked.script.settings
-        self.preset = self.presets.get(linked.preset, Preset("From a link", settings, linked.speed, "As it was sent."))
+        from_link = Preset("From a link", settings, linked.speed, "As it was sent.")
+        self.preset = self.presets.get(linked.preset, from_link)
+        if linked.preset == AS_STARTED and self.modified:  # another server was started otherwise
+            self.preset = from_link
         self.show_view_of(linked)
         self.begin_anew()
         if linked.lesson is not None:

@@ -1,6 +1,6 @@
 """Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.distortion import Radial
-from ..reading import parse_toml, read_toml
+from ..reading import is_text, parse_toml, read_toml
 from ..settings import BodyPoint
 from .camera import StereoHead
 from .lens import Lens
@@ -31,6 +31,7 @@ MOST_EXTENDED = 16  # scenes that one builds on
 MOST_NUMBER = 1e6  # of anything in a scene: m, px or degrees
 LEAST_LENGTH = 1e-6  # m, px: what is less is nothing
 MOST_IMAGE_PX = 10_000  # an edge
+MOST_TEXT = 20_000  # characters of a scene that is told in full
 
 
 class NoRobotThere(ValueError):
@@ -166,7 +167,8 @@ def load_scene(
     body_points: Sequence[BodyPoint] | None = None,
 ) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
-    scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made.
+    scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made. Or
+    all that a scene file says, as text that ends with a line: of shipped scenes and robots alone.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames. A
     URDF of the same file name as the scene's is taken to be that one, elsewhere.
@@ -175,20 +177,13 @@ def load_scene(
     of the scene's.
     Raises ValueError that names the file and the field, NoRobotThere where the scene's URDF is missing.
     """
-    require_urdf(name)
-    path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
-    if is_reference(name):
-        path, fields = parse_reference(name).path, made_scene(name, joints).fields
-    elif not path.is_file():
-        raise ValueError(
-            f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"
-        )
+    place, read = _source(name, joints)
     if robot is not None:
         load_robot(robot)  # its own faults are not the scene's
     try:
-        fields = fields if is_reference(name) else _read(path)
-        scene = _converted(fields)
-        scene = msgspec.structs.replace(scene, robot=_robot_of(scene, None if is_reference(name) else path, robot))
+        scene = _converted(read())
+        path = None if is_text(name) or is_reference(name) else Path(place)
+        scene = msgspec.structs.replace(scene, robot=_robot_of(scene, path, robot))
         if undistort is not None:
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
         if body_points is not None:
@@ -196,10 +191,26 @@ def load_scene(
         _check(scene)
         scene = scene if joints is None else _freed(scene, joints)
     except NoRobotThere as error:
-        raise NoRobotThere(f"{path}: {error}") from None
+        raise NoRobotThere(f"{place}: {error}") from None
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
-        raise ValueError(f"{path}: {error}") from None
+        raise ValueError(f"{place}: {error}") from None
     return scene
+
+
+def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Path, Callable[[], dict]]:
+    """What a scene is called in what is said of its faults, and what reads its fields. Raises ValueError for none."""
+    if is_text(name):
+        return "the scene", lambda: _read_text(str(name))
+    require_urdf(name)
+    if is_reference(name):
+        made = made_scene(name, joints)
+        return parse_reference(name).path, lambda: made.fields
+    path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
+    if not path.is_file():
+        raise ValueError(
+            f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"
+        )
+    return path, lambda: _read(path)
 
 
 def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
@@ -279,6 +290,21 @@ def _read(path: Path, above: tuple[Path, ...] = ()) -> dict:
     return _merge(_read(below, above), fields)
 
 
+def _read_text(text: str) -> dict:
+    """Wherever it comes from, it opens no file but those that are shipped."""
+    if len(text) > MOST_TEXT:
+        raise ValueError(f"it has {len(text)} characters, more than {MOST_TEXT}")
+    fields = dict(_decoded(text.encode()))
+    parent = fields.pop("extends", None)
+    if parent is not None:
+        if parent not in scene_names():
+            raise ValueError(f"extends {str(parent)[:40]!r}, which is no shipped scene")
+        fields = _merge(_read(ROOT / "scenes" / f"{parent}.toml"), fields)
+    if fields.get("robot") not in robot_names():
+        raise ValueError(f"its robot, {str(fields.get('robot'))[:40]!r}, is none of {', '.join(robot_names())}")
+    return fields
+
+
 @lru_cache(16)  # every run of a study begins with it
 def _decoded(content: bytes) -> dict:
     fields = parse_toml(content)
@@ -291,7 +317,7 @@ def _decoded(content: bytes) -> dict:
 
 def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
     """The scene's own, a URDF from the scene's file, or `robot` in its place: a URDF of the same name is taken from the
-    same base to the same tip. path: of the file, None for a scene that a URDF made. Raises NoRobotThere."""
+    same base to the same tip. path: of the file, None for a scene without one. Raises NoRobotThere."""
     own = parse_reference(scene.robot) if is_reference(scene.robot) else None
     if robot is not None:
         found = parse_reference(robot) if is_reference(robot) else None

@@ -29,6 +29,16 @@ class TooLarge(ValueError):
     """The message names the file, and what to do."""
 
 
+def is_text(place: object) -> bool:
+    """Whether it is what a file says, in place of a path: that ends with a line, and no path does."""
+    return str(place).endswith("\n")
+
+
+def file_name(place: str) -> str:
+    """Of a path of any system; a name stays, and so does what a file says."""
+    return place if is_text(place) else place.replace("\\", "/").rsplit("/", 1)[-1]
+
+
 def require_file(path: Path, most_bytes: int) -> None:
     """Raises OSError for what is not there, ValueError for what is no file, or too large: nothing is opened, so that
     nobody waits for a pipe."""

@@ -91,11 +91,6 @@ def _settings_renamed(settings: Settings, told: Callable[[str], str]) -> Setting
     return msgspec.structs.replace(settings, scene=told(settings.scene), robot=robot)
 
 
-def file_name(place: str) -> str:
-    """Of a path of any system; a name stays."""
-    return place.replace("\\", "/").rsplit("/", 1)[-1]
-
-
 class Log(msgspec.Struct, forbid_unknown_fields=True):
     """What is done to a session, as it is done. before: what led to motion 0; deeds: by the motion at which they were
     done, but for the step from each motion to the next; lost: the motion from which on it does not know all, or None.

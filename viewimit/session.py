@@ -239,7 +239,7 @@ class Session:
             raise ValueError(f"needs {FEWEST} postures or more, got {len(postures)}")
         to_rehearse = np.array([self.embodiment.require_posture(theta, "the rehearsed") for theta in postures])
         settings = self.settings
-        body = BodyImage(self.embodiment.body(settings), settings.scene, self.observer.noise_at_rest(settings))
+        body = BodyImage(self.embodiment.body(settings), settings.scene_called, self.observer.noise_at_rest(settings))
         now = self.snapshot.with_fields(body=body, to_rehearse=to_rehearse, servo_state=None, status="rehearsing")
         self.log.note(now.motion, Rehearsed(tuple(map(tuple, to_rehearse.tolist()))))
         self.history.replace(now)

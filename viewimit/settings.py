@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from .perception.latency import MOST_LAG
+from .reading import file_name, is_text, parse_toml
 from .servo import SERVOS
 from .transfer import TRANSFERS
 
@@ -29,8 +30,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
     it. The learner is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
-    scene: a name, or the path of a scene file, or of a URDF, for which a scene is made; robot: a name or the path of a
-    URDF, in place of the scene's; joints: which move, in place of the scene's.
+    scene: a name, or the path of a scene file, or of a URDF, for which a scene is made, or all that a scene file says,
+    as text that ends with a line; robot: a name or the path of a URDF, in place of the scene's; joints: which move, in
+    place of the scene's.
     body_points: [link, x, y, z] each, as in a scene, in place of all of its layouts.
     undistort: (k1, k2) of the radial distortion that images are rid of, in place of the scene's.
     rectify: of RECTIFY; auto rectifies the images by what all matches of both pairs of views tell of their cameras, if
@@ -60,6 +62,14 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     undistort: tuple[float, float] | None = None
     rectify: str = "auto"
     camera: str = "points"
+
+    @property
+    def scene_called(self) -> str:
+        """In a line, for people."""
+        if not is_text(self.scene):
+            return file_name(self.scene)
+        fields = parse_toml(self.scene.encode())
+        return " ".join(str(fields.get("title", fields.get("extends"))).split())
 
     @property
     def start_rad(self) -> NDArray:

@@ -4,6 +4,7 @@ import shlex
 
 import msgspec
 
+from .reading import is_text
 from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Stepped
 from .settings import BEST, DISTURBANCES, USUAL_POINTS, Settings
 
@@ -32,6 +33,8 @@ def as_command(script: Script) -> str:
     """Of `viewimit imitate`. Raises ValueError, with what it is, for what a command cannot say."""
     settings = script.settings
     options = _options(settings, BEST)
+    if is_text(settings.scene):
+        raise ValueError("no command: its scene came without a file; save the scene, and name its file")
     if not all(isinstance(deed, Stepped) for deed in script.deeds):
         raise ValueError("no command: something was done by hand on the way; as Python it can be said")
     return shlex.join(["viewimit", "imitate", *options, f"--max-motions={script.steps}", "--json"])

@@ -134,7 +134,7 @@ class Presets:
     def __init__(self, asked: Settings):
         self.offered = presets_from(asked)
         self.chosen = next(iter(self.offered.values()))
-        self._complete: dict[str, Settings] = {}  # those of presets as a session has them
+        self._complete: tuple[Preset, Settings] | None = None  # those of the chosen one, as a session has them
 
     def choose_named(self, name: str) -> None:
         """If there is one of that name."""
@@ -142,7 +142,6 @@ class Presets:
 
     def differ(self, settings: Settings) -> bool:
         """Whether a session's settings are others than those of the chosen one."""
-        name = self.chosen.name
-        if name not in self._complete:
-            self._complete[name] = complete(self.chosen.settings)
-        return settings != self._complete[name]
+        if self._complete is None or self._complete[0] is not self.chosen:
+            self._complete = self.chosen, complete(self.chosen.settings)
+        return settings != self._complete[1]

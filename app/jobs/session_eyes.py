@@ -16,6 +16,7 @@ from viewimit.snapshot import Snapshot
 
 from .camera_images import CameraProcess
 
+MOST_PX = 1280 * 720  # of an image: a look takes 6 s then, for which all others wait
 MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
 
 
@@ -75,12 +76,18 @@ class SessionEyes:
         self._key: int | None = None
 
     def __call__(self, camera: str, scene: Scene, points: int) -> SimulatedEyes:
-        """As `open_eyes`. Raises ValueError as `require_eyes` and `CameraProcess.open`, CameraLost."""
+        """As `open_eyes`. Raises ValueError as `require_eyes` and `CameraProcess.open`, and for images of more than
+        MOST_PX; CameraLost."""
         if camera == "points":
             eyes = open_eyes(camera, scene, points)
             self.close()
             return eyes
         require_eyes(camera, scene)
+        width, height = scene.head.image
+        if width * height > MOST_PX:
+            raise ValueError(
+                f"camera images of {width} × {height} px are too large for a page: 1280 × 720 are the most"
+            )
         key, noise_px = self._process.open(scene, self._key)
         self._key = key
         return RemoteEyes(lambda *request: self._process.ask(key, *request), scene, noise_px)

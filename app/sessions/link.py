@@ -9,10 +9,13 @@ import msgspec
 import zstandard
 
 from viewimit.history import MAX_HISTORY
-from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script, file_name
+from viewimit.reading import file_name, is_text
+from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script
 from viewimit.settings import Settings
 from viewimit.simulation.robots import robot_names
-from viewimit.simulation.scene import scene_names
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.scene_reading import scene_names
+from viewimit.simulation.scene_text import scene_text
 
 FORM = "1"  # the first character: which form the rest has
 MOST_CHARS = 6_000
@@ -20,7 +23,10 @@ MOST_BYTES = 1 << 18  # unpacked
 MOST_STEPS = 3_000  # passes of the loop that a server makes for a visitor
 MOST_FRAMES = 100  # images averaged in each
 MOST_DEEDS = 500
-MOST_POINTS = 64  # placed by hand
+MOST_POINTS = 64  # placed by hand, or of a layout
+MOST_LAYOUTS = 16
+MOST_TITLE = 200  # characters
+MOST_SCENES = 16  # told in full
 MOST_REHEARSED = 200
 
 Index = Annotated[int, msgspec.Meta(ge=0, le=MAX_HISTORY)]
@@ -41,19 +47,56 @@ class Linked(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 def written(linked: Linked) -> str:
-    """Letters, digits, - and _; files of the server by their names alone. Raises ValueError for what is too long."""
-    linked = msgspec.structs.replace(linked, script=linked.script.renamed(file_name))
-    packed = zstandard.compress(msgspec.msgpack.encode(linked), 19)
-    text = FORM + base64.urlsafe_b64encode(packed).decode().rstrip("=")
-    if len(text) > MOST_CHARS:
-        raise ValueError(f"too much was done for a link: {len(text)} characters of {MOST_CHARS}")
-    _require(linked, linked.script.settings)
-    return text
+    """Letters, digits, - and _. A scene of one's own is told in full, so that the link opens everywhere; one with a
+    robot of one's own, or with more to say than an address holds, by its file's name alone. Raises ValueError for what
+    is too long."""
+    text = ""
+    for named in (told, file_name):
+        renamed = msgspec.structs.replace(linked, script=linked.script.renamed(named))
+        text = _packed(renamed)
+        if len(text) <= MOST_CHARS:
+            _require(renamed, renamed.script.settings)
+            return text
+    raise ValueError(f"too much was done for a link: {len(text)} characters of {MOST_CHARS}")
 
 
 def read(text: str, begun: Settings) -> Linked:
     """begun: what the server was started with, whose own scene a link may name. Raises ValueError that says in a line
     why it is none."""
+    linked = _unpacked(text)
+    own = {
+        name(place): place for place in (begun.scene, begun.robot) if place is not None for name in (file_name, told)
+    }
+    linked = msgspec.structs.replace(linked, script=linked.script.renamed(lambda name: own.get(name, name)))
+    _require(linked, begun)
+    return linked
+
+
+def files_named(text: str) -> list[str]:
+    """By a link: of scenes and robots that a server has to be started with to open it."""
+    named: dict[str, None] = {}  # in their order
+    _unpacked(text).script.renamed(lambda name: named.setdefault(name) or name)
+    return [name for name in named if name not in (*scene_names(), *robot_names()) and not is_text(name)]
+
+
+def told(place: str) -> str:
+    """A scene's file in full where that can be; by its name else, as all that is no file of a scene."""
+    if not place.endswith(".toml"):
+        return file_name(place)
+    try:
+        text = scene_text(load_scene(place))
+        _require_scene(text)
+        return text
+    except (OSError, ValueError):
+        return file_name(place)
+
+
+def _packed(linked: Linked) -> str:
+    packed = zstandard.compress(msgspec.msgpack.encode(linked), 19)
+    return FORM + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def _unpacked(text: str) -> Linked:
     if len(text) > MOST_CHARS:
         raise ValueError(f"the link is too long: {len(text)} characters of {MOST_CHARS}")
     if not text.startswith(FORM):
@@ -61,13 +104,9 @@ def read(text: str, begun: Settings) -> Linked:
     try:
         packed = base64.b64decode(text[1:] + "=" * (-len(text[1:]) % 4), altchars="-_", validate=True)
         plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=MOST_BYTES)
-        linked = msgspec.msgpack.decode(plain, type=Linked)
+        return msgspec.msgpack.decode(plain, type=Linked)
     except (binascii.Error, ValueError, zstandard.ZstdError, msgspec.MsgspecError, RecursionError) as error:
         raise ValueError(f"the link is damaged: {str(error)[:120]}") from None
-    own = {file_name(place): place for place in (begun.scene, begun.robot) if place is not None}
-    linked = msgspec.structs.replace(linked, script=linked.script.renamed(lambda name: own.get(name, name)))
-    _require(linked, begun)
-    return linked
 
 
 def _require(linked: Linked, begun: Settings) -> None:
@@ -77,8 +116,14 @@ def _require(linked: Linked, begun: Settings) -> None:
         raise ValueError(f"the link asks for {script.steps} motions; {MOST_STEPS} are the most")
     if len(script.deeds) > MOST_DEEDS:
         raise ValueError(f"the link asks for {len(script.deeds)} deeds; {MOST_DEEDS} are the most")
-    for settings in (script.settings, *(found for deed in script.deeds if (found := _settings_of(deed)) is not None)):
+    all_settings = [script.settings, *(found for deed in script.deeds if (found := _settings_of(deed)) is not None)]
+    for settings in all_settings:
         _require_names(settings, begun)
+    texts = {settings.scene for settings in all_settings if is_text(settings.scene)}
+    if len(texts) > MOST_SCENES:
+        raise ValueError(f"the link tells {len(texts)} scenes; {MOST_SCENES} are the most")
+    for text in texts:
+        _require_scene(text)
     for deed in script.deeds:
         _require_finite(deed)
 
@@ -97,7 +142,7 @@ def _settings_of(deed: Deed) -> Settings | None:
 
 def _require_names(settings: Settings, begun: Settings) -> None:
     """No file of the server's is opened for a link, but those that it shows anyhow."""
-    if settings.scene not in (*scene_names(), begun.scene):
+    if not is_text(settings.scene) and settings.scene not in (*scene_names(), begun.scene):
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
     if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
         raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
@@ -105,6 +150,23 @@ def _require_names(settings: Settings, begun: Settings) -> None:
         raise ValueError(f"the link places {len(settings.body_points or ())} points; {MOST_POINTS} are the most")
     if settings.frames > MOST_FRAMES:
         raise ValueError(f"the link averages {settings.frames} images; {MOST_FRAMES} are the most")
+
+
+def _require_scene(text: str) -> None:
+    """No more than a page is made to draw."""
+    try:
+        scene = load_scene(text)
+    except ValueError as error:
+        raise ValueError(f"the link's scene cannot be: {' '.join(str(error).split())[:150]}") from None
+    for what, count, most in (
+        ("points", max(map(len, scene.points.values()), default=0), MOST_POINTS),
+        ("layouts", len(scene.points), MOST_LAYOUTS),
+        ("letters of a title", len(scene.title), MOST_TITLE),
+    ):
+        if count > most:
+            raise ValueError(f"the link's scene has {count} {what}; {most} are the most")
+    if not scene.title.isprintable():
+        raise ValueError("the link's scene has a title that cannot be printed")
 
 
 def _require_finite(deed: Deed) -> None:

@@ -1,18 +1,24 @@
 """A page becomes what a link holds, to the last bit, and Undo brings back what it was."""
 
+from pathlib import Path
+
 import msgspec
 import numpy as np
 import pytest
 from quiet_page import QuietPage
 from viewimit.app.control.commands.links import FollowLink
 from viewimit.app.control.commands.session import Step, Undo
-from viewimit.app.control.presets import PRESETS
+from viewimit.app.control.presets import AS_STARTED, PRESETS
 from viewimit.app.panels.guide.share import share_html
+from viewimit.app.sessions.autosave import SavedPage, SavedSession
 from viewimit.app.sessions.link import read, written
 
+from viewimit.export.citation import cite
+from viewimit.export.replay import replay
 from viewimit.session import Session
 from viewimit.settings import Settings
 
+ROOT = Path(__file__).parents[2]
 BY_POINTS = [preset for preset in PRESETS if preset.settings.camera == "points"]
 
 
@@ -95,3 +101,56 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
 
     play(read(text, Settings()).script, session)
     assert np.array_equal(session.snapshot.theta, model.session.snapshot.theta)
+
+
+def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_path):
+    """The card says nothing of a file, its QR code is there, and pictures are captioned by the scene's title."""
+    path = tmp_path / "mine.toml"
+    path.write_text('title = "Eyes <b>apart</b> &c"\nextends = "panda"\n[head]\nbaseline = 0.8\n')
+    sender, receiver = QuietPage(Settings(scene=str(path))), QuietPage(Settings(), address="/touch/0.x")
+    for _ in range(3):
+        sender.page.put(Step())
+        sender.tick(0.3)
+    sent, got = sender.page.model, receiver.page.model
+    card, text = share_html(sent.state(0.0), "http://here:8080"), written(sent.linked())
+    assert f"/?s={text}" in card and 'aria-label="QR code' in card and "It opens only" not in card
+    path.unlink()
+    assert sent.preset.name == AS_STARTED
+    receiver.page.put(FollowLink(text))
+    settled(receiver)
+    assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
+    assert got.session.snapshot.E == sent.session.snapshot.E and got.session.cursor == 3
+    assert got.session.world.scene == sent.session.world.scene
+    assert written(got.linked()).startswith("1") and read(written(got.linked()), Settings()) == got.linked()
+    card = share_html(got.state(0.0), "http://here:8080")
+    assert "save the scene, and name its file" in card and "baseline = 0.8" in card and "<b>apart" not in card
+    cited = cite(got.session)
+    assert "Eyes <b>apart</b> &c, 10 points" in cited.conditions and cited.command is None and cited.python
+    page = replay(got.session).html
+    assert "<b>apart" not in page and "Eyes &lt;b&gt;apart&lt;/b&gt; &amp;c" in page
+    memory = got.memory()
+    head = msgspec.msgpack.decode(msgspec.msgpack.encode(memory.head), type=SavedPage)
+    again = QuietPage(Settings(), resumed=SavedSession(head, memory.history)).page.model
+    assert again.session.snapshot.theta.tobytes() == got.session.snapshot.theta.tobytes()
+    assert again.session.world.scene == got.session.world.scene and again.session.script == got.session.script
+
+
+def test_the_card_says_where_alone_a_link_with_a_robot_of_ones_own_opens():
+    page = QuietPage(Settings(scene=str(ROOT / "docs/gallery-arm.urdf")))
+    card = share_html(page.page.model.state(0.0), "http://here:8080")
+    assert "It opens only on a server that was started with gallery-arm.urdf" in card and "/?s=" in card
+
+
+def test_what_a_link_began_with_is_its_own_and_not_what_this_server_was_started_with():
+    sent = QuietPage(Settings(seed=11, noise_px=0.125)).page.model.linked()
+    page = QuietPage(Settings(scene="iiwa", seed=3))
+    assert sent.preset == page.page.model.preset.name == AS_STARTED
+    scripts = [Session(Settings(scene=scene)).script for scene in ("panda-facing", "panda-flat")]
+    others = [msgspec.structs.replace(sent, script=script, preset="Elsewhere") for script in scripts]
+    for linked in (sent, *others):
+        page.page.put(FollowLink(written(linked)))
+        settled(page)
+        model = page.page.model
+        assert model.preset.name == "From a link" and not model.modified
+    model.session.change(seed=4)
+    assert model.modified

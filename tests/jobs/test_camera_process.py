@@ -6,16 +6,17 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
 from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
 from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
-from viewimit.app.jobs.session_eyes import MOST_LOOKS, RemoteEyes
+from viewimit.app.jobs.session_eyes import MOST_LOOKS, RemoteEyes, SessionEyes
 from waiting import stays, wait_until
 
-from viewimit.simulation.scene import load_scene
+from viewimit.simulation.scene import extended, load_scene
 
 
 class OddEyes:
@@ -162,6 +163,21 @@ def test_pictures_are_kept_for_a_while_by_what_they_show():
     assert set(eyes.pictures(Moment)) == {"l", "r"}
 
 
+@pytest.mark.parametrize(("width", "height", "opens"), [(1280, 720, True), (1281, 720, False), (10_000, 10_000, False)])
+def test_no_page_has_pictures_rendered_that_all_others_would_wait_for(width, height, opens):
+    pytest.importorskip("pybullet"), pytest.importorskip("cv2")
+    opened = []
+    process = SimpleNamespace(open=lambda scene, key: opened.append(scene) or (1, 0.08), close=lambda key: None)
+    scene, eyes = extended(load_scene("panda"), {"head": {"image": [width, height]}}), SessionEyes(process)
+    if opens:
+        assert eyes("rendered", scene, 10).world.scene == scene and opened == [scene]
+    else:
+        with pytest.raises(ValueError, match=f"{width} × {height} px are too large"):
+            eyes("rendered", scene, 10)
+        assert not opened
+    assert eyes("points", extended(load_scene("panda"), {"head": {"image": [10_000, 10_000]}}), 10) and not opened[1:]
+
+
 LOOKING = """
 import sys
 from viewimit.app.jobs.camera_images import CameraProcess
@@ -188,8 +204,6 @@ def test_the_server_itself_loads_neither_pybullet_nor_opencv(tmp_path):
 
 def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
     pytest.importorskip("pybullet"), pytest.importorskip("cv2")
-    from viewimit.app.jobs.session_eyes import SessionEyes
-
     from viewimit.session import Session
     from viewimit.settings import BEST, Settings
 

@@ -52,6 +52,7 @@ from browsing import (
 )
 from viewimit.app.control.names import servo_names, transfer_names
 from viewimit.app.control.presets import PRESETS
+from viewimit.app.sessions.link import Linked, written
 
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -380,6 +381,22 @@ def test_a_reloaded_tab_goes_on_where_it_was(session):
     page.reload()
     wait_until_complete(page)
     wait(page, lambda: posture(page) == stands(alone))
+
+
+def test_a_link_of_an_own_scene_opens_on_a_server_that_knows_nothing_of_it_and_survives_a_reload(browser, server):
+    scene = 'title = "Eyes apart"\nextends = "panda"\n[head]\nbaseline = 0.8\n'
+    there, usual = Session(Settings(scene=scene)), Session()
+    for one in (there, usual):
+        one.run(5)
+    page = open_page(browser, f"{server}/?s={written(Linked(script=there.script))}")
+    wait(page, lambda: posture(page) == stands(there) != stands(usual))
+    page.reload()
+    wait_until_complete(page)
+    wait(page, lambda: posture(page) == stands(there))
+    press(page, "l")
+    wait_for_text(page, "its scene came without a file; save the scene")
+    assert page.locator(".vi-qr").count() == 1 and page.problems == []
+    page.close()
 
 
 @pytest.fixture

@@ -11,13 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from viewimit.app.control.presets import PRESETS
 from viewimit.app.sessions import link
-from viewimit.app.sessions.link import Linked, read, written
+from viewimit.app.sessions.link import Linked, files_named, read, written
 
 from viewimit.rehearsal import begin_rehearsal
 from viewimit.script import Began, Changed, Posed, Rehearsed, Script, Stepped
 from viewimit.script_player import play
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
+from viewimit.simulation.scene import load_scene
 
 BY_POINTS = [preset for preset in PRESETS if preset.settings.camera == "points"]
 
@@ -73,6 +74,10 @@ def script(settings=None, *deeds) -> dict:
     return {"script": {"settings": settings or {}, "deeds": list(deeds)}}
 
 
+def layout(count: int) -> str:
+    return f"points.{count} = {[[1, 0.1, 0.1, 0.1]] * count}\n"
+
+
 @pytest.mark.parametrize(
     ("fields", "says"),
     [
@@ -91,6 +96,20 @@ def script(settings=None, *deeds) -> dict:
         (script({"frames": 1000}), "averages"),
         (script({"body_points": [[2, 0.0, 0.0, 0.001 * k] for k in range(65)]}), "places"),
         (script({"noise_px": float("nan")}), "damaged"),
+        (script({"scene": "extends = 'mine'\n"}), "no shipped scene"),
+        (script({"scene": "extends = '../../secret'\n"}), "no shipped scene"),
+        (script(None, ["c", {"scene": "extends = 'panda'\nrobot = '/root/x.urdf'\n"}]), "its robot"),
+        (script(None, ["b", {"scene": "extends = 'panda'\nrobot = '../x'\n"}]), "its robot"),
+        (script({"scene": "extends = 'panda'\nhead.focal = nan\n"}), "finite"),
+        (script({"scene": "extends = 'panda'\nhead.image = [100000, 100000]\n"}), "image must be"),
+        (script({"scene": "extends = 'panda'\nhead.baseline = 'wide'\n"}), "cannot be"),
+        (script({"scene": f"extends = 'panda'\nx = {'[' * 9_000}\n"}), "cannot be"),
+        (script({"scene": "x" * 100_000 + "\n"}), "characters"),
+        (script({"scene": f"extends = 'panda'\npoints.65 = {[[1, 0.1, 0.1, 0.1]] * 65}\n"}), "points"),
+        (script({"scene": "extends = 'panda'\n" + "\n".join(layout(k) for k in range(20, 40))}), "layouts"),
+        (script({"scene": f"extends = 'panda'\ntitle = '{'x' * 201}'\n"}), "title"),
+        (script({"scene": "extends = 'panda'\ntitle = \"\\u0001\"\n"}), "printed"),
+        (script(None, *[["c", {"scene": f"extends = 'panda'\ntitle = '{k}'\n"}] for k in range(17)]), "scenes"),
         ({**script(), "speed": float("nan")}, "damaged"),
         ({**script(), "chosen": -1}, "damaged"),
         ({**script(), "lesson": ["x" * 1000, 0]}, "damaged"),
@@ -117,6 +136,55 @@ def test_a_link_of_the_servers_own_scene_is_followed():
     assert read(text, begun).script.settings == begun
     with pytest.raises(ValueError, match="not here"):
         read(text, Settings())
+
+
+OWN = {
+    "eyes": 'title = "Eyes apart"\nextends = "panda"\n[head]\nbaseline = 0.7654321012345678\n',
+    "points": 'title = "Ten points"\nextends = "iiwa"\n[points]\n10 = '
+    + str([[1 + k % 6, 0.1 / (k + 3), -0.2 / (k + 7), 0.01 * k] for k in range(10)]),
+}
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_a_link_of_ones_own_scene_opens_where_nobody_knows_it(name, tmp_path):
+    """Its file is gone by then, and what was done in it, with others between, is done again to the last bit."""
+    path = tmp_path / "mine.toml"
+    path.write_text(OWN[name])
+    session = Session(Settings(scene="panda-toed"))
+    session.begin(Settings(scene=str(path)))
+    session.run(3)
+    session.change(scene="panda")
+    session.step()
+    session.change(scene=str(path), noise_px=0.25)
+    session.run(4)
+    linked = Linked(script=session.script)
+    text = written(linked)
+    assert read(text, Settings(scene=str(path))) == linked  # where it is shown, it stays the file
+    assert files_named(text) == [] and len(text) < 1_100  # with an origin, few enough for a QR code
+    path.unlink()
+    other = Session()
+    play(read(text, Settings(scene="iiwa")).script, other)
+    assert other.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
+    assert other.snapshot.E == session.snapshot.E and other.world.scene == session.world.scene
+    assert written(Linked(script=other.script)) == text  # and is passed on
+
+
+def test_scenes_that_no_link_can_hold_go_by_their_names(tmp_path):
+    """With a robot of one's own, with more than a page is made to draw, with more than an address holds."""
+    (tmp_path / "own.toml").write_text('extends = "panda"\nrobot = "arm.urdf"\n')
+    (tmp_path / "arm.urdf").write_text('<robot name="arm"><link name="a"/></robot>')
+    (tmp_path / "many.toml").write_text('extends = "panda"\n' + layout(65))
+    rng, rows = random.Random(1), lambda n: [[1, rng.random(), rng.random(), rng.random()] for _ in range(n)]
+    lines = "\n".join(f"points.{n} = {rows(n)}" for n in range(40, 45))
+    (tmp_path / "long.toml").write_text(f'extends = "panda"\n{lines}\n')
+    for name in ("own.toml", "many.toml", "long.toml"):
+        begun = Settings(scene=str(tmp_path / name))
+        text = written(Linked(script=Script(begun)))
+        assert files_named(text) == [name] and read(text, begun).script.settings == begun
+        with pytest.raises(ValueError, match="not here"):
+            read(text, Settings())
+    assert load_scene(tmp_path / "long.toml").points["44"]  # nothing is wrong with it
+    assert files_named(written(Linked(script=Script(Settings(robot="/x/arm.urdf"))))) == ["arm.urdf"]
 
 
 def test_a_link_tells_no_folder_of_the_server():

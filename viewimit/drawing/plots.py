@@ -71,9 +71,8 @@ def described(settings: Settings) -> str:
     """The conditions under which a result was found, in one line."""
     angles = settings.demonstrator_deg or ()  # none: the scene's own
     posture = ", ".join(svg.number(angle, 1 if len(angles) <= 3 else 0) + "°" for angle in angles)
-    scene = settings.scene.replace("\\", "/").rsplit("/", 1)[-1]
     points = f"{settings.points} points{'' if settings.body_points is None else ' by hand'}"
-    said = f"{settings.transfer} transfer · {scene}, {points}"
+    said = f"{settings.transfer} transfer · {settings.scene_called}, {points}"
     said = f"Demonstrator ({posture}) · {said}" if posture else said[0].upper() + said[1:]
     disturbed = [found.caption.format(amount) for found, amount in settings.amounts(Disturbance) if amount]
     return " · ".join([said, ", ".join(disturbed)] if disturbed else [said])

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from .. import __version__
 from ..drawing.plots import described
-from ..script import file_name
+from ..reading import file_name
 from ..servo import SERVOS
 from ..session import Session
 from ..settings import Settings

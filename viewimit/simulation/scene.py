@@ -1,6 +1,6 @@
 """Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.distortion import Radial
+from ..reading import is_text
 from ..settings import BodyPoint
 from .camera import StereoHead
 from .lens import Lens
 from .robot import BodyPoints
 from .robots import load_robot, require_joints
-from .scene_reading import merged, read_fields
+from .scene_reading import merged, read_fields, read_text, scene_names
 from .urdf.formats import require_urdf
 from .urdf.reference import is_reference, parse_reference
 
@@ -146,11 +147,6 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return np.clip(theta, self.lower, self.upper)
 
 
-def scene_names() -> list[str]:
-    """Names of the shipped scenes."""
-    return sorted(path.stem for path in (ROOT / "scenes").glob("*.toml"))
-
-
 def load_scene(
     name: str | Path = "panda",
     robot: str | Path | None = None,
@@ -159,7 +155,8 @@ def load_scene(
     body_points: Sequence[BodyPoint] | None = None,
 ) -> Scene:
     """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
-    scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made.
+    scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made. Or
+    all that a scene file says, as text that ends with a line: of shipped scenes and robots alone.
 
     robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames. A
     URDF of the same file name as the scene's is taken to be that one, elsewhere.
@@ -168,20 +165,13 @@ def load_scene(
     of the scene's.
     Raises ValueError that names the file and the field, NoRobotThere where the scene's URDF is missing.
     """
-    require_urdf(name)
-    path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
-    if is_reference(name):
-        path, fields = parse_reference(name).path, made_scene(name, joints).fields
-    elif not path.is_file():
-        raise ValueError(
-            f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"
-        )
+    place, read = _source(name, joints)
     if robot is not None:
         load_robot(robot)  # its own faults are not the scene's
     try:
-        fields = fields if is_reference(name) else read_fields(path)
-        scene = _converted(fields)
-        scene = msgspec.structs.replace(scene, robot=_robot_of(scene, None if is_reference(name) else path, robot))
+        scene = _converted(read())
+        path = None if is_text(name) or is_reference(name) else Path(place)
+        scene = msgspec.structs.replace(scene, robot=_robot_of(scene, path, robot))
         if undistort is not None:
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
         if body_points is not None:
@@ -189,10 +179,26 @@ def load_scene(
         _check(scene)
         scene = scene if joints is None else _freed(scene, joints)
     except NoRobotThere as error:
-        raise NoRobotThere(f"{path}: {error}") from None
+        raise NoRobotThere(f"{place}: {error}") from None
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
-        raise ValueError(f"{path}: {error}") from None
+        raise ValueError(f"{place}: {error}") from None
     return scene
+
+
+def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Path, Callable[[], dict]]:
+    """What a scene is called in what is said of its faults, and what reads its fields. Raises ValueError for none."""
+    if is_text(name):
+        return "the scene", lambda: read_text(str(name))
+    require_urdf(name)
+    if is_reference(name):
+        made = made_scene(name, joints)
+        return parse_reference(name).path, lambda: made.fields
+    path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
+    if not path.is_file():
+        raise ValueError(
+            f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"
+        )
+    return path, lambda: read_fields(path)
 
 
 def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
@@ -244,7 +250,7 @@ def _converted(fields: dict) -> Scene:
 
 def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
     """The scene's own, a URDF from the scene's file, or `robot` in its place: a URDF of the same name is taken from the
-    same base to the same tip. path: of the file, None for a scene that a URDF made. Raises NoRobotThere."""
+    same base to the same tip. path: of the file, None for a scene without one. Raises NoRobotThere."""
     own = parse_reference(scene.robot) if is_reference(scene.robot) else None
     if robot is not None:
         found = parse_reference(robot) if is_reference(robot) else None

@@ -7,9 +7,16 @@ import numpy as np
 
 from ..assets import ROOT
 from ..reading import parse_toml, read_toml
+from .robots import robot_names
 
 MOST_EXTENDED = 16  # scenes that one builds on
+MOST_TEXT = 20_000  # characters of a scene that is told in full
 MOST_NUMBER = 1e6  # of anything in a scene: m, px or degrees
+
+
+def scene_names() -> list[str]:
+    """Names of the shipped scenes."""
+    return sorted(path.stem for path in (ROOT / "scenes").glob("*.toml"))
 
 
 def read_fields(path: Path, above: tuple[Path, ...] = ()) -> dict:
@@ -28,6 +35,21 @@ def read_fields(path: Path, above: tuple[Path, ...] = ()) -> dict:
     if len(above) > MOST_EXTENDED:
         raise ValueError(f"extends {parent!r}: more than {MOST_EXTENDED} scenes build on each other")
     return merged(read_fields(below, above), fields)
+
+
+def read_text(text: str) -> dict:
+    """Wherever it comes from, it opens no file but those that are shipped."""
+    if len(text) > MOST_TEXT:
+        raise ValueError(f"it has {len(text)} characters, more than {MOST_TEXT}")
+    fields = dict(_decoded(text.encode()))
+    parent = fields.pop("extends", None)
+    if parent is not None:
+        if parent not in scene_names():
+            raise ValueError(f"extends {str(parent)[:40]!r}, which is no shipped scene")
+        fields = merged(read_fields(ROOT / "scenes" / f"{parent}.toml"), fields)
+    if fields.get("robot") not in robot_names():
+        raise ValueError(f"its robot, {str(fields.get('robot'))[:40]!r}, is none of {', '.join(robot_names())}")
+    return fields
 
 
 @lru_cache(16)  # every run of a study begins with it

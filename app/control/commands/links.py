@@ -8,7 +8,7 @@ from typing import ClassVar
 from ...sessions.link import Linked, read
 from ..memory import switched
 from ..page_model import PageModel
-from ..presets import Preset
+from ..presets import AS_STARTED, Preset
 from .command import Value
 
 
@@ -42,6 +42,8 @@ def follow_link(model: PageModel, linked: Linked, keep: bool = True) -> None:
     model.undoable.repeat(linked.script, keep)
     sent = Preset("From a link", linked.script.settings, linked.speed, "As it was sent.")
     model.presets.chosen = model.presets.offered.get(linked.preset, sent)
+    if linked.preset == AS_STARTED and model.modified:  # another server was started otherwise
+        model.presets.chosen = sent
     show_view_of(model, linked)
     model.undoable.begin_anew()
     if linked.lesson is not None:

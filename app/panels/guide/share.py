@@ -3,12 +3,12 @@
 import html
 from typing import Any
 
-from viewimit.script import file_name
+from viewimit.reading import file_name
 from viewimit.wording import as_command, as_python
 
 from ...control.commands.display import ToggleShare
 from ...control.state import PageState
-from ...sessions.link import written
+from ...sessions.link import files_named, written
 from ..panel import Layout, Panel
 from ..qr import draw_qr
 from ..widgets import put_html, told_address
@@ -49,9 +49,11 @@ def share_html(state: PageState, origin: str | None) -> str:
     """origin: scheme://host:port by which the server is known, None if nobody says."""
     parts, script = [], state.session.script.renamed(file_name)
     try:
-        address = f"{origin or ''}/?s={written(state.linked())}"
+        text = written(state.linked())
+        address = f"{origin or ''}/?s={text}"
         what = "very state" if state.course is None else "step of the lesson"
         parts.append(_copied(f"A link that opens this {what}", address))
+        parts.append(_bound(files_named(text)))
         parts.append(_qr(address) if origin is not None else "")
         if state.course is not None:
             return f'<div class="vi-share">{"".join(parts)}</div>'
@@ -71,6 +73,14 @@ def _copied(title: str, text: str, lines: bool = False) -> str:
     button = f'<button type="button" class="vi-copy" aria-label="Copy: {title}">Copy</button>'
     kind, tells = (' class="vi-code"', ' class="vi-tells"') if lines else ("", "")
     return f'<section{tells}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
+
+
+def _bound(files: list[str]) -> str:
+    """Where a link opens, if not everywhere."""
+    if not files:
+        return ""
+    names = html.escape(" and ".join(files))
+    return f'<p class="vi-2nd">It opens only on a server that was started with {names}, which no link can hold.</p>'
 
 
 def _qr(address: str) -> str:

@@ -51,7 +51,7 @@ def _lines(fields: dict, robot: Robot) -> Iterator[str]:
         if name == "moving_joints":
             yield from _joints(robot)
         yield from _comment(name)
-        yield f"{name} = {_toml(value)}"
+        yield f"{name} = {toml(value)}"
     for name, table in tables.items():
         yield ""
         yield from _comment(name)
@@ -59,19 +59,19 @@ def _lines(fields: dict, robot: Robot) -> Iterator[str]:
         for key, value in table.items():
             if name == "points":
                 yield f"{key} = ["
-                yield from (f"  {_toml(point)},  # {_link(robot, point[0])}" for point in value)
+                yield from (f"  {toml(point)},  # {_link(robot, point[0])}" for point in value)
                 yield "]"
             elif isinstance(value, dict):
                 yield from _eye(f"{name}.{key}", value)
             elif USUAL.get(key) != (list(value) if isinstance(value, tuple) else value):
-                yield f"{key} = {_toml(value)}"
+                yield f"{key} = {toml(value)}"
 
 
 def _eye(name: str, fields: dict) -> Iterator[str]:
     """What a camera of the head has for itself; in the order of `Head`, after all that both have."""
     said = {key: value for key, value in fields.items() if value is not None and tuple(value) != Eye().distortion}
     if said:
-        yield from ("", f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in said.items()))
+        yield from ("", f"[{name}]", *(f"{key} = {toml(value)}" for key, value in said.items()))
 
 
 def _comment(name: str) -> list[str]:
@@ -92,12 +92,12 @@ def _link(robot: Robot, number: int) -> str:
     return f"moved by {robot.joints[number - 1].name}" if number else "base"
 
 
-def _toml(value: Any) -> str:
+def toml(value: Any) -> str:
     """Text, numbers, truth values, and lists of them."""
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_toml, value))}]"
+        return f"[{', '.join(map(toml, value))}]"
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:.0f}" if value == int(value) else repr(value)

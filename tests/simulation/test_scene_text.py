@@ -1,0 +1,113 @@
+"""A scene told in full is the very same scene; wherever it comes from, no file is opened for it but shipped ones."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from viewimit.drawing.plots import described
+from viewimit.reading import file_name, is_text
+from viewimit.session import Session
+from viewimit.settings import Settings
+from viewimit.simulation.scene import Scene, load_scene, scene_names
+from viewimit.simulation.scene_text import scene_text
+from viewimit.wording import as_command, as_python
+
+MINE = 'title = "Eyes <wider> a/part"\nextends = "panda"\n\n[head]\nbaseline = 0.7654321012345678\n'
+OTHERS = {  # what is other than in a shipped scene
+    "points": {"points": {"5": [[k, 0.1 / (k + 3), -1 / (k + 7), 1e-5 * k] for k in range(5)]}},
+    "eyes": {"head": {"left": {"focal": [241.7, 239.3], "distortion": [-0.01, 0.002]}, "undistort": [-0.011, 0.0]}},
+    "joints": {"moving_joints": [4], "range_deg": [[-119.5, -14 / 3]], "start_deg": [-40.1]},
+    "bases": {"learner": {"position": [0.1, 0.2, -0.3], "yaw_deg": 1e-9}, "size": 1.25, "title": 'quoted "ü" \\ #'},
+    "straight": {"head": {"toe_in_deg": 0.0}},
+}
+
+
+def told(name: str, other: dict) -> Scene:
+    """A shipped scene with some of it replaced."""
+    fields = msgspec.to_builtins(load_scene(name))
+    for key, value in other.items():
+        fields[key] = {**fields[key], **value} if key == "head" else value
+    return msgspec.convert(fields, Scene)
+
+
+@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("other", OTHERS)
+def test_a_scene_told_in_full_is_the_same_scene(name, other):
+    scene = told(name, OTHERS[other])
+    text = scene_text(scene)
+    assert is_text(text) and load_scene(text) == scene
+    if other == "bases":
+        assert f'extends = "{name}"' in text and len(text) < 250  # of what is the same nothing is said
+
+
+def test_what_a_shipped_scene_says_is_not_left_standing():
+    """Of scenes with unlike cameras or more layouts nothing can be taken back."""
+    plain = msgspec.to_builtins(load_scene("panda-toed"))
+    plain["head"] = {**plain["head"], "left": {}, "right": {}}
+    assert 'extends = "panda-toed"' not in scene_text(msgspec.convert(plain, Scene))
+    fewer = msgspec.to_builtins(load_scene("panda"))
+    fewer["points"] = {"10": fewer["points"]["10"]}
+    scene = msgspec.convert(fewer, Scene)
+    assert load_scene(scene_text(scene)).points == scene.points
+
+
+def test_settings_with_a_scene_in_full_repeat_those_with_its_file(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(MINE)
+    by_file, in_full = Session(Settings(scene=str(path))), Session(Settings(scene=scene_text(load_scene(path))))
+    for session in (by_file, in_full):
+        session.run(5)
+    assert in_full.snapshot.theta.tobytes() == by_file.snapshot.theta.tobytes()
+    assert in_full.snapshot.E == by_file.snapshot.E != Session().run(5).E
+    names: dict = {"print": lambda *what: None}
+    exec(as_python(in_full.script), names)
+    assert names["session"].snapshot.theta.tobytes() == by_file.snapshot.theta.tobytes()
+    with pytest.raises(ValueError, match="save the scene"):
+        as_command(in_full.script)
+    in_full.rehearse(np.radians([[20, -60], [30, -70], [40, -80]]))
+    assert in_full.snapshot.body.scene == "Eyes <wider> a/part"
+
+
+def test_it_is_called_by_its_title():
+    assert [Settings(scene=scene).scene_called for scene in (MINE, 'extends = "iiwa"\n', "C:\\arms\\mine.toml")] == [
+        "Eyes <wider> a/part", "iiwa", "mine.toml",
+    ]  # fmt: skip
+    assert file_name("/x/mine.toml") == "mine.toml"
+    assert file_name(MINE) == MINE  # which is no path, whatever stands in it
+    assert "· Eyes <wider> a/part, 10 points" in described(Settings(scene=MINE))
+
+
+def test_a_robot_of_ones_own_cannot_be_told(tmp_path):
+    own = msgspec.structs.replace(load_scene("panda"), robot="arm.urdf")
+    with pytest.raises(ValueError, match="its robot, arm.urdf"):
+        scene_text(own)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('extends = "mine"\n', "no shipped scene"),
+        ('extends = "../scenes/panda"\n', "no shipped scene"),
+        ('extends = ["panda"]\n', "no shipped scene"),
+        ('extends = "panda"\nrobot = "arm.urdf"\n', "none of"),
+        ('extends = "panda"\nrobot = "../robots/panda"\n', "none of"),
+        ('title = "no robot"\n', "none of"),
+        ('extends = "panda"\n[head]\nfocal = nan\n', "not a finite number"),
+        ('extends = "panda"\nsize = 1e300\n', "within"),
+        ('extends = "panda"\n[head]\nimage = [20000, 10]\n', "image must be"),
+        ('extends = "panda"\nmore = 1\n', "more"),
+        ('extends = "panda"\ntitle = 1\n', "title"),
+        (f'extends = "panda"\ntitle = "{"x" * 20_000}"\n', "characters"),
+        (f"x = {'[' * 5_000}\n", "the scene"),
+        (f"{'.'.join('a' * 3_000)} = 1\n", "parts"),
+        ("arm.urdf\n", "the scene"),
+        ("\n", "none of"),
+    ],
+    ids=lambda value: str(value)[:30],
+)
+def test_what_is_no_scene_is_refused(text, says, tmp_path, monkeypatch):
+    (tmp_path / "mine.toml").write_text('extends = "panda"\n')
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match="the scene") as refused:
+        load_scene(text)
+    assert says in str(refused.value)

@@ -8,6 +8,7 @@ import pytest
 from quiet_page import QuietPage
 from viewimit.app.control.commands.links import FollowLink
 from viewimit.app.control.commands.session import Step, Undo
+from viewimit.app.control.memory import memory_of
 from viewimit.app.control.presets import AS_STARTED, PRESETS
 from viewimit.app.panels.guide.share import share_html
 from viewimit.app.sessions.autosave import SavedPage, SavedSession
@@ -128,7 +129,7 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     assert "Eyes <b>apart</b> &c, 10 points" in cited.conditions and cited.command is None and cited.python
     page = replay(got.session).html
     assert "<b>apart" not in page and "Eyes &lt;b&gt;apart&lt;/b&gt; &amp;c" in page
-    memory = got.memory()
+    memory = memory_of(got)
     head = msgspec.msgpack.decode(msgspec.msgpack.encode(memory.head), type=SavedPage)
     again = QuietPage(Settings(), resumed=SavedSession(head, memory.history)).page.model
     assert again.session.snapshot.theta.tobytes() == got.session.snapshot.theta.tobytes()

@@ -22,7 +22,7 @@ KNOWN_BY_NAME = {
     "settings.py",
     "presets.py",
     "robustness.py",
-    "compare.py",
+    "compare_draws.py",
     "following.py",
     "claims.py",
     "scenes.py",

@@ -98,6 +98,13 @@ document.addEventListener("focusout", event => {
 // A lesson: marks, sliders and keys. Its buttons are links; what a link cannot tell is told here
 const guide = () => document.querySelector(".vi-guide");
 const tell = address => fetch(address, {credentials: "same-origin"});
+// A link that is followed gives up the one before it if that is not on its way yet: of two quick clicks one would be lost
+document.addEventListener("click", event => {
+  const link = event.target.closest("a[target=vi-sink]");
+  if (!link) return;
+  event.preventDefault();
+  tell(link.getAttribute("href"));
+});
 const sent = new Map();
 const tellSoon = (address, value, wait) => {
   clearTimeout(sent.get(address));

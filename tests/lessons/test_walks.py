@@ -22,7 +22,7 @@ from viewimit.app.static import stylesheet
 from walking import ADDRESS, answer, begun, said, unfilled, words
 
 LESSONS = shipped()
-PHONE = {"width": 390, "height": 844}
+PHONE, LOW = {"width": 390, "height": 844}, {"width": 1280, "height": 720}
 LABELS = """html => {
   document.body.innerHTML = html;
   const faults = [], sides = ["left", "right", "top", "bottom"];
@@ -126,6 +126,17 @@ def test_labels_on_a_phone_are_large_enough_and_do_not_touch(name, walks, browse
     faults = {id: found for id, html in drawn_narrow[name] if (found := page.evaluate(LABELS, html))}
     page.close()
     assert faults == {}
+
+
+@pytest.mark.browser
+def test_what_is_told_of_an_answer_is_seen_without_scrolling_in_a_low_window(name, walks, browser):
+    page = browser.new_page(viewport=LOW)
+    page.set_content(f"<style>body{{margin:0}}{stylesheet()}</style>")
+    hidden = "html => { document.body.innerHTML = html; const c = document.querySelector('.vi-guide-card');"
+    hidden += " return c.scrollHeight - c.clientHeight; }"
+    cut = {id: px for id, html in drawn_narrow[name] if (px := page.evaluate(hidden, html)) > 0}
+    page.close()
+    assert cut == {}
 
 
 def test_all_that_is_to_be_done_can_be(name, walks):

@@ -7,7 +7,7 @@ from viewimit.assets import ROOT
 
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.mesh import Mesh
-from viewimit.simulation.scene import robot_names
+from viewimit.simulation.robots import robot_names
 
 
 @pytest.mark.parametrize("robot", robot_names())

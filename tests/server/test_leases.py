@@ -1,11 +1,14 @@
 """Tabs of one browser at different processes, which share the store: what one does is never written over by another."""
 
+import contextlib
 import os
 import signal
 
 import pytest
 from protocol import Client
 from serving import Relay, Server, browser_of, kept_of
+from viewimit.app.sessions.store import LEASE_S, RENEW_EVERY
+from viewimit.app.sessions.stores import open_store
 from waiting import stays, wait_until
 
 TAKEN = "another tab has taken this session"
@@ -35,6 +38,12 @@ def cookie_at(server: Server | Relay, cookie: str) -> str:
 
 def open_at(server: Server, cookie: str) -> Client:
     return Client(server.url, cookie=cookie_at(server, cookie)).ready()
+
+
+def left_of_lease(where: str, cookie: str) -> float:
+    """s, of a browser's first tab."""
+    with contextlib.closing(open_store(where)) as store:
+        return sum(store.held([f"{cookie.split('=')[1]}.0"]).values())
 
 
 def choose(client: Client, angle: float) -> None:
@@ -74,6 +83,7 @@ def test_a_laptop_that_slept_comes_back_at_another_process(two_servers, where):
     choose(asleep, 67.0)
     relay.silent.set()  # its connection looks open for half a minute
     wait_until(lambda: (page := kept_of(where, cookie)) and page.cursor == 1)
+    wait_until(lambda: left_of_lease(where, cookie) < LEASE_S - 2 * RENEW_EVERY)  # nobody renews it any more
     with open_at(there, cookie) as second:
         wait_until(lambda: second.value("θ₂") == 67.0)
     relay.close()

@@ -32,7 +32,8 @@ def page():
     page.page.touch("point", "3")
     page.page.put(CONTROLS["rays"](True))
     landscape = page.page.model.landscape
-    page.tick_until(lambda: landscape.made is not None and landscape.made.about is None)  # as fine as it gets
+    fine = lambda made: made is not None and made.about is None and made.hills  # an empty one is about nothing, too
+    page.tick_until(lambda: fine(landscape.made))
     page.tick(10.0)
     return page
 

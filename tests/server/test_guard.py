@@ -128,13 +128,13 @@ HOSTILE = list(hostile_messages(*[type("", (), {"widgets": {"θ₂": "a", "Load"
 
 
 @pytest.mark.parametrize("what", HOSTILE)
-def test_what_no_browser_sends_closes_the_connection_with_one_line(guarded, client, bystander, what):
+def test_what_no_browser_sends_closes_the_connection_with_one_line(guarded, client, bystander, lines_left, what):
     with guarded.says("refused "):
         client.send(hostile_messages(client, bystander)[what])
         assert client.closed()[0] in (1008, 1009)
 
 
-def test_a_message_before_the_first_view_closes_the_connection(guarded, bystander):
+def test_a_message_before_the_first_view_closes_the_connection(guarded, bystander, lines_left):
     with Client(guarded.url, view=False) as client, guarded.says("before the first view"):
         client.send({"type": "CommandTriggerMessage", "uuid": "x"})
         assert client.closed()[0] == 1008
@@ -143,7 +143,7 @@ def test_a_message_before_the_first_view_closes_the_connection(guarded, bystande
 @pytest.mark.parametrize(
     "field, value", [("fov", float("nan")), ("image_width", -1), ("position", [0, 0]), ("near", "x")]
 )
-def test_a_view_that_cannot_be_is_dropped(guarded, client, field, value):
+def test_a_view_that_cannot_be_is_dropped(guarded, client, lines_left, field, value):
     with guarded.says("refused ViewerCameraMessage"):
         client.send({**VIEW, field: value})
     assert client.closed(0) is None
@@ -163,7 +163,7 @@ def test_a_view_that_cannot_be_is_dropped(guarded, client, field, value):
         ("event_type", "rect-select"),
     ],
 )
-def test_a_click_in_the_scene_that_cannot_be_is_dropped(guarded, client, field, value):
+def test_a_click_in_the_scene_that_cannot_be_is_dropped(guarded, client, lines_left, field, value):
     with guarded.says("refused "):
         client.send({**CLICK, field: value})
     assert client.closed(0) is None
@@ -271,9 +271,9 @@ def test_only_pages_of_this_server_may_connect(origin, host, own):
 
 @pytest.fixture
 def lines_left():
-    """Floods before this have used up the lines that the log gives to refusals. Only time brings one, in half a second:
+    """Those before this have used up the lines that the log gives to refusals. Only time brings one, in half a second:
     to try whether there is one takes it."""
-    time.sleep(1.2 / LINES_A_SECOND)
+    time.sleep(1.6 / LINES_A_SECOND)
 
 
 def test_a_page_of_another_site_is_refused_at_the_handshake(guarded, bystander, lines_left):

@@ -24,13 +24,12 @@ def enough_points(joints: int) -> int:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; seen: of
-    them, really, at the best visit; without_one: (k, m, m), hessians of these but one, where some are hidden; left:
-    (m,) rad, from there to where E should be least; slopes:
-    (m, m) px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits
-    from there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is
-    hessians: (n, m, m); low, high: (m,) rad, what
-    the limits leave; noise_px: of residuals, standard deviation."""
+    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; seen: how
+    many of them really were, at the best visit; without_one: (k, m, m), hessians by these but one, none where no point
+    is ever hidden; left: (m,) rad, from there to where E should be least; slopes: (m, m) px²/rad², by which E would
+    rise if all motion of the own images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the
+    E measured at them, NaN where it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,)
+    rad, what the limits leave; noise_px: of residuals, standard deviation."""
 
     hessian: NDArray
     E: float
@@ -68,6 +67,7 @@ class Known:
 def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     """About a place, (m,) rad. found: the smallest E that is predicted."""
     rise, hessians = _rises(known, found.hessian, place)
+    seen, without_one = _really_seen(known, found, place)
     hessian = found.hessian
     if known.seen.noise_px > 0:
         noise = _of_noise(known, place)
@@ -76,8 +76,8 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         hessian=hessian,
         E=known.E,
         points=found.points,
-        seen=_really_seen(known),
-        without_one=_without_each(known, place),
+        seen=seen,
+        without_one=without_one,
         left=found.theta - place,
         slopes=_image_slopes(known.model, place),
         away=np.array([visit.displacement for visit in known.visits]) - place,
@@ -110,26 +110,21 @@ def _rises(known: Known, hessian: NDArray, place: NDArray) -> tuple[NDArray, NDA
     return rises, hessians
 
 
-def _really_seen(known: Known) -> int:
-    """How many points told E at the best visit without being predicted."""
-    best = known.visits[known.best]
-    return known.residual_of(np.where(np.repeat(best.seen.all(-1, keepdims=True), 4, -1), best.own, np.nan)).shape[-2]
-
-
-def _without_each(known: Known, place: NDArray) -> NDArray:
-    """(k, m, m) px²/rad², by the points really seen at the best visit but each of them in turn; none where all points
-    are seen at every visit, as then none is seen because the posture is a wrong one."""
+def _really_seen(known: Known, found: Minimum, place: NDArray) -> tuple[int, NDArray]:
+    """How many points told E at the best visit without being predicted; hessians (k, m, m) px²/rad² by these but each
+    in turn, none where all points are seen at every visit: then none is seen because the posture is a wrong one."""
     m, seen = len(place), np.array([visit.seen.all(-1) for visit in known.visits])
     if seen.all():
-        return np.empty((0, m, m))
+        return found.points, np.empty((0, m, m))
+    at_best, best = seen[known.best], known.visits[known.best].own
     about = known.model.predict(place + DIFFERENCE * np.eye(1 + m, m, -1))
+    by = lambda points, images: known.residual_of(np.where(points[:, None], images, np.nan))
     hessians = []
-    for point in np.flatnonzero(seen[known.best]):
-        others = seen[known.best] & (np.arange(seen.shape[1]) != point)
-        e = known.residual_of(np.where(others[:, None], about, np.nan))
+    for point in np.flatnonzero(at_best):
+        e = by(at_best & (np.arange(len(at_best)) != point), about)
         J = (e[1:] - e[0]).reshape(m, -1) / DIFFERENCE if np.isfinite(e).all() else np.zeros((m, 1))
         hessians.append(J @ J.T / e.shape[-2])
-    return np.array(hessians).reshape(-1, m, m)
+    return by(at_best, best).shape[-2], np.array(hessians).reshape(-1, m, m)
 
 
 def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:

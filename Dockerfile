@@ -1,5 +1,5 @@
 # viewimit's page, for one replica behind the proxy of compose.yaml
-FROM --platform=linux/amd64 python:3.11-slim
+FROM --platform=linux/amd64 python:3.11-slim-bookworm@sha256:a36c24f9cbdf4fd0f52d67f0823eeac19c2028c637cecc392d97f980d4fec56b
 WORKDIR /src
 COPY deploy/requirements.lock deploy/install.sh deploy/
 COPY pyproject.toml build_backend.py setup.py README.md LICENSE ./

@@ -61,6 +61,12 @@ def test_the_image_takes_the_steps_that_are_tested():
     assert "--require-hashes" in (DEPLOY / "install.sh").read_text()
 
 
+def test_every_image_that_others_made_is_pinned():
+    named = re.findall(r"^FROM (?:--\S+ )*(\S+)", (ROOT / "Dockerfile").read_text(), re.MULTILINE)
+    named += re.findall(r"^ +image: (\S+)", (ROOT / "compose.yaml").read_text(), re.MULTILINE)
+    assert len(named) == 3 and all(re.fullmatch(r"[\w./-]+:[\w.-]+@sha256:[0-9a-f]{64}", image) for image in named), named
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(sys.version_info[:2] != (3, 11) or sys.platform != "linux", reason="the lock is of another system")
 def test_the_steps_of_the_image_install_the_command(tmp_path):

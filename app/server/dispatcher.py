@@ -1,6 +1,12 @@
 """Connections are accepted here and handed to one of several workers: always to the same one for a browser.
 
 Only the head of a request is looked at, and left for the worker to read: nothing passes through here afterwards.
+
+Workers that accept from one inherited socket, each while no other has fewer seats, take 100 lines less, as much
+processor time, and spread a class as evenly; but none knows whose a connection is before it has accepted it. A tab that
+comes again a second after its network fell silent is then at a worker that cannot ask whether its old connection still
+answers: of 21 none had its session, here all within 4 s; and of 30 tabs whose first worker was killed the other one
+kept 20, here 15 (`tests/server/measure_balance.py`).
 """
 
 import asyncio

@@ -23,6 +23,7 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
         seen=POINTS,
         without_one=np.empty((0, 2, 2)),
         left=np.zeros(2),
+        gradients=np.zeros((1, 2)),
         slopes=np.diag([2e4, 2e4]),
         away=away,
         rise=rise,
@@ -54,6 +55,7 @@ def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allo
         surroundings(BOTH),
         hessian=hessian,
         left=np.zeros(joints),
+        gradients=np.zeros((1, joints)),
         slopes=2e4 * np.eye(joints),
         away=away,
         rise=0.5 * np.einsum("ka,ab,kb->k", away, hessian, away),
@@ -140,3 +142,28 @@ def test_the_expected_error_is_of_what_is_left_of_E_if_that_is_more_than_noise()
     loud = replace(quiet, E=0.5 * freedom / POINTS * 0.2**2)  # as residuals of 0.2 px make it
     np.testing.assert_allclose(certify(loud).expected, 0.2 * certify(quiet).spread)
     np.testing.assert_allclose(certify(replace(loud, noise_px=0.3)).expected, 0.3 * certify(quiet).spread)
+
+
+class TestOwnNoise:
+    """Of which gradients g at the least of E move it by H⁻¹g, whatever the demonstrator's images are worth."""
+
+    AWAY = [(9, 0), (0, 9), (-9, 0), (0, -9)]
+    NOISE = 0.02
+
+    def test_it_adds_to_what_is_expected(self):
+        quiet = certify(surroundings(self.AWAY, noise_px=self.NOISE))
+        moved = np.radians((0.3, -0.02))
+        gradients = np.stack([1, -1])[:, None] * moved * (FLAT, STEEP)
+        loud = certify(surroundings(self.AWAY, noise_px=self.NOISE, gradients=gradients))
+        np.testing.assert_allclose(loud.expected**2 - quiet.expected**2, moved**2, rtol=1e-6)
+
+    @pytest.mark.parametrize("times, asks", [(0.5, False), (2.0, True)])
+    def test_a_direction_that_it_hides_more_than_the_demonstrators_does_is_asked_again(self, times, asks):
+        of_demo = self.NOISE * np.sqrt(1 / (FLAT * POINTS))
+        gradients = np.array([[times * of_demo * FLAT, 0.0]])
+        found = certify(surroundings(self.AWAY, noise_px=self.NOISE, gradients=gradients))
+        assert found.check.any() == asks and found.shown != asks
+        assert not asks or np.abs(found.check).argmax() == 0
+
+    def test_without_noise_no_direction_is_asked_again(self):
+        assert certify(surroundings(BOTH, gradients=np.array([[1e3, 0.0]]))).shown

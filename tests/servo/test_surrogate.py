@@ -100,3 +100,15 @@ def test_a_point_hidden_at_the_centre_starts_from_where_it_was_seen_nearest(line
     found = learn(visits_of(images, places, seen), 0, 0.0)
     np.testing.assert_array_equal(found.at_centre[2, 2:], images(places[1])[2, 2:])
     assert np.abs(found.predict(places[0])[2, 2:] - images(places[0])[2, 2:]).max() < 1.0
+
+
+def test_predicted_images_are_the_sums_of_those_visited_that_it_says(linear):
+    images, rng = linear
+    places = rng.uniform(-0.5, 0.5, (6, 2))
+    visits = visits_of(lambda theta: images(theta) + 20 * np.sin(3 * theta[0]), places)
+    model = learn(visits, 2, 0.5)
+    for theta in rng.uniform(-0.7, 0.7, (3, 2)):
+        weights = model.image_weights(theta)
+        assert weights.sum() == pytest.approx(1)
+        told = np.tensordot(weights, [visit.own for visit in visits], 1)
+        np.testing.assert_allclose(told, model.predict(theta), atol=1e-6)

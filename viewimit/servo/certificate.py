@@ -8,7 +8,8 @@ there is none a check motion along v asks; if E does not rise as it should, v is
 Of too few points E is next to 0 and rises all around at wrong postures as well: they allow no claim. Nor is a joint
 told that a single point tells, where points are seen from some postures only.
 
-How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more.
+How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more, and
+by H⁻¹g, g the gradients that the noise of the own images makes. Of H is taken off what such noise adds to it.
 """
 
 from dataclasses import dataclass
@@ -72,7 +73,8 @@ def certify(here: Surroundings) -> Certificate:
     shown = here.seen >= enough_points(len(spread))
     for direction in _directions(here):
         risen, level = _evidence(here, direction)
-        if risen:
+        unclear = here.noise_px > 0 and _unclear(here, direction)
+        if risen and not unclear:
             continue
         shown = False
         if level:
@@ -81,15 +83,33 @@ def certify(here: Surroundings) -> Certificate:
             check = _length(here, direction) * direction
     noise = max(here.noise_px, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
-    expected = np.where(told, np.hypot(noise * spread, here.left), np.inf)
+    expected = np.where(told, np.sqrt((noise * spread) ** 2 + here.left**2 + _of_own_noise(here)), np.inf)
     return Certificate(spread, expected, told, shown, check, bool(spent))
 
 
 def deviations(hessian: NDArray, points: int) -> NDArray:
     """(m,) rad/px: standard deviations that residuals with noise of 1 px leave to each joint, √diag((JᵀJ)⁻¹)."""
+    return np.sqrt(np.diag(_inverse(hessian)) / points)
+
+
+def _inverse(hessian: NDArray) -> NDArray:
+    """Of a matrix that may have no curvature in some directions: (m, m)."""
     curvatures, directions = np.linalg.eigh(hessian)
     least = max(1e-12 * curvatures[-1], np.finfo(float).tiny)
-    return np.sqrt((directions**2 / np.maximum(curvatures, least)).sum(1) / points)
+    return (directions / np.maximum(curvatures, least)) @ directions.T
+
+
+def _of_own_noise(here: Surroundings) -> NDArray:
+    """(m,) rad², variances: how far the noise of the own images moves the place where E is least."""
+    return ((here.gradients @ _inverse(here.hessian)) ** 2).mean(0)
+
+
+def _unclear(here: Surroundings, v: NDArray) -> bool:
+    """Whether the noise of the own images, which further postures average, hides more of a displacement along v than
+    that of the demonstrator's does, or as much as tells nothing."""
+    curvature = max(v @ here.hessian @ v, np.finfo(float).tiny)
+    own, demo = ((here.gradients @ v) ** 2).mean() / curvature**2, here.noise_px**2 / (here.points * curvature)
+    return bool(own > demo or here.points * curvature * UNTOLD**2 < 1)
 
 
 def _directions(here: Surroundings) -> list[NDArray]:
@@ -123,9 +143,12 @@ def _length(here: Surroundings, v: NDArray) -> float:
     """rad, of a check motion along v; 0 if noise would hide the rise, and one as long as may be has been made."""
     if here.noise_px == 0:
         return float(CHECK)
+    along = here.away @ v
     needed = 1.1 * np.sqrt(2 * _noise_of_rise(here) / (RISEN * max(v @ here.hessian @ v, 1e-12)))
-    made = (np.abs(here.away @ v) >= NOISY_NEAR / 2) & (np.abs(here.away).max(-1) <= 2 * NOISY_NEAR)
-    return float(np.clip(needed, NOISY_CHECK, NOISY_NEAR)) if needed <= NOISY_NEAR or not made.any() else 0.0
+    made = (np.abs(along) >= NOISY_NEAR / 2) & (np.abs(here.away).max(-1) <= 2 * NOISY_NEAR)
+    if needed > NOISY_NEAR and made.any() and not _unclear(here, v):
+        return 0.0
+    return float(np.clip(needed, NOISY_CHECK, NOISY_NEAR))
 
 
 def _noise_of_rise(here: Surroundings) -> float:

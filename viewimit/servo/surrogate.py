@@ -47,13 +47,23 @@ class Surrogate:
                 spread[:, of.ravel() == pattern] = np.sqrt(np.maximum(prior - explained, 0.0))[:, None]
         return spread
 
+    def image_weights(self, displacement: NDArray) -> NDArray:
+        """(m,) rad → (n,): the predicted images are these sums of the images visited."""
+        weights = np.linalg.solve(gram(self.away, self.noise_px), kernel(displacement - self.centre, self.away))
+        weights[self._at_centre] += 1 - weights.sum()  # images are told from that at the centre
+        return weights
+
     def slope_weights(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (n, m) /rad: the derivatives of the predicted images are these sums of the images visited."""
         apart = displacement - self.away - self.centre
         bend = BEND**2 * np.exp((apart * apart).sum(-1, keepdims=True) / (-2 * LENGTH**2))
         weights = np.linalg.solve(gram(self.away, self.noise_px), SLOPE**2 * self.away - bend * apart / LENGTH**2)
-        weights[np.abs(self.away).sum(-1).argmin()] -= weights.sum(0)  # images are told from that at the centre
+        weights[self._at_centre] -= weights.sum(0)
         return weights
+
+    @property
+    def _at_centre(self) -> int:
+        return int(np.abs(self.away).sum(-1).argmin())
 
 
 def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:

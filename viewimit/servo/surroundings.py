@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from ..evaluation import conflict as evaluate
 from .minimise import DIFFERENCE, Minimum
 from .observation import Observation
+from .own_noise import own_noise
 from .surrogate import Surrogate
 from .visit import Visit
 
 FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
-DRAWS = 4  # of noise
 
 
 def enough_points(joints: int) -> int:
@@ -22,11 +22,17 @@ def enough_points(joints: int) -> int:
     return (15 + 3 + joints) // 3 + 1
 
 
+def freedom_of(points: int, joints: int) -> int:
+    """Residuals that the transfer and the joints do not fit by themselves."""
+    return max(4 * (points - FREE) - joints, 1)
+
+
 @dataclass(frozen=True)
 class Surroundings:
     """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; seen: how
     many of them really were, at the best visit; without_one: (k, m, m), hessians by these but one, none where no point
-    is ever hidden; left: (m,) rad, from there to where E should be least; slopes: (m, m) px²/rad², by which E would
+    is ever hidden; left: (m,) rad, from there to where E should be least; gradients: (k, m) px²/rad, of E there as k
+    draws of the own images' noise have them; slopes: (m, m) px²/rad², by which E would
     rise if all motion of the own images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the
     E measured at them, NaN where it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,)
     rad, what the limits leave; noise_px: of residuals, standard deviation."""
@@ -37,6 +43,7 @@ class Surroundings:
     seen: int
     without_one: NDArray
     left: NDArray
+    gradients: NDArray
     slopes: NDArray
     away: NDArray
     rise: NDArray
@@ -47,8 +54,7 @@ class Surroundings:
 
     @property
     def freedom(self) -> int:
-        """Residuals that the transfer and the joints do not fit by themselves."""
-        return max(4 * (self.points - FREE) - len(self.hessian), 1)
+        return freedom_of(self.points, len(self.hessian))
 
 
 @dataclass(frozen=True)
@@ -69,9 +75,11 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     rise, hessians = _rises(known, found.hessian, place)
     seen, without_one = _really_seen(known, found, place)
     hessian = found.hessian
+    gradients = np.zeros((1, len(place)))
     if known.seen.noise_px > 0:
-        noise = _of_noise(known, place)
-        hessian, hessians = _without(noise, hessian), _without(noise, hessians)
+        freedom = freedom_of(found.points, len(place))
+        noise = own_noise(known.model, known.residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
+        hessian, hessians, gradients = noise.taken_off(hessian), noise.taken_off(hessians), noise.gradients
     return Surroundings(
         hessian=hessian,
         E=known.E,
@@ -79,6 +87,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         seen=seen,
         without_one=without_one,
         left=found.theta - place,
+        gradients=gradients,
         slopes=_image_slopes(known.model, place),
         away=np.array([visit.displacement for visit in known.visits]) - place,
         rise=rise,
@@ -135,19 +144,3 @@ def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:
     points = max(images.shape[1], 1)
     slopes = (images[: len(place)] - images[len(place) :]).reshape(len(place), -1) / (2 * DIFFERENCE)
     return slopes @ slopes.T / points
-
-
-def _of_noise(known: Known, place: NDArray) -> NDArray:
-    """(m, m) px²/rad²: what the noise of the images adds to the hessian by itself, as the slopes learned are noisy."""
-    images = known.model.predict(place)
-    noise = np.random.default_rng(known.seen.motion).standard_normal((DRAWS, *images.shape))
-    e = known.residual_of(np.concatenate([images[None], images + noise]))
-    left = float(((e[1:] - e[0]) ** 2).sum()) / (DRAWS * e.shape[-2])
-    weights = known.model.slope_weights(place)
-    return left * known.seen.noise_px**2 * weights.T @ weights
-
-
-def _without(noise: NDArray, hessian: NDArray) -> NDArray:
-    """What noise adds taken off: H - N while that is small, and never less than 0. hessian: (..., m, m)."""
-    tiny = 1e-12 * np.trace(noise) * np.eye(len(noise))
-    return hessian @ np.linalg.solve(hessian + noise + tiny, hessian)

@@ -14,6 +14,7 @@ LONGEST = np.radians(45.0)  # a joint and motion
 DONE_STEP = np.radians(0.1)
 RESTS = 0.1  # of the expected error from the goal
 FAR_CANDIDATES = 200
+EITHER_WAY = (1.0, -1.0, 0.5, -0.5)
 
 
 def probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
@@ -23,7 +24,8 @@ def probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
 
 def check(state: TrustState, seen: Observation, place: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:
     """A short motion to one side of a place: it teaches what the surrogate knows least."""
-    state, step = move(replace(state, checks=state.checks + 1), seen, aside(seen, place, away))
+    goal = aside(seen, place, away) if seen.noise_px == 0 else apart(state.known, seen, place, away)
+    state, step = move(replace(state, checks=state.checks + 1), seen, goal)
     return replace(state, probe=True), step
 
 
@@ -31,6 +33,12 @@ def aside(seen: Observation, place: NDArray, away: NDArray) -> NDArray:
     """(m,) rad, away from a place or the other way, where the limits leave more room."""
     either = np.clip(np.stack([place + away, place - away]), seen.lower, seen.upper)
     return either[int(np.argmax(np.abs(either - place).sum(1)))]
+
+
+def apart(visits: tuple[Visit, ...], seen: Observation, place: NDArray, away: NDArray) -> NDArray:
+    """(m,) rad, away from a place, or the other way, or half as far, where it is farthest from what was visited: noise
+    is averaged best by images that are not of one posture."""
+    return farthest(visits, np.clip(place + np.outer(EITHER_WAY, away), seen.lower, seen.upper))
 
 
 def move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustState, NDArray]:

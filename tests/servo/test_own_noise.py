@@ -1,0 +1,73 @@
+"""What the noise of the own images adds to a landscape, against drawing that noise anew many times."""
+
+import numpy as np
+import pytest
+
+from viewimit.servo.own_noise import own_noise
+from viewimit.servo.surrogate import learn
+from viewimit.servo.visit import Visit
+
+POINTS, NOISE, DRAWS = 8, 0.5, 1500
+PLACES = np.radians([(0, 0), (15, 0), (15, 15), (3, -4), (-2, 6), (1, 1)])
+TOLERANCE = 4 / np.sqrt(DRAWS)  # four standard deviations of a variance that is estimated from so many draws
+
+
+@pytest.fixture(scope="module")
+def body():
+    """A linear body whose second joint is hardly told: what is asked of its images is linear, too."""
+    rng = np.random.default_rng(3)
+    J, y = rng.normal(0, 100, (POINTS, 4, 2)), rng.uniform(0, 240, (POINTS, 4))
+    blind = np.linalg.qr(rng.normal(size=(4 * POINTS, 12)))[0]  # as if a transfer's parameters took over
+    goal = (y + J @ np.radians((2, 1))).ravel()
+    left = lambda e: e - (e @ blind) @ blind.T
+    residual_of = lambda own: left(own.reshape(*own.shape[:-2], -1) - goal).reshape(own.shape)
+
+    def model(seed):
+        drawn = np.random.default_rng(seed)
+        seen = np.ones((POINTS, 2), bool)
+        visits = [Visit(d, y + J @ d + drawn.normal(0, NOISE, (POINTS, 4)), seen) for d in PLACES]
+        return learn(visits, len(visits) - 1, NOISE)
+
+    return model, residual_of
+
+
+def slopes(model, residual_of, place):
+    step = 1e-4
+    e = residual_of(model.predict(np.concatenate([place + step * np.eye(2), place - step * np.eye(2), place[None]])))
+    J = (e[:2] - e[2:4]).reshape(2, -1) / (2 * step)
+    return J, e[4].ravel()
+
+
+def test_slopes_that_are_learned_from_noise_add_the_curvature_that_it_says(body):
+    model, residual_of = body
+    place = np.radians((2.0, 1.0))
+    hessians = np.array([J @ J.T / POINTS for J, _ in (slopes(model(k), residual_of, place) for k in range(DRAWS))])
+    mean = np.mean([slopes(model(k), residual_of, place)[0] for k in range(DRAWS)], axis=0)
+    added = hessians.mean(0) - mean @ mean.T / POINTS
+    said = own_noise(model(0), residual_of, place, NOISE, 20, 1).hessian
+    share = np.abs(np.linalg.eigvalsh(np.linalg.solve(added, said)) - 1).max()
+    assert share < TOLERANCE + 0.25  # DRAWS of own_noise estimate what is left of 32 - 12 residuals
+
+
+def test_gradients_are_as_large_as_those_that_noise_makes(body):
+    model, residual_of = body
+    place = np.radians((2.0, 1.0))
+    J = np.mean([slopes(model(k), residual_of, place)[0] for k in range(DRAWS)], axis=0)
+    made = np.array([J @ slopes(model(k), residual_of, place)[1] / POINTS for k in range(DRAWS)])
+    said = np.concatenate([own_noise(model(k), residual_of, place, NOISE, 20, k).gradients for k in range(60)])
+    np.testing.assert_allclose(np.sqrt((said**2).mean(0)), made.std(0), rtol=0.25)
+
+
+def test_of_a_curvature_is_left_what_surely_is_not_noise(body):
+    model, residual_of = body
+    noise = own_noise(model(0), residual_of, np.zeros(2), NOISE, 20, 1)
+    for k in range(1, 20):  # what noise alone makes is nothing
+        J = slopes(model(k), residual_of, np.zeros(2))[0]
+        J = J - np.mean([slopes(model(m), residual_of, np.zeros(2))[0] for m in range(1, 20)], axis=0)
+        H = J @ J.T / POINTS
+        assert np.linalg.eigvalsh(noise.taken_off(H))[0] < 0.05 * np.trace(noise.hessian)
+    steep = 1e4 * np.trace(noise.hessian) * np.eye(2)
+    np.testing.assert_allclose(noise.taken_off(steep), steep, rtol=1e-3, atol=1e-3 * steep[0, 0])
+    both = noise.taken_off(np.stack([steep, noise.hessian]))
+    np.testing.assert_allclose(both[0], noise.taken_off(steep))
+    assert (np.linalg.eigvalsh(both) > 0).all()

@@ -6,7 +6,7 @@ import pytest
 from viewimit.evaluation import conflict, residual
 from viewimit.experiments.bench import random_scenes
 from viewimit.experiments.bench.random_scenes import draw, resize, write
-from viewimit.experiments.bench.scenes import ROWS, run
+from viewimit.experiments.bench.scenes import ROWS, Run, outcome, run
 from viewimit.settings import BEST
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -61,3 +61,12 @@ def test_every_start_of_a_seeded_set_of_scenes_arrives_also_with_any_head_if_ima
         assert found.beyond.count == found.falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 14
     (raw,) = run(BEST, scenes=8, pairs=1, seed=4, max_motions=60, rows=ROWS[1:2], workers=1)
     assert raw.ended[1.0].count < 4
+
+
+def test_what_the_bound_allows_is_what_normal_errors_reach():
+    rng = np.random.default_rng(0)
+    bounds = rng.choice([0.0, 0.2, 0.6, 1.5], 4000)
+    runs = [Run(np.array([0.0, abs(rng.normal(0, b))]), np.array([0.0, b]), 5, True, 1.0) for b in bounds]
+    found = outcome("row", runs)
+    for near, reached in found.ended.items():
+        assert abs(found.at_most[near] - reached.share) < 4 * np.sqrt(0.25 / len(runs))

@@ -49,8 +49,8 @@ ROWS = (
 class Outcome:
     """Of a row: shares of runs that ended within so many degrees, largest joint error; rms_deg of all joints' errors,
     beside what the Cramér-Rao bound leaves to them; at_most: the share within so many degrees of an estimator without
-    bias that reaches the bound with normal errors, by the worst joint alone; beyond: claimed, FALSE_DEG off or more; falsely: and more than
-    TIMES what the learner itself expects."""
+    bias that reaches the bound with normal errors, by the worst joint alone; beyond: claimed, FALSE_DEG off or more;
+    falsely: and more than TIMES what the learner itself expects."""
 
     row: str
     runs: int

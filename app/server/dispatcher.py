@@ -77,7 +77,8 @@ class Placing:
         worker = None if token is None else self._of.get(token)
         if worker is None or self._is_full(worker):
             open_at = [handed - row.ended for handed, row in zip(self.handed, self._counts.rows)]
-            worker = min(range(len(open_at)), key=lambda k: (self._is_full(k), open_at[k]))
+            rows = self._counts.rows  # one that is only beginning would let who is new wait
+            worker = min(range(len(open_at)), key=lambda k: (self._is_full(k), not rows[k].began, open_at[k]))
         if token is not None:
             self._of[token] = worker
             self._of.move_to_end(token)

@@ -58,6 +58,18 @@ def test_a_worker_without_a_free_seat_gets_nobody_new_and_no_more_seats_are_give
     assert placing.place(token("one")) == placing.place(token("one"))
 
 
+def test_who_is_new_does_not_wait_for_a_worker_that_is_only_beginning():
+    counts = SeatCounts(2)
+    placing = Placing(ServerOptions(workers=2), counts)
+    assert placing.place(token("early")) == 0  # both begin: one of them
+    counts.rows[1].live()
+    assert placing.place(token("early")) == 0  # its own
+    placing.handed = [0, 9]
+    assert placing.place(None) == placing.place(token("new")) == 1
+    counts.rows[0].live()
+    assert placing.place(None) == 0
+
+
 def test_only_so_many_browsers_are_remembered():
     placing = Placing(ServerOptions(workers=2), SeatCounts(2))
     placing.handed = [9, 0]

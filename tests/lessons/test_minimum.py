@@ -10,13 +10,20 @@ from viewimit.app.lessons.reveal import verdict
 from viewimit.app.lessons.scenes import at_distance, spread
 from viewimit.app.lessons.sliders import draw_sliders
 from viewimit.app.lessons.works.minimum import TIMES
-from walking import course_at
+from walking import course_at, works_kept
 
 from viewimit.analysis.landscape import conflict_at, grid_axes, landscape
 from viewimit.analysis.minima import descend
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
+
+
+@pytest.fixture(scope="module", autouse=True)
+def kept_works():
+    """All of these courses begin with the same works."""
+    with works_kept():
+        yield
 
 
 @pytest.fixture

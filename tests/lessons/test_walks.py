@@ -2,8 +2,6 @@
 comes back finds all as it was left."""
 
 import re
-from dataclasses import replace
-from functools import partial
 
 import msgspec
 import numpy as np
@@ -17,9 +15,8 @@ from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.progress import Given, Progress
 from viewimit.app.lessons.reading import WORDS_A_MINUTE, reading_minutes
 from viewimit.app.lessons.source import shipped
-from viewimit.app.lessons.works import WORKS
 from viewimit.app.static import stylesheet
-from walking import ADDRESS, answer, begun, said, unfilled, words
+from walking import ADDRESS, answer, begun, said, unfilled, words, works_kept
 
 LESSONS = shipped()
 PHONE, LOW = {"width": 390, "height": 844}, {"width": 1280, "height": 720}
@@ -60,31 +57,9 @@ def few_rounds():
 
 @pytest.fixture(scope="module", autouse=True)
 def kept_works(few_rounds):
-    """All of these walks lead through the same works: the same inputs are computed with twice, which comes to the same,
-    and then no more."""
-    found = {}
-
-    def make(name, work, task):
-        times, made = found.get(key := (name, *inputs(task)), (0, None))
-        if times < 2:
-            again = work(task)
-            if times:
-                assert_same(again, made)
-            found[key] = times + 1, again
-        return found[key][1]
-
-    with pytest.MonkeyPatch.context() as patch:
-        for name, work in WORKS.items():
-            patch.setitem(WORKS, name, replace(work, make=partial(make, name, work.make)))
+    """All of these walks lead through the same works."""
+    with works_kept():
         yield
-
-
-def inputs(task):
-    """All that a work is computed from, to the last bit: of its world, what is seen of it."""
-    plain = task.step, task.settings, task.sliders, task.seed, task.staging, task.selected, task.made
-    views = task.snapshot.views
-    seen = task.snapshot.theta, task.snapshot.theta_demo, views.demo, views.own, views.visible
-    return repr(plain), *(array.tobytes() for array in seen)
 
 
 @pytest.fixture(scope="module", params=LESSONS)

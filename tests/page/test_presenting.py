@@ -24,9 +24,17 @@ def wait_for_node(page, name, shown):
     page.wait_for_function(f"name => ({SHOWN})(name) === {str(shown).lower()}", arg=name, timeout=PATIENCE_MS)
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (900, 600), (390, 844)])
-def test_nothing_tells_the_answer_until_it_is_to_be_seen(browser, server, size):
+@pytest.fixture(scope="module")
+def page(browser, server):
+    """One for all windows: whoever has presented, presents no longer."""
     page = open_page(browser, server, "small")
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (900, 600), (390, 844)])
+def test_nothing_tells_the_answer_until_it_is_to_be_seen(page, size):
     page.set_viewport_size({"width": size[0], "height": size[1]})
     pause(page)
     assert told(page)
@@ -61,7 +69,6 @@ def test_nothing_tells_the_answer_until_it_is_to_be_seen(browser, server, size):
     press(page, "p")
     wait_for_node(page, "/now/residuals", True)
     assert views.count() == (4 if small else 0)
-    page.close()
     assert page.problems == []
 
 

@@ -163,8 +163,7 @@ class Snapshot:
         """Of the six pairs of views, rectified if they are for the transfer, from the usable points, whatever the
         transfer is; None with too few of them."""
         views = self.views if self.rectification is None else rectified.rectified(self.views, self.rectification)
-        images = np.concatenate([views.demo, views.own], 1)[self.usable]
-        return fit_pairs(images.reshape(-1, 4, 2).transpose(1, 0, 2))
+        return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.usable])
 
     def epipolar_lines(self, point: int) -> NDArray | None:
         """(12, 3): `PairGeometry.lines` of a body point, in px as seen: lines in rectified images are mapped back. None

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.drawing.theme import faint, rgb
+from viewimit.simulation.camera import Camera
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.viewer import shapes
@@ -26,6 +27,7 @@ class Moment:
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
         self._cameras = (*world.demo_cameras, *world.own_cameras)
         self._size = size = world.scene.size
+        self._demo: tuple[NDArray, list[NDArray]] | None = None  # its points and where they are on the plates
         self._shown: dict[str, bool] = {}
         self._moved: dict[str, list[float]] = {}  # by node: where it is, m
         count, scene, colour = len(world.body), client.scene, partial(rgb, dark=dark)
@@ -91,9 +93,16 @@ class Moment:
 
     def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
         """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
-        images = np.concatenate([snapshot.views.demo, snapshot.views.own], -1).reshape(-1, 4, 2)
-        plates = [on_plate(camera, image, self._size) for camera, image in zip(self._cameras, images.swapaxes(0, 1))]
-        return np.array(plates), snapshot.views.visible.T
+        views = snapshot.views
+        if self._demo is None or self._demo[0] is not views.demo:  # the demonstrator mostly rests
+            self._demo = views.demo, self._pair_on_plates(views.demo, self._cameras[:2])
+        plates = self._demo[1] + self._pair_on_plates(views.own, self._cameras[2:])
+        return np.array(plates), views.visible.T
+
+    def _pair_on_plates(self, points: NDArray, pair: tuple[Camera, ...]) -> list[NDArray]:
+        """points: (N, 4) px in the left and the right camera → (N, 3) m each."""
+        images = points.reshape(-1, 2, 2).swapaxes(0, 1)
+        return [on_plate(camera, image, self._size) for camera, image in zip(pair, images)]
 
     def _draw_rays(self, plates: NDArray, seen: NDArray, demo: NDArray, own: NDArray, view: View) -> None:
         chosen, targets = view.chosen, np.stack([demo, demo, own, own])

@@ -124,3 +124,17 @@ def test_a_plot_without_room_for_the_inset_has_none():
     cut = replace(made, axes=(made.axes[0][rows], made.axes[1]), E=made.E[rows])
     picture = LandscapePicture(cut, narrow, session.snapshot)
     assert "vi-inset" not in picture.html and only(parsed(picture.draw_path(session.history, 0)), "text", LEVEL_NUMBERS)
+
+
+def test_labels_are_not_placed_anew_when_the_path_crosses_the_lines_that_lead_to_them(monkeypatch):
+    placed, place = [], LandscapePicture._place
+    monkeypatch.setattr(LandscapePicture, "_place", lambda *args: placed.append(0) or place(*args))
+    session = Session(SITUATIONS["paper"])
+    views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
+    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    picture = LandscapePicture(made, session.scene, session.snapshot)
+    session.run(600)  # it wanders about the marks, where these lines begin
+    for _ in range(100):
+        session.run(2 + session.cursor)
+        picture.draw_path(session.history, session.cursor)
+    assert len(placed) <= 45

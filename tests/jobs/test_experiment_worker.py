@@ -193,8 +193,9 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
     ticks = []
 
     class Page:
-        def tick(self, now):
+        def steps(self, now):
             ticks.append(time.monotonic())
+            yield
 
     scheduler, told = Scheduler(SeatCounts().rows[0].live), Told()
     scheduler.add(Page())

@@ -3,6 +3,7 @@
 import contextlib
 import io
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,12 +13,16 @@ from protocol import Client
 from viewed_scene import ViewedScene
 from viewimit.app.control.presets import PRESETS
 from viewimit.app.control.queue import CommandQueue
+from viewimit.app.quiet_client import quiet_client
 from viewimit.app.scene.arms import share_meshes
+from viewimit.app.scene.moment import Moment
 from viewimit.app.scene.scene3d import Scene3D, share_light
 from viewimit.app.viser_private import wake_in_loop
 from waiting import wait_until
 
+from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.viewer.furniture import cameras_of, on_plate
 
 
 class Viewer(Client):
@@ -127,3 +132,18 @@ def test_no_robot_is_sent_before_a_page_shows_it():
         assert sent() == {("panda", "learner"), ("panda", "demonstrator")}
         assert {"/iiwa/learner/j1/mesh", "/iiwa/demonstrator/j1/mesh"} <= stage.show(iiwa).keys()
         assert not any(name.startswith("/panda") and name.endswith("/mesh") for name in stage.show(iiwa))
+
+
+def test_points_on_the_plates_follow_a_demonstrator_that_moves():
+    session = Session(Settings(servo="gradient-retuned"))
+    moment = Moment(quiet_client(1), SimpleNamespace(keep=lambda handle: handle), session.world, dark=False)
+    for _ in range(2):
+        for _ in range(2):  # it rests in between
+            session.step()
+            views = session.snapshot.views
+            seen = np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).swapaxes(0, 1)
+            expected = [
+                on_plate(camera, image, session.scene.size) for camera, image in zip(cameras_of(session.world), seen)
+            ]
+            np.testing.assert_array_equal(moment._on_plates(session.snapshot)[0], expected)
+        session.pose(session.snapshot.theta_demo + 0.1)

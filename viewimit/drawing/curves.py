@@ -152,9 +152,8 @@ def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cu
 def _draw_angles(
     box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cursor: int, joints: Sequence[int]
 ) -> str:
-    own, demo = np.degrees(
-        [[snapshot.theta for snapshot in snapshots], [snapshot.theta_demo for snapshot in snapshots]]
-    )
+    own = np.degrees(np.array([snapshot.theta for snapshot in snapshots]))
+    demo = np.degrees(np.array([snapshot.theta_demo for snapshot in snapshots]))
     low, high = min(own.min(), demo.min()), max(own.max(), demo.max())
     every = 30 if high - low <= 110 else 60
     low, high = every * np.floor((low - 4) / every), every * np.ceil((high + 4) / every)

@@ -5,12 +5,12 @@ none is closed when the numbers beside its "?" change. Buttons are inputs, as th
 Escape closes the card, and Space asks.
 """
 
+import math
 from collections.abc import Iterable, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import msgspec
-import numpy as np
 
 from ..assets import ROOT
 from ..settings import Settings
@@ -31,8 +31,8 @@ class Scale(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     def share(self, value: float) -> float:
         """Of the scale's length, 0 … 1, that lies before a value."""
-        low, high, here = np.log([*self.ends, np.clip(value, *self.ends)])
-        return float((here - low) / (high - low))
+        low, high = self.ends
+        return math.log(min(max(value, low), high) / low) / math.log(high / low)
 
 
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -77,6 +77,7 @@ def key_of(symbol: str) -> str | None:
     return next((key for key, entry in glossary().items() if entry.symbol == symbol), None)
 
 
+@lru_cache(256)
 def ask(key: str, style: str = "") -> str:
     """HTML of a "?". Of one entry there should be one at a time: its card opens at the last."""
     name = svg.escape(glossary()[key].symbol)
@@ -125,7 +126,7 @@ def told_now(values: Mapping[str, float], shown: str | None = None) -> str:
     rules = [] if shown is None else [f"#vi-word-{shown} .vi-give-back{{display:block}}"]
     for key, value in values.items():
         scale = glossary()[key].scale
-        if scale is not None and np.isfinite(value):
+        if scale is not None and math.isfinite(value):
             told = f"now {svg.short(value)}{scale.unit}"
             rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--told:"{told}"}}')
     return f"<style>{''.join(rules)}</style>"

@@ -18,15 +18,17 @@ STRIDE = 5.0  # px between the points of a line that are kept free
 
 
 class Labels:
-    """Rectangles (left, top, right, bottom) px that are taken, within bounds. letter: px of one."""
+    """Rectangles (left, top, right, bottom) px that are taken, within bounds. letter: px of one; placed: (4,) px each,
+    where labels stand."""
 
     def __init__(self, left: float, top: float, right: float, bottom: float):
         self.bounds, self.letter = (left, top, right, bottom), CHARACTER
         self._taken = np.empty((0, 4))
+        self.placed: list[NDArray] = []
 
     def copy(self) -> "Labels":
         other = Labels(*self.bounds)
-        other._taken, other.letter = self._taken, self.letter
+        other._taken, other.letter, other.placed = self._taken, self.letter, self.placed.copy()
         return other
 
     def take(self, rectangles: ArrayLike) -> None:
@@ -62,7 +64,8 @@ class Labels:
             free = np.flatnonzero(~self.covers(places[k : k + AT_ONCE]))
             if len(free):
                 self.take(places[k + free[0]])
-                return places[k + free[0]]
+                self.placed.append(places[k + free[0]])
+                return self.placed[-1]
         return None
 
     def beside(self, x: float, y: float, words: str, classes: str, distance: float) -> str:

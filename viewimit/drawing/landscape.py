@@ -29,13 +29,14 @@ CAPTION = 14  # px above a picture that stands alone
 NOW = 5.8  # px, radius of the big dot
 STAYS = 100  # motions for which labels that nothing covers stay; what a path takes of the plot grows with each
 CLEAR = 3.0  # px on both sides of the path that labels leave free
+AHEAD = 4.0  # px around the big dot that labels leave free for the next motions when they are placed
 
 
 @dataclass(frozen=True)
 class Placed:
     """Labels over a path. since: the motion for which they were placed; about: the path's moments and its cursor;
-    present: the last of it; line: what the path and the marks take; free: that, and the labels but the learner's own;
-    others: (k, 4) px, where these stand; own, words: the drawings of both."""
+    present: the last of it; line: what the path and the marks take; free: that, and the labels but the learner's own,
+    with their leaders; others: (k, 4) px, where these labels stand; own, words: the drawings of both."""
 
     since: int
     about: tuple[int, int]
@@ -128,14 +129,15 @@ class LandscapePicture:
         free = self._plane.labels.copy()
         free.take_line(points, CLEAR)
         now, start = self._plane.place(np.degrees(present.theta)), points[0]
-        free.take_points(now, NOW)
+        free.take_points(now, NOW + AHEAD)
         labels, words = free.copy(), ""
         own = self._now(labels, present.theta, cursor)
         if cursor and np.abs(now - start).max() > 20:
             words = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
         words += self._labels(labels)
-        others, line = labels.since(free)[1 if own else 0 :], free.copy()
-        free.take(others)
+        first, line = 1 if own else 0, free.copy()
+        free.take(labels.since(line)[first:])
+        others = np.reshape(labels.placed[first:], (-1, 4))
         return Placed(cursor, (len(history), cursor), present, line, free, others, own, words)
 
     def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> "Placed | None":

@@ -23,8 +23,10 @@ def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray, assessment: 
     if assessment is not None:
         band[assessment.untold] = np.maximum(assessment.spread[assessment.untold], UNTOLD)
     width = NARROW if many else WIDTH
-    for k, (joint, own, demo) in enumerate(zip(scene.moving_joints, theta, theta_demo)):
-        low, high = scene.lower[k], scene.upper[k]
+    limits = zip(scene.lower.tolist(), scene.upper.tolist())
+    for k, (joint, own, demo, (low, high)) in enumerate(
+        zip(scene.moving_joints, theta.tolist(), theta_demo.tolist(), limits)
+    ):
         place = lambda angle, low=low, high=high: INSET + (width - 2 * INSET) * (angle - low) / (high - low)
         x, mark, y = place(own), place(demo), HEIGHT / 2
         value = svg.degrees(own)

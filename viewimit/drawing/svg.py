@@ -11,6 +11,7 @@ from ..equations import MISSING as MISSING
 from ..equations import number
 
 CELL = 1.4
+FAR_OUT = 20_000  # tenths of a px
 
 
 def short(value: float, one_digit_to: float = 1000) -> str:
@@ -55,28 +56,45 @@ def _line(points: NDArray) -> str:
 _as_json = msgspec.json.Encoder().encode
 
 
+class _Tenths(dict[float, str]):
+    """Numbers with one decimal, by how many tenths they are: the same ones are written again and again, which takes
+    three times as long as to find them. Those that are far out of a drawing are not kept."""
+
+    def __missing__(self, count: float) -> str:
+        text = f"{count / 10:.1f}"
+        if abs(count) <= FAR_OUT:
+            self[count] = text
+        return text
+
+
+_tenths = _Tenths().__getitem__
+
+
+def filled(form: str, values: NDArray) -> str:
+    """A form with a number of one decimal in place of each %s."""
+    return form % tuple(map(_tenths, np.rint(values * 10).ravel().tolist()))
+
+
 def segments(start: NDArray, end: NDArray) -> str:
     """start, end: (k, 2) px → k separate lines."""
-    return "M%.1f %.1fL%.1f %.1f" * len(start) % tuple(np.concatenate([start, end], 1).ravel().tolist())
+    return filled("M%s %sL%s %s" * len(start), np.concatenate([start, end], 1))
 
 
 def dots(points: NDArray) -> str:
     """points: (k, 2) px → filled circles, as wide as the stroke."""
-    return "M%.1f %.1fh0" * len(points) % tuple(points.ravel().tolist())
+    return filled("M%s %sh0" * len(points), points)
 
 
 def circles(points: NDArray, radius: float) -> str:
     """points: (k, 2) px → circles, to be stroked."""
     r, d = f"{radius:g}", f"{2 * radius:g}"
-    form = f"M%.1f %.1fm-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0"
-    return form * len(points) % tuple(points.ravel().tolist())
+    return filled(f"M%s %sm-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0" * len(points), points)
 
 
 def diamonds(points: NDArray, radius: float) -> str:
     """points: (k, 2) px, their centres."""
     r = f"{radius:g}"
-    form = f"M%.1f %.1fm0-{r}l{r} {r}-{r} {r}-{r}-{r}z"
-    return form * len(points) % tuple(points.ravel().tolist())
+    return filled(f"M%s %sm0-{r}l{r} {r}-{r} {r}-{r}-{r}z" * len(points), points)
 
 
 def arrow_tips(start: NDArray, end: NDArray, size: float) -> list[str]:
@@ -86,8 +104,7 @@ def arrow_tips(start: NDArray, end: NDArray, size: float) -> list[str]:
     along *= np.minimum(size, length) / np.maximum(length, 1e-9)
     back, across = end - along, 0.42 * along[..., ::-1] * (-1, 1)
     corners = np.concatenate([end, back + across, back - across], 2)
-    form = "M%.1f %.1fL%.1f %.1f %.1f %.1fz" * end.shape[1]
-    return [form % tuple(view.ravel().tolist()) for view in corners]
+    return [filled("M%s %sL%s %s %s %sz" * end.shape[1], view) for view in corners]
 
 
 def polygons(corners: NDArray) -> list[str]:
@@ -108,10 +125,10 @@ def polygons(corners: NDArray) -> list[str]:
     steps[np.cumsum(counts) - counts] = np.rint(corners[:, 0] * 10)
     forms = [_POLYGONS[count] for count in counts.tolist()]
     form = "|".join(["".join(forms[i : i + k]) for i in range(0, views * k, k)])
-    return (form % tuple((steps * 0.1).ravel().tolist())).split("|")
+    return (form % tuple(map(_tenths, steps.ravel().tolist()))).split("|")
 
 
-_POLYGONS = ["", "M%.1f %.1fz", *("M%.1f %.1fl%.1f %.1f" + " %.1f %.1f" * count + "z" for count in range(64))]
+_POLYGONS = ["", "M%s %sz", *("M%s %sl%s %s" + " %s %s" * count + "z" for count in range(64))]
 
 
 def cross(place: NDArray, size: float) -> str:

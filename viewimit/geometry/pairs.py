@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .affine import MIN_POINTS, fit_affine_fundamental
+from .affine import MIN_POINTS, centred
 
 PAIRS = np.array([(0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3)])  # of the views l, r, L, R: [p], [q] of each
+COORDINATES = np.concatenate([2 * PAIRS, 2 * PAIRS + 1], 1)[:, [0, 2, 1, 3]]  # of x_l, y_l … y_R, those of each pair
 # The views of each of twelve lines: that it is drawn in, and whose point it is of
 INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T
 
@@ -28,9 +29,17 @@ class PairGeometry(NamedTuple):
         return np.concatenate([normal, offset[:, None]], 1)
 
 
-def fit_pairs(images: NDArray) -> PairGeometry | None:
-    """images: (4, N, 2) px in l, r, L, R of the points seen in all four; None with too few of them."""
-    if images.shape[1] < MIN_POINTS:
+def fit_pairs(points: NDArray) -> PairGeometry | None:
+    """points: (N, 8) px in l, r, L, R of those seen in all four; None with too few of them."""
+    if len(points) < MIN_POINTS:
         return None
-    first, second = PAIRS.T
-    return PairGeometry(*fit_affine_fundamental(images[first], images[second]))
+    mean, about = centred(points)
+    f = fundamentals(about, COORDINATES)
+    return PairGeometry(f, -(f * mean[COORDINATES]).sum(1))
+
+
+def fundamentals(points: NDArray, coordinates: NDArray) -> NDArray:
+    """f of Eq. (2) of several pairs of views of one posture, (P, 4), unit norm, sign arbitrary, from one scatter matrix
+    of all. points: (N, C) px about their centroid; coordinates: (P, 4), those of [p] and [q] of each pair."""
+    scatter = (points.T @ np.ascontiguousarray(points.T)[:, :, None])[..., 0]
+    return np.linalg.eigh(scatter[coordinates[:, :, None], coordinates[:, None]])[1][..., 0]

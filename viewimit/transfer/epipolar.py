@@ -20,10 +20,12 @@ from numpy.typing import NDArray
 
 from ..equations import HOLE, Equation, column, each, matrix
 from ..geometry.affine import centred, extreme_eigenvalues, require_points, scatter, smallest_eigenpair
+from ..geometry.pairs import COORDINATES, fundamentals
 from ..views import FourViews
 from .affine_map import AffineTransfer
 from .transfer import TransferMethod
 
+CROSSED = COORDINATES[[0, 1, 2, 3, 5]]  # of the five pairs
 SINGULAR = 1e-3  # determinant of two unit-norm epipolar lines below which all five are solved together
 
 
@@ -53,6 +55,8 @@ def fit(views: FourViews) -> EpipolarTransfer:
 
 def constraints(demo: NDArray, own: NDArray) -> NDArray:
     """The five fundamental matrices f: (4, 5, G) from centred points demo: (..., N, 4) or (N, 4), own: (..., N, 4)."""
+    if own.ndim == 2:  # one posture, whose price is the number of steps
+        return fundamentals(np.concatenate([demo, own], 1), CROSSED).T[..., None]
     P, M, Q = (np.empty((2, 2, 5, math.prod(own.shape[:-2]))) for _ in range(3))
     to_P, to_M, to_Q = (block[:, :, :4].reshape(2, 2, 2, 2, -1) for block in (P, M, Q))  # views: i, j, o, d
     to_P[:] = np.einsum("didjg->ijdg", _by_view(scatter(demo, demo)))[:, :, None]

@@ -79,7 +79,7 @@ def point_places(demo: NDArray, own: NDArray, visible: NDArray, windows: Windows
     inside = ((points >= 0) & (points <= _SIZES[whole])).all(-1) & visible.T
     numbers = np.concatenate([points, _free_radii(points, inside)[..., None]], -1)
     hidden = [f".vi-at-{'lrLR'[k]}{i}{{display:none}}" for k, i in np.argwhere(~inside).tolist()]
-    rules = _form(len(demo)) % tuple(np.where(inside[..., None], numbers, 0).ravel().tolist())
+    rules = svg.filled(_form(len(demo)), np.where(inside[..., None], numbers, 0))
     return f"<style>{rules}{''.join(hidden)}</style>"
 
 
@@ -89,7 +89,7 @@ _SIZES = {whole: np.array([sizes[view] for view in "lrLR"])[:, None] for whole, 
 @lru_cache(16)
 def _form(count: int) -> str:
     """Of the rules of so many points: x, y and r of each in l, r, L and R. One format is faster than many."""
-    rule = ".vi-at-{0}{1}{{transform:translate(%.1fpx,%.1fpx)}}.vi-at-{0}{1} .vi-nearest{{r:%.1fpx}}"
+    rule = ".vi-at-{0}{1}{{transform:translate(%spx,%spx)}}.vi-at-{0}{1} .vi-nearest{{r:%spx}}"
     return "".join(rule.format(view, i) for view in "lrLR" for i in range(count))
 
 

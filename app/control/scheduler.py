@@ -9,25 +9,22 @@ import logging
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
 from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
-TOGETHER = (
-    10  # pages that make each step of a tick one after the other, as what it needs is in the processor's caches then
-)
 FAULTS_EVERY = 1.0  # s between two faults that are logged, of all pages: each is one line
 FRAMES = 4  # of a fault, innermost
 log = logging.getLogger(__name__)
 
 
 class Ticked(Protocol):
-    """A page. steps(now): of a tick, at s of a monotonic clock; fail(error): what one of them raised, for it to say."""
+    """A page. tick(now): s of a monotonic clock; fail(error): what its tick raised, for it to say."""
 
-    def steps(self, now: float) -> Iterator[None]: ...
+    def tick(self, now: float) -> None: ...
 
     def fail(self, error: Exception) -> None: ...
 
@@ -76,20 +73,14 @@ class Scheduler:
             self._log(worse, anyway=True)
             self.remove(page)
 
-    def _go_on(self, page: Ticked, steps: Iterator[None]) -> bool:
-        """Make the page's next step; whether there may be one more."""
-        with self._turn:
-            if page not in self._pages:  # it has just been removed
-                return False
-            try:
-                next(steps)
-                return True
-            except StopIteration:
-                return False
-            except Exception as error:  # one session's fault must not stop the others; its own page says so
-                self._log(error)
-                self._tell(page, error)
-                return False
+    def _tick(self, page: Ticked) -> None:
+        if page not in self._pages:  # it has just been removed
+            return
+        try:
+            page.tick(time.monotonic())
+        except Exception as error:  # one session's fault must not stop the others; its own page says so
+            self._log(error)
+            self._tell(page, error)
 
     def _log(self, error: Exception, anyway: bool = False) -> None:
         """In a line, unless one has just been written. anyway: it is the last that is heard of its page."""
@@ -110,11 +101,9 @@ class Scheduler:
             self._heartbeat()
             with self._lock:
                 pages = list(self._pages)
-            for first in range(0, len(pages), TOGETHER):
-                now = time.monotonic()
-                ticks = [(page, page.steps(now)) for page in pages[first : first + TOGETHER]]
-                while ticks:
-                    ticks = [tick for tick in ticks if self._go_on(*tick)]
+            for page in pages:
+                with self._turn:
+                    self._tick(page)
                 await asyncio.sleep(0)  # what was drawn is sent
             self.shedding.ticked(time.monotonic() - began)
             # one long tick is made up for by the next short one; further behind, ticks are skipped, not chased

@@ -1,7 +1,6 @@
 """What gives way when there is too much to do, in which order, and that it comes back."""
 
 import time
-from collections.abc import Iterator
 
 import pytest
 from viewimit.app.control.player import Player
@@ -61,8 +60,7 @@ class Slow:
     def __init__(self, load: LoadShedding):
         self.load, self.poses, self.panels, self.next = load, 0, 0, 0.0
 
-    def steps(self, now: float) -> Iterator[None]:
-        yield
+    def tick(self, now: float) -> None:
         self.poses += 1
         if now >= self.next:
             self.next = now + 0.1 * self.load.panels

@@ -16,10 +16,9 @@ class Counting:
     def __init__(self, fault=None):
         self.ticks, self.fault, self.failed, self.threads = 0, fault, [], set()
 
-    def steps(self, now):
+    def tick(self, now):
         self.ticks += 1
         self.threads.add(threading.get_ident())
-        yield
         if self.fault:
             raise self.fault
 
@@ -86,44 +85,3 @@ def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(caplog, event_loop):
     wait_until(lambda: good.ticks >= 5)
     scheduler.stop()
     assert bad.ticks == 1 and "ZeroDivisionError" in caplog.messages[-1]
-
-
-class Stepping:
-    """Tells in `made` each of its two steps."""
-
-    def __init__(self, name, made):
-        self.name, self.made = name, made
-
-    def steps(self, now):
-        self.made.append((self.name, 1))
-        yield
-        self.made.append((self.name, 2))
-
-
-def test_pages_make_each_step_of_a_tick_one_after_the_other(event_loop):
-    scheduler, made = Scheduler(no_heartbeat), []
-    for name in "ab":
-        scheduler.add(Stepping(name, made))
-    scheduler.start(event_loop)
-    wait_until(lambda: len(made) >= 8)
-    scheduler.stop()
-    assert made[:8] == 2 * [("a", 1), ("b", 1), ("a", 2), ("b", 2)]
-
-
-def test_a_page_that_is_removed_makes_no_further_step(event_loop):
-    scheduler, made = Scheduler(no_heartbeat), []
-    page, other = Stepping("page", made), Stepping("other", made)
-    leaves = other.steps
-
-    def steps(now):
-        for _ in leaves(now):
-            scheduler.remove(page)
-            yield
-
-    other.steps = steps
-    scheduler.add(page)
-    scheduler.add(other)
-    scheduler.start(event_loop)
-    wait_until(lambda: made.count(("other", 2)) >= 2)
-    scheduler.stop()
-    assert made[:3] == [("page", 1), ("other", 1), ("other", 2)] and ("page", 2) not in made

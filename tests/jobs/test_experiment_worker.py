@@ -193,9 +193,8 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
     ticks = []
 
     class Page:
-        def steps(self, now):
+        def tick(self, now):
             ticks.append(time.monotonic())
-            yield
 
     scheduler, told = Scheduler(SeatCounts().rows[0].live), Told()
     scheduler.add(Page())

@@ -14,10 +14,11 @@ TOLERANCE = 4 / np.sqrt(DRAWS)  # four standard deviations of a variance that is
 
 @pytest.fixture(scope="module")
 def body():
-    """A linear body whose second joint is hardly told: what is asked of its images is linear, too."""
+    """A linear body, visited with noise, and residuals that are linear in its images, as if a transfer's twelve
+    parameters took part of them over: seed → surrogate, and own images → residuals."""
     rng = np.random.default_rng(3)
     J, y = rng.normal(0, 100, (POINTS, 4, 2)), rng.uniform(0, 240, (POINTS, 4))
-    blind = np.linalg.qr(rng.normal(size=(4 * POINTS, 12)))[0]  # as if a transfer's parameters took over
+    blind = np.linalg.qr(rng.normal(size=(4 * POINTS, 12)))[0]
     goal = (y + J @ np.radians((2, 1))).ravel()
     left = lambda e: e - (e @ blind) @ blind.T
     residual_of = lambda own: left(own.reshape(*own.shape[:-2], -1) - goal).reshape(own.shape)
@@ -41,9 +42,9 @@ def slopes(model, residual_of, place):
 def test_slopes_that_are_learned_from_noise_add_the_curvature_that_it_says(body):
     model, residual_of = body
     place = np.radians((2.0, 1.0))
-    hessians = np.array([J @ J.T / POINTS for J, _ in (slopes(model(k), residual_of, place) for k in range(DRAWS))])
-    mean = np.mean([slopes(model(k), residual_of, place)[0] for k in range(DRAWS)], axis=0)
-    added = hessians.mean(0) - mean @ mean.T / POINTS
+    drawn = np.array([slopes(model(k), residual_of, place)[0] for k in range(DRAWS)])
+    mean = drawn.mean(0)
+    added = (drawn @ drawn.swapaxes(1, 2)).mean(0) / POINTS - mean @ mean.T / POINTS
     said = own_noise(model(0), residual_of, place, NOISE, 20, 1).hessian
     share = np.abs(np.linalg.eigvalsh(np.linalg.solve(added, said)) - 1).max()
     assert share < TOLERANCE + 0.25  # DRAWS of own_noise estimate what is left of 32 - 12 residuals
@@ -52,8 +53,8 @@ def test_slopes_that_are_learned_from_noise_add_the_curvature_that_it_says(body)
 def test_gradients_are_as_large_as_those_that_noise_makes(body):
     model, residual_of = body
     place = np.radians((2.0, 1.0))
-    J = np.mean([slopes(model(k), residual_of, place)[0] for k in range(DRAWS)], axis=0)
-    made = np.array([J @ slopes(model(k), residual_of, place)[1] / POINTS for k in range(DRAWS)])
+    slopes_drawn, e_drawn = zip(*(slopes(model(k), residual_of, place) for k in range(DRAWS)))
+    made = np.array(e_drawn) @ np.mean(slopes_drawn, axis=0).T / POINTS
     said = np.concatenate([own_noise(model(k), residual_of, place, NOISE, 20, k).gradients for k in range(60)])
     np.testing.assert_allclose(np.sqrt((said**2).mean(0)), made.std(0), rtol=0.25)
 

@@ -126,8 +126,8 @@ def scenes_table(outcomes: Sequence[scenes.Outcome], heading: str) -> str:
     """For people: a row a kind of scenes."""
     heads = *(f"ended ≤{near:g}°" for near in success.WITHIN_DEG), "motions", "95 %", "claimed"
     heads = *heads, f"off >{success.FALSE_DEG:g}°", f"and >{claims.TIMES:g} exp.", "rms", "bound"
-    heads = *heads, f"it: ≤{min(success.WITHIN_DEG):g}°"
-    widths = (18, 18, 18, 9, 7, 18, 20, 20, 10, 10, 12)
+    heads = *heads, f"at best ≤{min(success.WITHIN_DEG):g}°"
+    widths = (18, 18, 18, 9, 7, 18, 20, 20, 10, 10, 16)
     lines = [heading, " " * 46 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
         motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"

@@ -58,10 +58,10 @@ _as_json = msgspec.json.Encoder().encode
 
 class _Tenths(dict[float, str]):
     """Numbers with one decimal, by how many tenths they are: the same ones are written again and again, which takes
-    three times as long as to find them. Those that are far out of a drawing are not kept."""
+    longer than to find them. Those that are far out of a drawing are not kept."""
 
     def __missing__(self, count: float) -> str:
-        text = f"{count / 10:.1f}"
+        text = f"{count / 10 + 0.0:.1f}"  # -0.0 is found where 0.0 is
         if abs(count) <= FAR_OUT:
             self[count] = text
         return text

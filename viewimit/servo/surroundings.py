@@ -32,10 +32,10 @@ class Surroundings:
     """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; seen: how
     many of them really were, at the best visit; without_one: (k, m, m), hessians by these but one, none where no point
     is ever hidden; left: (m,) rad, from there to where E should be least; gradients: (k, m) px²/rad, of E there as k
-    draws of the own images' noise have them; slopes: (m, m) px²/rad², by which E would
-    rise if all motion of the own images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the
-    E measured at them, NaN where it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,)
-    rad, what the limits leave; noise_px: of residuals, standard deviation."""
+    draws of the own images' noise have them; slopes: (m, m) px²/rad², by which E would rise if all motion of the own
+    images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the E measured at them, NaN where
+    it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,) rad, what the limits leave;
+    noise_px: of residuals, standard deviation."""
 
     hessian: NDArray
     E: float

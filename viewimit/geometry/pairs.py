@@ -41,5 +41,5 @@ def fit_pairs(points: NDArray) -> PairGeometry | None:
 def fundamentals(points: NDArray, coordinates: NDArray) -> NDArray:
     """f of Eq. (2) of several pairs of views of one posture, (P, 4), unit norm, sign arbitrary, from one scatter matrix
     of all. points: (N, C) px about their centroid; coordinates: (P, 4), those of [p] and [q] of each pair."""
-    scatter = (points.T @ np.ascontiguousarray(points.T)[:, :, None])[..., 0]
+    scatter = points.T @ points
     return np.linalg.eigh(scatter[coordinates[:, :, None], coordinates[:, None]])[1][..., 0]

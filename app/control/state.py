@@ -34,7 +34,7 @@ from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 TOLD = ("wide", "narrow", "prefers_dark", "truth")  # by the browser itself
-SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified")  # that are kept by their names
+SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # that are kept by their names
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,7 @@ class View:
     gizmo: bool = True
     whole_frames: bool = False
     rectified: bool = False
+    shadows: bool = False
     dark: bool | None = None
     prefers_dark: bool = False
     help: bool = False

@@ -21,6 +21,7 @@ SWITCHES = (
     ("Hand gizmo", "gizmo"),
     ("Whole frames", "whole_frames"),
     ("Raw, rectified", "rectified"),
+    ("Shadows", "shadows"),
     ("Dark", "dark"),
 )
 

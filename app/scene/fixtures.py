@@ -10,6 +10,7 @@ from viewimit.simulation.camera import Camera
 from viewimit.simulation.world import World
 from viewimit.viewer import shapes
 from viewimit.viewer.furniture import (
+    CELL,
     LINE,
     LOOKS,
     PLATE,
@@ -19,6 +20,7 @@ from viewimit.viewer.furniture import (
     Solid,
     cameras_of,
     corners,
+    floor_lines,
     frustum,
     labels,
     on_plate,
@@ -27,34 +29,50 @@ from viewimit.viewer.furniture import (
 from viewimit.views import VIEWS
 
 from .. import viser_private
+from .colours import linear
 from .lettering import add_text
 from .nodes import Nodes
 from .rotations import quaternion
 
 BEHIND = 0.002  # m, a picture's distance from its plate
+CELLS, PIECE = 10, 5  # of the floor on either side, and points of its lines from one to the next that are drawn
+PAPER = {False: np.full(3, 255.0), True: np.full(3, 20.0)}  # what viser draws the scene on
 
 
-def add_light(scene: SceneApi, look: Look) -> None:
+def add_light(scene: SceneApi, look: Look, shadows: bool = False) -> None:
     """A page's own shadows that of the server, which is there before anything is to be lit: else all is drawn once
-    without it, by programs of its own."""
+    without it, by programs of its own. shadows: whether the sun casts any, which a browser that renders in software
+    takes twice as long for."""
     scene.add_light_hemisphere(
         "/light/sky", sky_color=(245, 244, 255), ground_color=(178, 177, 187), intensity=look.sky, position=(0, 0, 1)
     )
-    scene.add_light_directional("/light/sun", intensity=look.sun, cast_shadow=True, position=(-2.0, -3.0, 5.0))
+    scene.add_light_directional("/light/sun", intensity=look.sun, cast_shadow=shadows, position=(-2.0, -3.0, 5.0))
 
 
-def add_floor(scene: SceneApi, look: Look, size: float = 1.0) -> None:
-    """size: of the scene, as of all that stands in it."""
-    scene.add_grid(
+def add_floor(scene: SceneApi, world: World, dark: bool, shadows: bool) -> None:
+    """Lines that fade into the page, and what shadows fall on: viser's grid, which works out every pixel of the floor,
+    a quarter of a frame with shadows where a browser renders in software."""
+    lines, size = floor_lines(world, CELLS), world.scene.size
+    distance = np.linalg.norm(lines - lines.mean((0, 1)), axis=-1, keepdims=True) / (CELLS * CELL * size)
+    strength = np.clip(1 - distance**2, 0, 1)
+    colours = strength * LOOKS[dark].sections + (1 - strength) * PAPER[dark]
+    ends = slice(None, -1, PIECE), slice(PIECE, None, PIECE)
+    scene.add_line_segments(
         "/floor",
+        np.stack([lines[:, end] for end in ends], -2).reshape(-1, 2, 3).astype(np.float32),
+        linear(np.stack([colours[:, end] for end in ends], -2).reshape(-1, 2, 3)),
+        thickness=1.0,
+        thickness_units="screen",
+    )
+    scene.add_grid(
+        "/floor/shadows",
         width=12 * size,
         height=12 * size,
-        cell_size=0.25 * size,
-        section_size=1.0 * size,
-        cell_color=look.cells,
-        section_color=look.sections,
+        cell_thickness=0.0,
+        section_thickness=0.0,
         shadow_opacity=0.10,
         fade_distance=9.0 * size,
+        visible=shadows,
     )
 
 

@@ -16,6 +16,7 @@ from viewimit.viewer.furniture import VIEW_ROLES, on_plate
 
 from ..control.state import PageState, View
 from ..viser_private import push_array, push_position
+from .colours import linear
 from .nodes import Nodes
 
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
@@ -153,8 +154,3 @@ def of_views(shade: Callable[[str], tuple[int, int, int]], count: int) -> NDArra
 def segments(starts: NDArray, ends: NDArray, seen: NDArray) -> NDArray:
     """(…, 3) m twice → (n, 2, 3), those that are not seen out of sight."""
     return np.where(seen[..., None, None], np.stack([starts, ends], axis=-2), FAR_AWAY).reshape(-1, 2, 3)
-
-
-def linear(color: tuple[int, int, int]) -> tuple[int, int, int]:
-    """Batched meshes, and segments of several colours, read them as linear light."""
-    return tuple(round(255 * (c / 255) ** 2.2) for c in color)

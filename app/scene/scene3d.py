@@ -53,7 +53,7 @@ class Scene3D:
         self._nodes = Nodes()
         self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
-        self._dark, self._fits = False, 0
+        self._dark, self._shadows, self._fits = False, False, 0
         self._view = DefaultView(client)
         self._points = np.zeros((0, 3))  # m, the learner's and the demonstrator's as they are drawn
         self._edited: Snapshot | None = None  # where the arms stand while a click places a point
@@ -75,7 +75,7 @@ class Scene3D:
 
     def _furnish(self) -> None:
         """All but the arms, in the colours of the scheme, in place of what there is."""
-        add_floor(self._client.scene, LOOKS[self._dark], self._world.scene.size)
+        add_floor(self._client.scene, self._world, self._dark, self._shadows)
         self._fixtures = Fixtures(self._client, self._nodes, self._world, self._dark)
         for name in self._bases:
             for i in range(len(self._world.body)):
@@ -92,9 +92,9 @@ class Scene3D:
     def show(self, state: PageState) -> None:
         """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted anew."""
         view = state.view
-        if view.on("dark") != self._dark:
-            self._dark = view.on("dark")
-            add_light(self._client.scene, LOOKS[self._dark])
+        if (view.on("dark"), view.shadows) != (self._dark, self._shadows):
+            self._dark, self._shadows = view.on("dark"), view.shadows
+            add_light(self._client.scene, LOOKS[self._dark], self._shadows)
             self._furnish()
         self._view.follow(lambda: self._landmarks(state.present))
         if view.fits != self._fits:

@@ -20,6 +20,11 @@ PLACE = """name => {
   const {camera, canvas, nodeRefFromName} = window.__viserMutable, box = canvas.getBoundingClientRect()
   const place = nodeRefFromName[name].getWorldPosition(camera.position.clone()).project(camera)
   return [box.left + box.width * (1 + place.x) / 2, box.top + box.height * (1 - place.y) / 2] }"""
+LIT = """name => { const {canvas, nodeRefFromName} = window.__viserMutable, lights = []
+  let top = nodeRefFromName[name]
+  while (top.parent) top = top.parent
+  top.traverse(part => { if (part.isDirectionalLight) lights.push([part.intensity, part.castShadow]) })
+  return lights }"""
 HAND = "/panda/learner/j1/j2/j3/j4/j5/j6/j7"
 
 
@@ -84,6 +89,19 @@ def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
     becomes(True)
     switch(page, "Dark")
     becomes(False)
+    page.get_by_text("Display", exact=True).click()
+
+
+def test_shadows_are_cast_when_they_are_asked_for_and_add_no_light(page):
+    page.get_by_text("Display", exact=True).click()
+    lit = lambda: page.evaluate(LIT, "/floor")
+    ((sun, casts),) = lit()
+    assert not casts and "/floor/shadows" not in page.evaluate(POSES)
+    switch(page, "Shadows")
+    wait(page, lambda: lit() and all(casts for _, casts in lit()) and "/floor/shadows" in page.evaluate(POSES))
+    assert sum(intensity for intensity, _ in lit()) == pytest.approx(sun)
+    switch(page, "Shadows")
+    wait(page, lambda: lit() == [[sun, False]] and "/floor/shadows" not in page.evaluate(POSES))
     page.get_by_text("Display", exact=True).click()
 
 

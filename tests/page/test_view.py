@@ -7,7 +7,9 @@ import pytest
 import trimesh
 from viewimit.app.scene.view import BEFORE, DOCKED_WITHIN, DefaultView, Docking
 
-from viewimit.viewer.furniture import HALF_NAME, LINE, unhidden
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
+from viewimit.viewer.furniture import CELL, HALF_NAME, LINE, floor_lines, unhidden
 from viewimit.viewer.view import BELOW, FOV, fitted_view, looking
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))
@@ -154,3 +156,17 @@ def test_a_place_is_sent_also_where_the_browser_has_just_told_that_very_place(ca
     SimpleNamespace.__setattr__(camera, "position", put)  # told late
     view.follow(lambda: LANDMARKS)
     np.testing.assert_array_equal(sent[-1], put)
+
+
+@pytest.mark.parametrize("cells", [1, 7])
+def test_lines_of_the_floor_end_on_a_circle_and_are_a_cell_apart(cells):
+    world = World(load_scene("panda"))
+    lines = floor_lines(world, cells)
+    assert lines.shape == (2 * (2 * cells - 1), 2 * cells + 1, 3) and not lines[..., 2].any()
+    middle, cell = lines.mean((0, 1)), CELL * world.scene.size
+    np.testing.assert_allclose(np.linalg.norm((lines - middle)[:, [0, -1]], axis=-1), cells * cell)
+    for one_way, along in ((lines[: len(lines) // 2], 0), (lines[len(lines) // 2 :], 1)):
+        across = one_way[..., 1 - along]
+        np.testing.assert_allclose(np.diff(across, axis=0), cell)
+        np.testing.assert_allclose(np.ptp(across, axis=1), 0, atol=1e-12)
+        assert (np.diff(one_way[..., along], axis=1) > 0).all()

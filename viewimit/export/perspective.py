@@ -25,7 +25,7 @@ SUN = np.array([-2.0, -3.0, 5.0]) / np.sqrt(38.0)
 SKY, GROUND = np.array([0.91, 0.90, 1.0]), np.array([0.44, 0.43, 0.49])  # linear light from above and below
 EXPOSURE = 4.0
 NEAR = 0.02  # m before the eye, nearer than which nothing is drawn
-CELL, CELLS = 0.5, 7  # m between lines of the floor, and lines on either side
+CELLS = 7  # of the floor on either side
 ASPECT = 1.3
 CORNERS = 24  # of a link's shadow
 TRIANGLE = "M{:.1f} {:.1f}L{:.1f} {:.1f} {:.1f} {:.1f}z"
@@ -198,19 +198,11 @@ def _cast(vertices: NDArray) -> NDArray:
 
 
 def _floor(world: World, eye: Eye) -> str:
-    """Lines about what stands there, which fade with their distance from it."""
-    size = world.scene.size
-    middle = np.round(furniture.landmarks(world)[:, :2].mean(0) / (CELL * size)) * CELL * size
-    parts = []
-    for k in range(-CELLS, CELLS + 1):
-        reach = CELL * size * np.sqrt(CELLS**2 - k**2)
-        for axis in (0, 1):
-            along, across = np.eye(2)[axis], np.eye(2)[1 - axis]
-            steps = np.linspace(-reach, reach, 2 * CELLS + 1)
-            points = middle + steps[:, None] * along + k * CELL * size * across
-            places, depth = eye.see(np.column_stack([points, np.zeros(len(points))]))
-            if (depth > NEAR).all() and reach > 0:
-                parts.append(f'<path d="{svg.segments(places[:1], places[-1:])}"/>')
+    """Lines about what stands there, but for those that begin or end behind the eye."""
+    ends = furniture.floor_lines(world, CELLS)[:, [0, -1]]
+    places, depth = eye.see(ends)
+    seen = places[(depth > NEAR).all(1)]
+    parts = [f'<path d="{svg.segments(line[:1], line[1:])}"/>' for line in seen]
     red, green, blue = LOOK.sections
     return f'<g stroke="rgb({red},{green},{blue})" stroke-width=".6">{"".join(parts)}</g>'
 

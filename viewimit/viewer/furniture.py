@@ -22,6 +22,7 @@ LINE, HALF_NAME = 0.1, 0.25  # m: the height of a line of text, half the length 
 MOST_STEPS = 8  # by which a name is moved
 SUNK = 0.05  # m, of a base's shape under its origin: less is how it is mounted
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
+CELL = 0.5  # m between lines of the floor
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}  # m across: spheres, octahedra
 
 
@@ -92,6 +93,18 @@ def labels(world: World) -> Iterator[Label]:
         plate, eye = on_plate(camera, corners(camera), world.scene.size), camera.T_world_camera[:3, 3]
         corner = plate[0] if view == "l" else plate[1]  # where no other frustum is
         yield Label(f"name_{view}", view, role, corner + 0.25 * (corner - eye))
+
+
+def floor_lines(world: World, cells: int) -> NDArray:
+    """(n, 2 cells + 1, 3) m, points from end to end of each line of the floor, within so many cells of the middle of
+    what stands there."""
+    cell = CELL * world.scene.size
+    middle = np.round(landmarks(world)[:, :2].mean(0) / cell) * cell
+    across = np.arange(1 - cells, cells)
+    along = np.sqrt(cells**2 - across**2)[:, None] * np.linspace(-1, 1, 2 * cells + 1)
+    places = np.stack([along, np.broadcast_to(across[:, None], along.shape)], -1)
+    plane = middle + cell * np.concatenate([places, places[..., ::-1]])
+    return np.concatenate([plane, np.zeros((*plane.shape[:2], 1))], -1)
 
 
 def frustum(camera: Camera, size: float) -> NDArray:

@@ -7,7 +7,7 @@ import pytest
 from viewimit.assets import ROOT
 
 from viewimit.experiments.bench import baselines
-from viewimit.history import RECENT, STRIDE
+from viewimit.history import MOST_OLD, RECENT, STRIDE, History
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -104,6 +104,30 @@ def test_of_a_long_history_some_old_motions_stand_for_those_after_them():
     back = Session(RESTLESS, dense=dense)
     back.resume(whole.history, whole.cursor)
     assert [moment.motion for moment in back.history] == [moment.motion for moment in kept.history]
+
+
+@pytest.mark.parametrize("dense", [0, 100])
+def test_however_long_a_history_is_it_keeps_no_more_moments(dense):
+    class Moment:
+        def __init__(self, motion):
+            self.motion = motion
+
+        def without_cache(self):
+            return self
+
+    history, most = History([Moment(0)], dense=dense), 0
+    for motion in range(1, 20_000):
+        history.append(Moment(motion))
+        if motion % 500 == 0:
+            kept = sorted({moment.motion for moment in history})
+            stride = kept[1] - kept[0]
+            long_past = [k for k in kept if k <= motion - dense - 2 * stride]
+            assert (np.diff(long_past) == stride).all() and len(long_past) <= 2 * MOST_OLD
+            assert all(0 <= k - moment.motion < stride for k, moment in enumerate(history))
+            assert kept[-dense:] == list(range(motion + 1 - dense, motion + 1))[-dense:] or dense == 0
+            most = max(most, len(kept))
+    assert stride == 16 * STRIDE and most < 2 * MOST_OLD + dense + 2 * stride
+    assert [m.motion for m in History(history, history.cursor, dense)] == [m.motion for m in history]
 
 
 def test_another_future_begins_where_the_cursor_is():

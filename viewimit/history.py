@@ -7,23 +7,22 @@ from .snapshot import Snapshot
 
 MAX_HISTORY = 100_000  # motions a session makes
 RECENT = 64  # of the last motions, transfer and residuals stay as they were computed; those of older ones are let go
-STRIDE = 32  # of motions long past one in so many is kept, if not all are
+STRIDE, MOST_OLD = 32, 64  # of motions long past one in so many is kept, if not all are, and so many of them at most
 
 
 class History(Sequence[Snapshot]):
     """moments: by motion, from 0 on; cursor: the motion that the session is at.
 
     dense: how many of the last motions are kept, None for all. Of older ones every STRIDE-th is, and stands in place
-    of those after it.
+    of those after it; every second one of these as soon as they are MOST_OLD, and so on: a history of whatever length
+    takes no more memory.
     """
 
     def __init__(self, moments: Iterable[Snapshot], cursor: int = 0, dense: int | None = None):
         self._moments, self.cursor, self._dense = list(moments), cursor, dense
         for first in range(0, cursor - RECENT - STRIDE + 1, STRIDE):
             self._let_go(first)
-        if dense is not None:
-            for first in range(0, cursor - dense - STRIDE + 1, STRIDE):
-                self._thin(first)
+        self._thin()
 
     def __len__(self) -> int:
         return len(self._moments)
@@ -54,7 +53,7 @@ class History(Sequence[Snapshot]):
         if self.cursor % STRIDE == 0:
             self._let_go(self.cursor - RECENT - STRIDE)
         if self._dense is not None and (self.cursor - self._dense) % STRIDE == 0:
-            self._thin(self.cursor - self._dense - STRIDE)
+            self._thin()
 
     def replace(self, moment: Snapshot) -> None:
         """Put a moment in place of the present; what came later is dropped."""
@@ -80,7 +79,10 @@ class History(Sequence[Snapshot]):
             stands_for_another = moment.motion != motion
             self._moments[motion] = self._moments[moment.motion] if stands_for_another else moment.without_cache()
 
-    def _thin(self, first: int) -> None:
-        """Let the moment after so many motions stand for those until the next one that is kept."""
-        if first >= 0:
-            self._moments[first + 1 : first + STRIDE] = [self._moments[first]] * (STRIDE - 1)
+    def _thin(self) -> None:
+        """Let each of the old moments that are kept stand for those until the next one."""
+        old, stride = 0 if self._dense is None else self.cursor - self._dense, STRIDE
+        while old >= MOST_OLD * stride:
+            stride *= 2
+        for first in range(0, old - stride + 1, stride):
+            self._moments[first + 1 : first + stride] = [self._moments[first]] * (stride - 1)

@@ -30,6 +30,40 @@ const describe = () => {
     set(folder, "aria-expanded", String(!folder.querySelector(".tabler-icon-chevron-down")));
   }
 };
+
+// What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
+// a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
+const root = document.documentElement;
+const ALONE = ("large large-figures large-l large-r large-L large-R card guide guide-minimum sliders-1 sliders-2 sliders-3"
+  + " hole alone figure-verdict figure-clouds figure-rows banner banner-asks banner-leads banner-freezes join");
+const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
+const FOUND = Object.entries({
+  "vi-has-side-progress": ".vi-guide-side .vi-figure-progress",
+  "vi-has-side-hole": ".vi-guide-side .vi-hole",
+  "vi-has-figures-hole": ".vi-guide-figures .vi-hole",
+  "vi-views-controls": "#vi-view-controls:checked",
+  "vi-views-images": "#vi-view-images:checked",
+  "vi-views-landscape": "#vi-view-landscape:checked",
+  "vi-views-scene": "#vi-view-scene:checked",
+  "vi-reconnects": "[data-dock-unmergeable-header] .mantine-Loader-root",
+});
+const OF_MARKERS = [
+  ["vi-lines", "vi-row", marker => marker.parentElement.parentElement],
+  ["vi-quiet-lines", "vi-row vi-quiet", marker => marker.parentElement.parentElement],
+  ["vi-play-cell", "vi-play-row", marker => marker.parentElement],
+  ["vi-before-tabs", "mantine-Tabs-root", marker => marker.parentElement.previousElementSibling],
+].map(([name, marker, place]) => [name, document.getElementsByClassName(marker), place]);
+const name = () => {
+  for (const [name, elements] of HELD) root.classList.toggle(name, elements.item(0) !== null);
+  for (const [name, selector] of FOUND) root.classList.toggle(name, document.querySelector(selector) !== null);
+  for (const [name, markers, place] of OF_MARKERS)
+    for (const marker of markers) place(marker)?.classList.toggle(name, true);
+};
+document.addEventListener("change", name);
+for (const [event, drags] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]])
+  document.addEventListener(event, ({target}) => {
+    root.classList.toggle("vi-drags", drags && target.closest(".mantine-Slider-root") !== null);
+  }, true);
 let waits = false;
 const later = () => {
   if (waits) return;
@@ -41,7 +75,10 @@ const later = () => {
     if (told && told.dataset.link !== toldTo) tellPresenting();  // to a server that was begun anew
   }, 100);
 };
-new MutationObserver(later).observe(document, {childList: true, subtree: true});
+new MutationObserver(() => {
+  name();
+  later();
+}).observe(document, {childList: true, subtree: true});
 
 // After a choice in a list the keys are the page's again, and Tab goes on from there
 const LIST = "input[aria-haspopup=listbox]";
@@ -186,7 +223,7 @@ window.addEventListener("keydown", event => {
 
 // Before a class: P, or ?present in the address. Letters are larger, controls folded, a ring goes with the pointer; what
 // is true is hidden until T, in 3-D by the server; a lesson goes on by arrows or a remote
-const root = document.documentElement, pointer = document.createElement("div");
+const pointer = document.createElement("div");
 pointer.className = "vi-pointer";
 const presenting = () => root.classList.contains("vi-presents");
 let toldTo = "";

@@ -130,7 +130,7 @@ def filled(equation: Equation) -> str:
     """MathML, with its numbers."""
     pieces = _mathml(equation.latex)
     told = "".join(piece + value for piece, value in zip(pieces, [*equation.numbers, ""], strict=True))
-    classes = "vi-long" if equation.long else "vi-wide" if equation.wide else ""
+    classes = "vi-long" if equation.long else "vi-broad" if equation.wide else ""
     return told.replace("<math ", f'<math class="{classes}" ', 1) if classes else told
 
 

@@ -36,7 +36,7 @@ def point_links(address: str, count: int, whole: bool) -> str:
     planes += [_drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
     kind = f"vi-images{' vi-whole' if whole else ''}"
     return (
-        f'<div class="vi-over vi-links"><div class="vi-panel"><div class="{kind}" role="group"'
+        f'<div class="vi-over vi-links"><div class="vi-panel vi-four"><div class="{kind}" role="group"'
         f' aria-label="Points to choose">{"".join(planes)}</div></div></div>{sink()}'
     )
 
@@ -51,7 +51,7 @@ def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
         planes.append(_drawing(f"vi-at-{view}", size, ring))
     planes += ['<p class="vi-how"></p>', _drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
     kind = f"vi-images{' vi-whole' if whole else ''}"
-    return f'<div class="vi-over"><div class="vi-panel"><div class="{kind}">{"".join(planes)}</div></div></div>'
+    return f'<div class="vi-over"><div class="vi-panel vi-four"><div class="{kind}">{"".join(planes)}</div></div></div>'
 
 
 def _drawing(kind: str, size: tuple[int, int], inside: str = "") -> str:

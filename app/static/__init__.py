@@ -1,5 +1,5 @@
 """What the browser is given as it is: the page's stylesheet, complete with the drawings' and the font, and its script,
-which names for keys and screen readers what viser leaves without a name."""
+which names for keys, screen readers and the stylesheet what viser leaves without a name."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-// What viser's page lacks for keys and screen readers. All else of the page is done without a script.
+// What viser's page lacks for keys, screen readers and the stylesheet. All else of the page is done without a script.
 "use strict";
 const labelOf = element => {
   while (element && !element.querySelector("label")) element = element.parentElement;

@@ -84,7 +84,8 @@ def draw_images(
     parts.append(draw_legend(gain, chosen, crossed))
     parts.append(draw_metrics(snapshot, lengths))
     inside = "".join(parts)
-    return f'<div class="vi-panel vi-four"><div class="{kind}" role="group" aria-label="The four images">{inside}</div></div>'
+    four = f'<div class="{kind}" role="group" aria-label="The four images">{inside}</div>'
+    return f'<div class="vi-panel vi-four">{four}</div>'
 
 
 def arrow_gain(lengths: NDArray) -> float:

@@ -203,3 +203,22 @@ def test_points_not_seen_are_completed_from_the_other_visits():
 def test_E_is_judged_on_images_alone():
     """The observation's own E is NaN throughout this file: the servo asks the transfer."""
     assert np.isnan(evaluation.conflict(np.full((5, 4), np.nan)))
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_promise_made_where_nothing_was_told_is_not_judged():
+    """Of images that were seen E is infinite, and finite of those between: numpy would warn of ∞ - ∞."""
+    images = lambda theta: np.outer(np.linspace(50, 90, 6), [1, 1, 1, 1]) + 100 * np.sin(theta) @ np.eye(2, 4)
+    servo, state, theta, visited = TrustRegion(), None, np.zeros(2), []
+
+    def conflict(own, by=None, like=None):
+        known = (np.abs(own[..., None, :, :] - np.array(visited)).max((-1, -2)) < 1e-9).any(-1)
+        return np.where(known[..., None, None], np.inf, own - images(np.array([0.3, -0.2])))
+
+    for motion in range(6):
+        visited.append(images(theta))
+        seen = Observation(visited[-1], np.ones((6, 2), bool), np.inf, theta, -np.ones(2), np.ones(2), motion, 0.0)
+        state = servo.start(seen) if state is None else state
+        state, step = servo.step(state, seen, conflict)
+        theta = theta + step
+    assert len(state.visits) == 6

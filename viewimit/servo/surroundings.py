@@ -106,7 +106,8 @@ def _rises(known: Known, hessian: NDArray, place: NDArray) -> tuple[NDArray, NDA
     hessians = np.repeat(hessian[None], len(own), 0)
     if seen.all():
         E = evaluate(known.residual_of(own))
-        return E - E[known.best], hessians
+        with np.errstate(invalid="ignore"):  # two that nothing tells
+            return E - E[known.best], hessians
     rises = np.full(len(own), np.nan)
     about = known.model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
     for k, both in enumerate(seen & seen[known.best]):

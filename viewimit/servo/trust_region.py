@@ -188,6 +188,8 @@ def _judge(state: TrustState, E: NDArray) -> TrustState:
     if state.promised is None or len(E) < 2:
         return replace(state, promised=None)
     before = int(np.argmin(E[:-1]))
+    if np.isinf(E[before]):  # nothing was told of any posture before: nothing could be promised
+        return replace(state, promised=None)
     ratio = (E[before] - E[-1]) / max(state.promised, 1e-12)
     step = np.max(np.abs(state.known[-1].displacement - state.known[before].displacement))
     radius, failures = state.radius, 0

@@ -45,7 +45,7 @@ from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.geometry.pairs import PAIRS
 from viewimit.servo import Certificate
-from viewimit.servo.certificate import UNTOLD
+from viewimit.servo.surroundings import UNTOLD
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 from viewimit.simulation.appearance import Silhouettes, reach

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit.servo.certificate import CHECK, NEAR, NOISY_CHECK, UNTOLD, certify
-from viewimit.servo.surroundings import Surroundings
+from viewimit.servo.certificate import CHECK, NEAR, NOISY_CHECK, certify
+from viewimit.servo.surroundings import UNTOLD, Surroundings
 
 POINTS, OPEN = 10, np.full(2, 9.0)
 FLAT, STEEP = 60.0, 600.0  # px²/rad²: as in the default scene
@@ -21,7 +21,6 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
         E=1e-9,
         points=POINTS,
         seen=POINTS,
-        without_one=np.empty((0, 2, 2)),
         left=np.zeros(2),
         gradients=np.zeros((1, 2)),
         slopes=np.diag([2e4, 2e4]),
@@ -36,13 +35,6 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
 
 
 BOTH = (2, 0), (0, 2)
-
-
-def test_a_joint_that_a_single_point_tells_is_not_told():
-    alike, without = np.diag([FLAT, STEEP]), np.diag([1e-9, STEEP])
-    assert certify(surroundings(BOTH, without_one=np.array([alike, alike]))).claim == "converged"
-    found = certify(surroundings(BOTH, without_one=np.array([alike, without])))
-    assert found.claim == "untold" and found.told.tolist() == [False, True] and np.isinf(found.expected[0])
 
 
 @pytest.mark.parametrize(
@@ -63,7 +55,6 @@ def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allo
         low=np.full(joints, -9.0),
         high=np.full(joints, 9.0),
         seen=seen,
-        without_one=np.empty((0, joints, joints)),
     )
     assert certify(here).claim == claim
 

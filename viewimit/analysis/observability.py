@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..evaluation import residual
 from ..geometry.affine import MIN_POINTS
-from ..servo.certificate import UNTOLD
+from ..servo.surroundings import UNTOLD
 from ..simulation.world import World
 from ..views import FourViews
 

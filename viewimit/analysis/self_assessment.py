@@ -71,7 +71,8 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment:
     found = minimise(lambda theta: conflict(model.predict(theta)), here[None], low, high)
     certificate = now.certificate
     if certificate is None:
-        certificate = certify(survey(Known(visits, len(visits) - 1, now.E, model, seen, conflict), found, here))
+        points = np.isfinite(model.at_centre).all(-1)
+        certificate = certify(survey(Known(visits, len(visits) - 1, now.E, points, model, seen, conflict), found, here))
     return Assessment(certificate, _room(now.E, found), float(np.abs(found.theta - here).max()))
 
 

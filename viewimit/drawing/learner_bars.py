@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
-from ..servo.certificate import UNTOLD
+from ..servo.surroundings import UNTOLD
 from ..simulation.scene import Scene
 from . import svg
 

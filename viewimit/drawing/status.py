@@ -14,7 +14,7 @@ from ..equations import with_minus
 from ..geometry.affine import MIN_POINTS
 from ..history import MAX_HISTORY
 from ..servo import SERVOS, Certificate
-from ..servo.certificate import UNTOLD
+from ..servo.surroundings import UNTOLD
 from ..snapshot import AT_REST, Snapshot
 from ..transfer import TRANSFERS
 from ..transfer.transfer import FLAT, FLATNESS

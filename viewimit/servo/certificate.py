@@ -5,8 +5,8 @@ About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For 
 a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of that
 rise was measured, more than noise makes, and more than the share CONFLICTING of what the own images moved by. Where
 there is none a check motion along v asks; if E does not rise as it should, v is not told, and no joint that it turns.
-Of too few points E is next to 0 and rises all around at wrong postures as well: they allow no claim. Nor is a joint
-told that a single point tells, where points are seen from some postures only.
+Of too few points E is next to 0 and rises all around at wrong postures as well: they allow no claim. Nor has a point
+a part in H that was seen too rarely to tell how its images move: what is not known of that looks like a curvature.
 
 How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more, and
 by H⁻¹g, g the gradients that the noise of the own images makes. Of H is taken off what such noise adds to it.
@@ -18,7 +18,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from .surroundings import Surroundings, enough_points
+from .surroundings import UNTOLD, Surroundings, enough_points
 
 LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
 CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
@@ -27,8 +27,7 @@ OWN_SHARE, RISEN = 0.6, 0.5  # of a predicted rise: what must be the direction's
 ALIGNED = 0.95  # of its length: what must be along a direction, for a visit to have asked about that at least
 CONFLICTING = 1e-4  # of the squared motion of the own images: what must be left as conflict
 SURELY = 3.0  # standard deviations
-UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
-LEVEL = np.radians(200.0)  # a pixel: so little tells that E is level
+LEAST_CURVATURE = 1e-100  # px²/rad²: keeps squares of what a level E allows finite
 PART = 0.1  # of a direction of length 1: a joint that has less is not turned by it
 
 
@@ -68,8 +67,6 @@ def certify(here: Surroundings) -> Certificate:
     """From the visits that there are."""
     spread = deviations(here.hessian, here.points)
     told, check = spread < UNTOLD, np.zeros(len(spread))
-    for hessian in here.without_one:
-        told = told & (deviations(hessian, max(here.seen - 1, 1)) < LEVEL)
     shown = here.seen >= enough_points(len(spread))
     for direction in _directions(here):
         risen, level = _evidence(here, direction)
@@ -95,7 +92,7 @@ def deviations(hessian: NDArray, points: int) -> NDArray:
 def _inverse(hessian: NDArray) -> NDArray:
     """Of a matrix that may have no curvature in some directions: (m, m)."""
     curvatures, directions = np.linalg.eigh(hessian)
-    least = max(1e-12 * curvatures[-1], np.finfo(float).tiny)
+    least = max(1e-12 * curvatures[-1], LEAST_CURVATURE)
     return (directions / np.maximum(curvatures, least)) @ directions.T
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
-from .certificate import UNTOLD, Certificate, certify
+from .certificate import Certificate, certify
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
 from .surrogate import Surrogate, learn
-from .surroundings import FREE, Known, enough_points, survey
+from .surroundings import FREE, UNTOLD, Known, enough_points, survey
 from .visit import Visit
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
@@ -81,7 +81,7 @@ def look_out(
     E = float(measured.E[best])
     if by is not None:
         return Outlook(E, model, found, None)
-    known = Known(visits, best, E, model, seen, lambda own: conflict(own, None, like))
+    known = Known(visits, best, E, measured.points[best], model, seen, lambda own: conflict(own, None, like))
     return Outlook(E, model, found, lambda place: certify(survey(known, found, place)))
 
 

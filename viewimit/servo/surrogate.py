@@ -55,11 +55,24 @@ class Surrogate:
 
     def slope_weights(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (n, m) /rad: the derivatives of the predicted images are these sums of the images visited."""
-        apart = displacement - self.away - self.centre
-        bend = BEND**2 * np.exp((apart * apart).sum(-1, keepdims=True) / (-2 * LENGTH**2))
-        weights = np.linalg.solve(gram(self.away, self.noise_px), SLOPE**2 * self.away - bend * apart / LENGTH**2)
+        weights = np.linalg.solve(gram(self.away, self.noise_px), self._with_slopes(displacement))
         weights[self._at_centre] -= weights.sum(0)
         return weights
+
+    def unlearned_slopes(self, displacement: NDArray) -> NDArray:
+        """(m,) rad → (N,) px/rad, standard deviations: what is not known of how a point's images move there, in the
+        direction of which the least is known, but is of a point that was seen at every visit, for which it is 0."""
+        K, with_slopes = gram(self.away, self.noise_px), self._with_slopes(displacement)
+        explained = lambda told: with_slopes[told].T @ np.linalg.solve(K[np.ix_(told, told)], with_slopes[told])
+        patterns, of = np.unique(self.seen, axis=1, return_inverse=True)
+        left = explained(np.ones(len(K), bool)) - np.array([explained(told) for told in patterns.T])
+        return np.sqrt(np.maximum(np.linalg.eigvalsh(left)[:, -1], 0.0))[of.ravel()]
+
+    def _with_slopes(self, displacement: NDArray) -> NDArray:
+        """(n, m) px²/rad: the covariances of the images visited with the slopes at a displacement."""
+        apart = displacement - self.away - self.centre
+        bend = BEND**2 * np.exp((apart * apart).sum(-1, keepdims=True) / (-2 * LENGTH**2))
+        return SLOPE**2 * self.away - bend * apart / LENGTH**2
 
     @property
     def _at_centre(self) -> int:

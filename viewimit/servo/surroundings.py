@@ -13,6 +13,8 @@ from .own_noise import own_noise
 from .surrogate import Surrogate
 from .visit import Visit
 
+UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
+LEARNED = 1.0 / UNTOLD  # px/rad: slopes as uncertain as this tell a joint that nothing tells
 FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 
 
@@ -29,19 +31,17 @@ def freedom_of(points: int, joints: int) -> int:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E; E: px², there; points: N; seen: how
-    many of them really were, at the best visit; without_one: (k, m, m), hessians by these but one, none where no point
-    is ever hidden; left: (m,) rad, from there to where E should be least; gradients: (k, m) px²/rad, of E there as k
-    draws of the own images' noise have them; slopes: (m, m) px²/rad², by which E would rise if all motion of the own
-    images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the E measured at them, NaN where
-    it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,) rad, what the limits leave;
-    noise_px: of residuals, standard deviation."""
+    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E, by as many points; E: px², there;
+    seen: how many of them really were, at the best visit; left: (m,) rad, from there to where E should be least;
+    gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them; slopes: (m, m) px²/rad², by
+    which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits from there; rise:
+    (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is hessians:
+    (n, m, m); low, high: (m,) rad, what the limits leave; noise_px: of residuals, standard deviation."""
 
     hessian: NDArray
     E: float
     points: int
     seen: int
-    without_one: NDArray
     left: NDArray
     gradients: NDArray
     slopes: NDArray
@@ -59,12 +59,14 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class Known:
-    """visits; best: index of the one with the smallest E; E: px², there; model: learned from them; seen: at the
-    last; residual_of: own images (..., N, 4) px → (..., n, C) px, by the transfer chosen."""
+    """visits; best: index of the one with the smallest E; E: px², there; points: (N,) bool, by which it was measured
+    there; model: learned from the visits; seen: at the last; residual_of: own images (..., N, 4) px → (..., n, C) px,
+    by the transfer chosen, points NaN in them left out."""
 
     visits: tuple[Visit, ...]
     best: int
     E: float
+    points: NDArray
     model: Surrogate
     seen: Observation
     residual_of: Callable[[NDArray], NDArray]
@@ -72,20 +74,21 @@ class Known:
 
 def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     """About a place, (m,) rad. found: the smallest E that is predicted."""
-    rise, hessians = _rises(known, found.hessian, place)
-    seen, without_one = _really_seen(known, found, place)
-    hessian = found.hessian
+    learned = known.model.unlearned_slopes(place) < LEARNED
+    hessian, points = found.hessian, found.points
+    if not learned[known.points].all():
+        hessian, points = _hessian_by(known, known.points & learned, place)
+    rise, hessians = _rises(known, hessian, place, learned)
     gradients = np.zeros((1, len(place)))
     if known.seen.noise_px > 0:
-        freedom = freedom_of(found.points, len(place))
+        freedom = freedom_of(points, len(place))
         noise = own_noise(known.model, known.residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
         hessian, hessians, gradients = noise.taken_off(hessian), noise.taken_off(hessians), noise.gradients
     return Surroundings(
         hessian=hessian,
         E=known.E,
-        points=found.points,
-        seen=seen,
-        without_one=without_one,
+        points=points,
+        seen=_really_seen(known, points),
         left=found.theta - place,
         gradients=gradients,
         slopes=_image_slopes(known.model, place),
@@ -98,9 +101,27 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     )
 
 
-def _rises(known: Known, hessian: NDArray, place: NDArray) -> tuple[NDArray, NDArray]:
-    """(n,) px²: E measured at every visit above that at the best one, by the points really seen in both; (n, m, m)
-    px²/rad²: the hessian of these points."""
+def _hessian_by(known: Known, points: NDArray, place: NDArray) -> tuple[NDArray, int]:
+    """(m, m) px²/rad², of the E that these points, (N,) bool, should make about a place, 0 where they are too few for
+    any; and how many make it."""
+    e = known.residual_of(np.where(points[:, None], _images_about(known.model, place), np.nan))
+    return (_hessian(e) if np.isfinite(e).all() else np.zeros((len(place),) * 2)), max(e.shape[-2], 1)
+
+
+def _images_about(model: Surrogate, place: NDArray) -> NDArray:
+    """(1 + m, N, 4) px, predicted at a place and a little aside by each joint."""
+    return model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
+
+
+def _hessian(e: NDArray) -> NDArray:
+    """(m, m) px²/rad², Gauss and Newton's, of residuals (1 + m, n, C) px of such images."""
+    J = (e[1:] - e[0]).reshape(len(e) - 1, -1) / DIFFERENCE
+    return J @ J.T / e.shape[-2]
+
+
+def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> tuple[NDArray, NDArray]:
+    """(n,) px²: E measured at every visit above that at the best one, by the points really seen in both and learned,
+    (N,) bool; (n, m, m) px²/rad²: the hessian of these points."""
     own = np.array([visit.own for visit in known.visits])
     seen = np.array([visit.seen.all(-1) for visit in known.visits])
     hessians = np.repeat(hessian[None], len(own), 0)
@@ -109,32 +130,23 @@ def _rises(known: Known, hessian: NDArray, place: NDArray) -> tuple[NDArray, NDA
         with np.errstate(invalid="ignore"):  # two that nothing tells
             return E - E[known.best], hessians
     rises = np.full(len(own), np.nan)
-    about = known.model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
-    for k, both in enumerate(seen & seen[known.best]):
+    about = _images_about(known.model, place)
+    for k, both in enumerate(seen & seen[known.best] & learned):
         images = np.concatenate([own[[known.best, k]], about])
         e = known.residual_of(np.where(both[:, None], images, np.nan))
         here, there = evaluate(e[:2])
         if np.isfinite(there):
-            J = (e[3:] - e[2]).reshape(len(place), -1) / DIFFERENCE
-            rises[k], hessians[k] = there - here, J @ J.T / e.shape[-2]
+            rises[k], hessians[k] = there - here, _hessian(e[2:])
     return rises, hessians
 
 
-def _really_seen(known: Known, found: Minimum, place: NDArray) -> tuple[int, NDArray]:
-    """How many points told E at the best visit without being predicted; hessians (k, m, m) px²/rad² by these but each
-    in turn, none where all points are seen at every visit: then none is seen because the posture is a wrong one."""
-    m, seen = len(place), np.array([visit.seen.all(-1) for visit in known.visits])
-    if seen.all():
-        return found.points, np.empty((0, m, m))
-    at_best, best = seen[known.best], known.visits[known.best].own
-    about = known.model.predict(place + DIFFERENCE * np.eye(1 + m, m, -1))
-    by = lambda points, images: known.residual_of(np.where(points[:, None], images, np.nan))
-    hessians = []
-    for point in np.flatnonzero(at_best):
-        e = by(at_best & (np.arange(len(at_best)) != point), about)
-        J = (e[1:] - e[0]).reshape(m, -1) / DIFFERENCE if np.isfinite(e).all() else np.zeros((m, 1))
-        hessians.append(J @ J.T / e.shape[-2])
-    return by(at_best, best).shape[-2], np.array(hessians).reshape(-1, m, m)
+def _really_seen(known: Known, points: int) -> int:
+    """How many points tell E at the best visit without being predicted; as many as `points`, where all are seen at
+    every visit: then none is seen because the posture is a wrong one."""
+    if all(visit.seen.all() for visit in known.visits):
+        return points
+    best = known.visits[known.best]
+    return known.residual_of(np.where(np.all(best.seen, -1)[:, None], best.own, np.nan)).shape[-2]
 
 
 def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...analysis.observability import joint_uncertainty
 from ...rehearsal import rehearse
-from ...servo.certificate import UNTOLD
+from ...servo.surroundings import UNTOLD
 from ...session import Session
 from ...settings import BEST
 from ...simulation.eyes import ProjectedEyes

@@ -18,6 +18,7 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
     rise = 0.5 * np.einsum("ka,a,ka->k", away, np.array(curvatures if true is None else true, float), away)
     here = Surroundings(
         hessian=predicted,
+        foreseen=predicted,
         E=1e-9,
         points=POINTS,
         seen=POINTS,
@@ -46,6 +47,7 @@ def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allo
     here = replace(
         surroundings(BOTH),
         hessian=hessian,
+        foreseen=hessian,
         left=np.zeros(joints),
         gradients=np.zeros((1, joints)),
         slopes=2e4 * np.eye(joints),
@@ -100,6 +102,16 @@ def test_a_joint_that_a_pixel_turns_by_20_degrees_is_not_told():
     for curvature, told in ((0.9 * flattest, False), (1.1 * flattest, True)):
         here = surroundings(BOTH, (curvature, STEEP), slopes=np.diag([1e3, 1e3]))
         assert certify(here).told.tolist() == [told, True]
+
+
+def test_what_points_seen_rarely_should_tell_can_be_learned():
+    """Then a check motion is worth more than to look for other points elsewhere."""
+    level, tells = np.diag([1e-9, STEEP]), np.diag([FLAT, STEEP])
+    for foreseen, learnable in ((level, False), (tells, True)):
+        found = certify(surroundings([], hessian=level, foreseen=foreseen))
+        assert found.claim == "untold" and found.learnable == learnable
+        assert np.abs(found.check).argmax() == 0
+    assert not certify(surroundings(BOTH)).learnable
 
 
 def test_noise_hides_rises_and_asks_for_longer_motions():

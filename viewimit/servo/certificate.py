@@ -36,7 +36,7 @@ class Certificate:
     """spread: (m,) rad/px, what a pixel of noise turns each joint by; expected: (m,) rad, standard deviations of the
     joint errors, inf of joints that are not told; told: (m,) bool; shown: whether E was seen to rise along every
     direction; check: (m,) rad, a motion that would show more, all 0 if there is none to make; spent: whether E is as
-    small as where nothing is told."""
+    small as where nothing is told; learnable: whether points that were seen rarely should tell what others do not."""
 
     spread: NDArray
     expected: NDArray
@@ -44,6 +44,7 @@ class Certificate:
     shown: bool
     check: NDArray
     spent: bool
+    learnable: bool = False
 
     @property
     def claim(self) -> str:
@@ -81,7 +82,8 @@ def certify(here: Surroundings) -> Certificate:
     noise = max(here.noise_px, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
     expected = np.where(told, np.sqrt((noise * spread) ** 2 + here.left**2 + _of_own_noise(here)), np.inf)
-    return Certificate(spread, expected, told, shown, check, bool(spent))
+    learnable = not told.all() and bool((deviations(here.foreseen, here.points) < UNTOLD).all())
+    return Certificate(spread, expected, told, shown, check, bool(spent), learnable)
 
 
 def deviations(hessian: NDArray, points: int) -> NDArray:

@@ -31,14 +31,16 @@ def freedom_of(points: int, joints: int) -> int:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E, by as many points; E: px², there;
-    seen: how many of them really were, at the best visit; left: (m,) rad, from there to where E should be least;
-    gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them; slopes: (m, m) px²/rad², by
-    which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits from there; rise:
-    (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is hessians:
-    (n, m, m); low, high: (m,) rad, what the limits leave; noise_px: of residuals, standard deviation."""
+    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E, by as many points; foreseen: the
+    same, if those that were seen rarely moved as predicted, too; E: px², there; seen: how many of them really were, at
+    the best visit; left: (m,) rad, from there to where E should be least; gradients: (k, m) px²/rad, of E there as k
+    draws of the own images' noise have them; slopes: (m, m) px²/rad², by which E would rise if all motion of the own
+    images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the E measured at them, NaN where
+    it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,) rad, what the limits leave;
+    noise_px: of residuals, standard deviation."""
 
     hessian: NDArray
+    foreseen: NDArray
     E: float
     points: int
     seen: int
@@ -75,7 +77,7 @@ class Known:
 def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     """About a place, (m,) rad. found: the smallest E that is predicted."""
     learned = known.model.unlearned_slopes(place) < LEARNED
-    hessian, points = found.hessian, found.points
+    hessian, foreseen, points = found.hessian, found.hessian, found.points
     if not learned[known.points].all():
         hessian, points = _hessian_by(known, known.points & learned, place)
     rise, hessians = _rises(known, hessian, place, learned)
@@ -83,9 +85,11 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     if known.seen.noise_px > 0:
         freedom = freedom_of(points, len(place))
         noise = own_noise(known.model, known.residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
-        hessian, hessians, gradients = noise.taken_off(hessian), noise.taken_off(hessians), noise.gradients
+        hessian, foreseen, hessians = (noise.taken_off(each) for each in (hessian, foreseen, hessians))
+        gradients = noise.gradients
     return Surroundings(
         hessian=hessian,
+        foreseen=foreseen,
         E=known.E,
         points=points,
         seen=_really_seen(known, points),

@@ -209,10 +209,11 @@ def _settle(
     doubt, certificate, state = ahead.doubt, state.certificate, replace(state, failures=0)
     if PHASES[state.phase][0] is None and certificate is not None:
         lost = certificate.spent and not certificate.told.all()
-        if lost and told_by < seen.shown and state.restarts < MOST_RESTARTS:
+        asks = certificate.check.any() and state.checks < MOST_CHECKS * len(place)
+        if lost and not (asks and certificate.learnable) and told_by < seen.shown and state.restarts < MOST_RESTARTS:
             return _where_more_is_seen(state, seen, place, ahead, told_by)
         if doubt < CERTAIN or ahead.E < NOISE_FLOOR * seen.noise_px**2 or lost:
-            if certificate.check.any() and state.checks < MOST_CHECKS * len(place):
+            if asks:
                 return check(state, seen, place, certificate.check)
             return _to_rest(state, seen, place, certificate.claim)
         if doubt < DOUBTFUL and state.checks < MOST_CHECKS:

@@ -113,8 +113,8 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config):
-    """With `-n auto`: two more than there are cores, as tests wait for browsers and servers."""
-    return (os.cpu_count() or 1) + 2
+    """With `-n auto`: one more than there are cores, as tests wait for browsers and servers."""
+    return (os.cpu_count() or 1) + 1
 
 
 @pytest.hookimpl(optionalhook=True)

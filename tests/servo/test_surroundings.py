@@ -1,0 +1,48 @@
+"""What is known about a posture is known of points whose motion was seen, not of those that seem to stand still."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from viewimit.servo.certificate import certify
+from viewimit.servo.minimise import minimise
+from viewimit.servo.surrogate import learn
+from viewimit.servo.surroundings import Known, survey
+from viewimit.servo.visit import Visit
+
+POINTS = 9
+PLACES = np.radians([(0, 0), (15, 0), (0, 15), (10, 10), (-10, 5), (3, -8), (0.5, 0.5)])
+
+
+def known_with(times_seen: int) -> tuple[Known, np.ndarray]:
+    """The first joint moves all points alike, and what they have in common is no conflict: it is not told. The first
+    point is seen at so many of the last visits, the others always."""
+    rng = np.random.default_rng(2)
+    y, J = rng.uniform(0, 240, (POINTS, 4)), rng.normal(0, 100, (POINTS, 4, 2))
+    J[..., 0] = 50.0
+    seen = np.ones((len(PLACES), POINTS, 2), bool)
+    seen[: len(PLACES) - times_seen, 0] = False
+    visits = tuple(Visit(d, np.where(np.repeat(s, 2, -1), y + J @ d, np.nan), s) for d, s in zip(PLACES, seen))
+    best, place = len(PLACES) - 1, PLACES[-1]
+    goal = y + J @ place
+
+    def residual_of(own):
+        known = np.isfinite(own).all((*range(own.ndim - 2), -1))
+        e = own[..., known, :] - goal[known]
+        return e - e.mean(-2, keepdims=True)
+
+    model = learn(list(visits), best, 0.0)
+    observed = SimpleNamespace(noise_px=0.0, motion=0, lower=np.full(2, -9.0), upper=np.full(2, 9.0))
+    return Known(visits, best, 0.0, np.ones(POINTS, bool), model, observed, residual_of), place
+
+
+@pytest.mark.parametrize("times_seen, looks_told", [(len(PLACES), False), (1, True)])
+def test_a_point_whose_motion_was_not_seen_tells_nothing(times_seen, looks_told):
+    known, place = known_with(times_seen)
+    found = minimise(lambda theta: known.residual_of(known.model.predict(theta)), place[None], place - 0.1, place + 0.1)
+    here = survey(known, found, place)
+    assert (found.hessian[0, 0] > 10) == looks_told == (here.foreseen[0, 0] > 10)
+    assert here.points == POINTS - looks_told and here.hessian[0, 0] < 0.5 < here.hessian[1, 1]
+    certificate = certify(here)
+    assert certificate.told.tolist() == [False, True] and certificate.learnable == looks_told

@@ -193,7 +193,8 @@ def test_no_hint_is_seen_while_a_slider_is_dragged(page):
     hint.wait_for()
     page.mouse.down()
     page.mouse.move(box["x"] + 40, box["y"] + 4, steps=4)
-    assert float(thumb.get_attribute("aria-valuenow")) > 0 and not any(one.is_visible() for one in hint.all())
+    wait(page, lambda: float(thumb.get_attribute("aria-valuenow")) > 0)
+    assert not any(one.is_visible() for one in hint.all())
     page.mouse.up()
 
 

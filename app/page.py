@@ -21,7 +21,7 @@ from .control.page_model import PageModel
 from .control.queue import CommandQueue
 from .control.redraw import Redraw
 from .control.services import Services
-from .control.state import PageState
+from .control.state import WINDOW, PageState
 from .panels import PANELS
 from .panels.panel import NOWHERE, Layout, Reach
 from .panels.status import StatusPanel
@@ -154,6 +154,8 @@ class Page:
             self.queue.put(LoadMotion.parse(memory.head.motion))
 
     def _show(self, now: float) -> None:
+        if WINDOW in self.model.view.unseen:
+            return
         world, docked = self.model.shown_session.world, self._docking.over(now)
         anew = self._redraw.changed("world", world, docked)
         if docked:
@@ -171,7 +173,7 @@ class Page:
         if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
             self._scene.show(state)
         for panel in self._panels:
-            if state.course is not None and not panel.in_lessons:
+            if not panel.seen(state) or (state.course is not None and not panel.in_lessons):
                 continue
             period = panel.period(state) * self._shedding.plots
             if period and not self._redraw.due(type(panel), now, period):

@@ -1,44 +1,54 @@
 """What a class costs: `python tests/measure_load.py --clients 30 --seconds 60 [--browsers 3] [--workers 2]`.
 
-Clients that speak viser's protocol, from processes of their own, each with a session whose loop runs. Of each: updates
-of poses, of the images and of the plots that arrive, a second. One more client moves its demonstrator by a slider and
-waits until the scene shows it. Of the server with all its processes: processor time and memory.
+Clients that speak viser's protocol, from processes of their own, each with a session whose loop runs; as a browser
+does, each says which tabs are not open. Of each: updates of poses, of the images and of the landscape that arrive, a
+second. One more client moves its demonstrator by a slider and waits until the scene shows it. Of the server with all
+its processes: processor time and memory.
 """
 
 import argparse
 import itertools
 import json
 import multiprocessing
+import re
 import statistics
 import sys
 import time
+import urllib.request
 from collections.abc import Iterator
 
 import browser as chromium
 import numpy as np
-from drawn import CURSOR, IMAGE_PLANE, STATUS, css
+from drawn import IMAGE_PLANE, LEARNERS_PATH, STATUS, css
 from protocol import Client
-from serving import Server
+from serving import Server, browser_of
 
 WARM_UP_S = 15.0
+CLOSED = "Curves,Equations,Duel,Experiments,Motions"  # as a page begins; "none" draws all
 PERIOD_S = 1.0  # of the slider
 SMALL = {"width": 640, "height": 400}  # of browsers, which render on the same cores
 PASSES = 100_000
 SETTLED_S = 60.0  # from which on memory should not grow
 TARGETS = {"poses": 20.0, "panels": 10.0, "plots": 5.0}
-MARKS = {"poses": b"SetOrientationMessage", "panels": IMAGE_PLANE.encode(), "plots": CURSOR.encode()}
+MARKS = {"poses": b"SetOrientationMessage", "panels": IMAGE_PLANE.encode(), "plots": LEARNERS_PATH.encode()}
 OPTIONS = ("--servo", "gradient-retuned", "--transfer", "epipolar", "--frames", "1", "--start", "25,-45")
 
 
 class Counting(Client):
     """counts: frames with each kind of update. Once it is ready it only looks for them, and costs next to nothing."""
 
-    def __init__(self, url: str):
+    def __init__(self, url: str, closed: str):
         self.counts = dict.fromkeys(TARGETS, 0)
         self.posed_at: list[float] = []  # s, when frames with poses arrived
         self._counting = False
-        super().__init__(url)
+        cookie = browser_of(url)
+        super().__init__(url, cookie=cookie)
         self.ready(120)
+        link = next(
+            found[1] for html in list(self.html.values()) if (found := re.search(r'data-link="([^"]+)link/"', html))
+        )
+        asked = urllib.request.Request(f"{url}{link}unseen/{closed}", headers={"Cookie": cookie})
+        urllib.request.urlopen(asked).close()
         self._counting = True
 
     def _unpack(self, frame: bytes) -> list[dict]:
@@ -52,9 +62,9 @@ class Counting(Client):
         return []
 
 
-def run_clients(url: str, count: int, speed: str, begin, end, results) -> None:
+def run_clients(url: str, count: int, speed: str, closed: str, begin, end, results) -> None:
     """Some clients in one process, each with a running loop; their updates between the two events."""
-    clients = [Counting(url) for _ in range(count)]
+    clients = [Counting(url, closed) for _ in range(count)]
     for client in clients:
         client.put("Speed", speed)
         time.sleep(0.03)
@@ -106,18 +116,18 @@ def open_browsers(stack: list, url: str, count: int) -> None:
         page.keyboard.press("Space")
 
 
-def measure(clients: int, seconds: float, browsers: int, speed: str, workers: int) -> dict:
+def measure(clients: int, seconds: float, browsers: int, speed: str, workers: int, closed: str) -> dict:
     server = Server("--workers", str(workers), "--max-clients", str(clients + browsers + 1), *OPTIONS)
     stack = []
     context = multiprocessing.get_context("spawn")
     begin, end, results = context.Event(), context.Event(), context.Queue()
     shares = [len(part) for part in np.array_split(np.arange(clients), 2) if len(part)]
-    arguments = [(server.url, share, speed, begin, end, results) for share in shares]
+    arguments = [(server.url, share, speed, closed, begin, end, results) for share in shares]
     processes = [context.Process(target=run_clients, args=each, daemon=True) for each in arguments]
     open_browsers(stack, server.url, browsers)
     for process in processes:
         process.start()
-    probe = Counting(server.url)
+    probe = Counting(server.url, closed)
     time.sleep(WARM_UP_S)
     begin.set()
     cpu, since, memory = server.cpu_s, time.monotonic(), [(0.0, server.memory)]
@@ -141,6 +151,7 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, workers: in
         "clients": clients,
         "browsers": browsers,
         "workers": workers,
+        "closed": closed,
         "speed": speed,
         "seconds": round(seconds),
         **{kind: spread([rate[kind] for rate in rates]) for kind in TARGETS},
@@ -168,8 +179,11 @@ def main() -> None:
     parser.add_argument("--browsers", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2, help="processes of the server (%(default)s)")
     parser.add_argument("--speed", default="10 a second", help="of the loops, as the page has it (%(default)s)")
+    parser.add_argument("--closed", default=CLOSED, help="tabs of each client that are not open (%(default)s)")
     args = parser.parse_args()
-    json.dump(measure(args.clients, args.seconds, args.browsers, args.speed, args.workers), sys.stdout, indent=1)
+    json.dump(
+        measure(args.clients, args.seconds, args.browsers, args.speed, args.workers, args.closed), sys.stdout, indent=1
+    )
     print()
 
 

@@ -33,7 +33,8 @@ from .points.editing import EditedPoints
 from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
-TOLD = ("wide", "narrow", "prefers_dark", "truth")  # by the browser itself
+TOLD = ("wide", "narrow", "prefers_dark", "truth", "unseen")  # by the browser itself
+WINDOW = "window"
 SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # that are kept by their names
 
 
@@ -44,7 +45,8 @@ class View:
     has room for more, or for little, as it says itself; share: whether the card with link and code is open; large: of
     LARGE, which fills the window beside the controls; look_only: a posture that is touched is looked at by a
     see-through arm, and nothing moves; picture, picture_as: which panel is saved as a picture, and in which format;
-    truth: whether what only the viewer knows is shown in 3-D, as before a class it is when it is asked for."""
+    truth: whether what only the viewer knows is shown in 3-D, as before a class it is when it is asked for; unseen:
+    tabs that are not open, by their names, or WINDOW where nobody sees any of the page."""
 
     chosen: int | None = None
     rays: bool = False
@@ -65,6 +67,7 @@ class View:
     picture: str = "Images"
     picture_as: str = "SVG"
     truth: bool = True
+    unseen: frozenset[str] = frozenset()
 
     def on(self, switch: str) -> bool:
         """Whether a switch is, by its name."""

@@ -12,14 +12,19 @@ CARD_WIDTH, TAB_WIDTH = 860, 424  # px
 
 
 class CurvesPanel(Panel):
+    inside = "Curves"
+
     def build(self, layout: Layout, state: PageState) -> None:
         gui, self._address = layout.gui, layout.address
         self._card, self._over_card = gui.add_html("", visible=False), gui.add_html("", visible=False)
-        with layout.tab("Curves"):
+        with layout.tab(self.inside):
             self._tab, self._over_tab = gui.add_html(""), gui.add_html("")
             if self._address is not None:
                 gui.add_html(sink())
         self._linked: tuple[int, bool] | None = None  # what the links were made of
+
+    def seen(self, state: PageState) -> bool:
+        return state.view.wide or super().seen(state)
 
     def period(self, state: PageState) -> float:
         return SLOW

@@ -14,10 +14,12 @@ from .widgets import put, put_html, put_label
 class DuelPanel(Panel):
     """In a wide window with room for the errors beneath the paths."""
 
+    inside = "Duel"
+
     def build(self, layout: Layout, state: PageState) -> None:
         gui, queue = layout.gui, layout.queue
         transfers, servos = transfer_names(), servo_names()
-        with layout.tab("Duel"):
+        with layout.tab(self.inside):
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row"></span>')
                 self._transfer = gui.add_dropdown(

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from functools import partial
 from typing import ClassVar
 
 from viewimit.drawing.equations import draw_conflict, draw_equations, draw_law
@@ -15,8 +14,10 @@ from .widgets import put_html, put_visible
 
 
 class EquationsPanel(Panel):
+    inside = "Equations"
+
     def build(self, layout: Layout, state: PageState) -> None:
-        with layout.tab("Equations"):
+        with layout.tab(self.inside):
             self._equations = layout.gui.add_html("")
             layout.gui.add_html(asks(("lambda", "rho", "D")))
 
@@ -33,11 +34,11 @@ class EquationsPanel(Panel):
 class BesidePanel(Panel):
     """One equation under what it belongs to, in a window with room for it."""
 
-    tab: ClassVar[Callable[[Layout], AbstractContextManager]]
+    tab: ClassVar[Callable[[Layout, str], AbstractContextManager]]
     draw: ClassVar[Callable[[Snapshot], str]]
 
     def build(self, layout: Layout, state: PageState) -> None:
-        with type(self).tab(layout):
+        with type(self).tab(layout, self.inside):
             self._equation = layout.gui.add_html("", visible=False)
 
     def period(self, state: PageState) -> float:
@@ -59,7 +60,7 @@ class BesidePanel(Panel):
 class ConflictPanel(BesidePanel):
     """Eq. (6), under the images."""
 
-    tab, draw = partial(Layout.upper_tab, name="Images"), draw_conflict
+    inside, tab, draw = "Images", Layout.upper_tab, draw_conflict
 
     def _moment(self, state: PageState) -> Snapshot:
         return state.see_through or state.present
@@ -68,4 +69,4 @@ class ConflictPanel(BesidePanel):
 class LawPanel(BesidePanel):
     """The servo's law, under the landscape."""
 
-    tab, draw = partial(Layout.tab, name="Landscape"), draw_law
+    inside, tab, draw = "Landscape", Layout.tab, draw_law

@@ -24,9 +24,11 @@ POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points,
 
 
 class ExperimentsPanel(Panel):
+    inside = "Experiments"
+
     def build(self, layout: Layout, state: PageState) -> None:
         gui, queue, offered = layout.gui, layout.queue, list(titles().values())
-        with layout.tab("Experiments"):
+        with layout.tab(self.inside):
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row"></span>')
                 self._experiment = gui.add_dropdown("Experiment", offered, initial_value=offered[0])

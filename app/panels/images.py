@@ -11,9 +11,11 @@ from .widgets import put_html
 
 
 class ImagesPanel(Panel):
+    inside = "Images"
+
     def build(self, layout: Layout, state: PageState) -> None:
         self._address = layout.address
-        with layout.upper_tab("Images"):
+        with layout.upper_tab(self.inside):
             self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
             self._proposed = layout.gui.add_html("")
         self._linked: tuple | None = None  # what the links were made of

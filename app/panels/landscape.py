@@ -29,9 +29,11 @@ LOOK_ONLY = "a posture that is clicked is shown by a see-through arm, and nothin
 
 
 class LandscapePanel(Panel):
+    inside = "Landscape"
+
     def build(self, layout: Layout, state: PageState) -> None:
         gui, self._address = layout.gui, layout.address
-        with layout.tab("Landscape"):
+        with layout.tab(self.inside):
             self._landscape, self._path = gui.add_html(""), gui.add_html("")
             self._see_through, self._links = gui.add_html(""), gui.add_html("")
             self._cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')

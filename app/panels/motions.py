@@ -19,9 +19,11 @@ ABOUT = (
 
 
 class MotionsPanel(Panel):
+    inside = "Motions"
+
     def build(self, layout: Layout, state: PageState) -> None:
         gui, queue = layout.gui, layout.queue
-        with layout.tab("Motions"):
+        with layout.tab(self.inside):
             gui.add_html(ABOUT)
             with gui.add_folder(None):
                 gui.add_html('<span class="vi-row"></span>')

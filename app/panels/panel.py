@@ -72,11 +72,12 @@ class Layout:
 class Panel(Protocol):
     """A part of the page. What a person does with it becomes commands in the layout's queue; what it shows is state.
 
-    in_lessons: it is shown in a lesson, too, in which all others rest.
-    `build` once, then `show` whenever `depends_on` differs from what was shown last.
+    in_lessons: it is shown in a lesson, too, in which all others rest; inside: the tab in which it stands.
+    `build` once, then `show` whenever it is seen and `depends_on` differs from what was shown last.
     """
 
     in_lessons: bool = False
+    inside: str = ""
 
     def build(self, layout: Layout, state: PageState) -> None:
         """Make the widgets. They need not show the state yet."""
@@ -89,6 +90,10 @@ class Panel(Protocol):
     def show(self, state: PageState) -> None:
         """Write what differs."""
         ...
+
+    def seen(self, state: PageState) -> bool:
+        """Whether anybody may see it."""
+        return self.inside not in state.view.unseen
 
     def period(self, state: PageState) -> float:
         """s at least between two drawings, longer under load; 0: as often as the page looks for changes at all."""

@@ -20,7 +20,7 @@ TOUCHES_A_SECOND, TOUCHES_AT_ONCE = 5, 30  # of one tab
 ROOT = "/touch/"
 _WORKER = re.compile(rb"GET /touch/(\d{1,3})\.")
 _TOUCH = re.compile(r"(/touch/\d{1,3}\.[\w-]{32})/([a-z]{1,20})/([-+.,\w]+)", re.ASCII)
-_MOST_CHARS = {"link": MOST_CHARS}  # of a value; of all others 40
+_MOST_CHARS = {"link": MOST_CHARS, "unseen": 120}  # of a value; of all others 40
 
 
 class NotTouched(Refused):

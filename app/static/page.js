@@ -71,6 +71,7 @@ const later = () => {
   setTimeout(() => {
     waits = false;
     describe();
+    tellUnseen();
     const told = presenting() && document.querySelector("[data-link]");
     if (told && told.dataset.link !== toldTo) tellPresenting();  // to a server that was begun anew
   }, 100);
@@ -147,6 +148,25 @@ const tellSoon = (address, value, wait) => {
   clearTimeout(sent.get(address));
   sent.set(address, setTimeout(() => { sent.delete(address); tell(address + value); }, wait));
 };
+// What nobody sees need not be drawn: tabs that are not open, and all of a window that another hides
+const unseen = () => {
+  const closed = Array.from(document.querySelectorAll("[role=tab][aria-selected=false]"), tab => tab.textContent);
+  return document.hidden ? "window" : closed.filter(name => /^\w+$/.test(name)).join() || "none";
+};
+let unseenTold = "", tellsUnseen = false;
+const tellUnseen = async () => {
+  const link = document.querySelector("[data-link]");
+  if (!link || tellsUnseen) return;
+  const address = link.dataset.link.replace(/link\/$/, `unseen/${unseen()}`);
+  if (address === unseenTold) return;
+  tellsUnseen = true;
+  const {ok} = await tell(address).catch(() => ({ok: false}));
+  tellsUnseen = false;
+  if (ok) unseenTold = address;
+  setTimeout(tellUnseen, ok ? 0 : 1000);  // it may be another by now
+};
+document.addEventListener("visibilitychange", tellUnseen);
+for (const event of ["click", "keydown"]) document.addEventListener(event, () => later());
 let mark = null, markOf = "", focused = "";
 const putMark = (place, [x, y], wait) => {
   [mark, markOf] = [[x, y], place.dataset.place];

@@ -99,6 +99,21 @@ class PreferStill(OfView):
         model.player.still = self.still
 
 
+@dataclass(frozen=True)
+class LeaveUndrawn(OfView):
+    """What the browser says that nobody sees: see `View.unseen`."""
+
+    unseen: frozenset[str]
+    in_lesson: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, value: str) -> LeaveUndrawn:
+        return cls(frozenset() if value == "none" else frozenset(value.split(",")))
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, unseen=self.unseen)
+
+
 class NextLarger(OfView):
     """The images large, then the figures, then all as before."""
 

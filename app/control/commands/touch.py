@@ -16,7 +16,7 @@ from ..page_model import PageModel
 from ..presets import Preset
 from .classroom import OfClass
 from .command import Command, OfView
-from .display import BuildUp, ChoosePoint, Enlarge, LetGo, PreferStill, Switch
+from .display import BuildUp, ChoosePoint, Enlarge, LeaveUndrawn, LetGo, PreferStill, Switch
 from .lessons import touched
 from .links import FollowLink
 from .points import BestNext, RemovePoint, SaveScene
@@ -119,6 +119,7 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "layout": _told("wide"),
     "narrow": _told("narrow"),
     "truth": _told("truth"),
+    "unseen": LeaveUndrawn.parse,
     "posture": TouchPosture.parse,
     "construction": lambda value: BuildUp(),
     "large": Enlarge.parse,

@@ -1,0 +1,130 @@
+"""Tabs that are not open, and windows that another hides, are not drawn; once they are seen they show what is."""
+
+import pytest
+from browsing import CURVES, open_page, posture, press, wait
+from quiet_page import QuietPage
+from viewimit.app.panels import PANELS
+from waiting import wait_until
+
+TABS = {panel.inside for panel in PANELS} - {""}
+HIDDEN = "Object.defineProperty(document, 'hidden', {value: %s, configurable: true})"
+TELL = "document.dispatchEvent(new Event('visibilitychange'))"
+
+
+class Quiet:
+    """Makes no landscapes: nothing arrives between two ticks."""
+
+    def ask(self, page_id, make, done, kind="landscape"):
+        pass
+
+
+@pytest.fixture
+def page():
+    made = QuietPage(landscapes=Quiet())
+    ticks(made, 40)
+    return made
+
+
+def ticks(made, count):
+    for _ in range(count):
+        made.tick()
+
+
+def leave_undrawn(made, what):
+    assert made.page.touch("unseen", what)
+    ticks(made, 1)
+
+
+def move(made):
+    made.page.model.player.step(made.now)
+    ticks(made, 60)
+
+
+def written(made):
+    return [widget.content for widget in made.gui.widgets]
+
+
+def differ(before, after):
+    return {k for k, (old, new) in enumerate(zip(before, after)) if old != new}
+
+
+@pytest.mark.parametrize("tab", ["Images", "Landscape", "Curves", "Equations"])
+def test_a_tab_that_is_not_open_is_not_drawn_until_it_is(page, tab):
+    drawn = QuietPage(landscapes=Quiet())
+    ticks(drawn, 40)
+    leave_undrawn(page, tab)
+    before, left = written(drawn), written(page)
+    assert left == before
+    move(drawn), move(page)
+    others = differ(left, written(page))
+    assert others < differ(before, written(drawn)), "all that is seen is drawn, and no less"
+    leave_undrawn(page, "none")
+    ticks(page, 20)
+    assert written(page) == written(drawn)
+
+
+def test_of_a_window_that_nobody_sees_nothing_is_drawn_until_somebody_does(page):
+    drawn = QuietPage(landscapes=Quiet())
+    ticks(drawn, 40)
+    leave_undrawn(page, "window")
+    before = written(page)
+    move(drawn), move(page)
+    assert written(page) == before and page.page.model.session.snapshot.motion == 1
+    leave_undrawn(page, "none")
+    ticks(page, 20)
+    assert written(page) == written(drawn) != before
+
+
+def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
+    assert page.page.touch("layout", "1")
+    leave_undrawn(page, "Curves")
+    ticks(page, 20)
+    before = page.shown.count("vi-card")
+    assert before and TABS > {"Curves", "Landscape"}
+    card = next(k for k, widget in enumerate(page.gui.widgets) if "vi-card" in widget.content)
+    content = page.gui.widgets[card].content
+    move(page)
+    assert page.gui.widgets[card].content != content
+
+
+@pytest.mark.browser
+def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_what_is(browser, server):
+    page = open_page(browser, server)
+    told = []
+    page.on("request", lambda request: told.append(request.url.rpartition("/")[2]) if "/unseen/" in request.url else 0)
+    cursor = lambda: page.locator(CURVES).first.evaluate("e => e.closest('svg').parentElement.innerHTML")
+    page.get_by_role("tab", name="Curves").click()
+    wait(page, lambda: told and "Landscape" in told[-1] and "Curves" not in told[-1])
+    first = cursor()
+    page.get_by_role("tab", name="Landscape").click()
+    wait(page, lambda: "Curves" in told[-1])
+    before = posture(page)
+    press(page, "ArrowRight")
+    wait(page, lambda: posture(page) != before)
+    page.get_by_role("tab", name="Curves").click()
+    wait(page, lambda: cursor() != first)
+
+    page.evaluate(f"{HIDDEN % 'true'}; {TELL}")
+    wait(page, lambda: told[-1] == "window")
+    shown = posture(page), cursor()
+    press(page, "ArrowRight")
+    page.evaluate(f"{HIDDEN % 'false'}; {TELL}")
+    wait(page, lambda: posture(page) != shown[0] and cursor() != shown[1])
+    page.close()
+    assert page.problems == []
+
+
+@pytest.mark.browser
+def test_what_did_not_reach_the_server_is_told_again(browser, server):
+    page = open_page(browser, server)
+    asked = []
+
+    def lose_the_first(route):
+        asked.append(route.request.url)
+        route.abort() if len(asked) == 1 else route.continue_()
+
+    page.route("**/unseen/**", lose_the_first)
+    page.get_by_role("tab", name="Equations").click()
+    wait_until(lambda: page.wait_for_timeout(100) or len(asked) >= 2, 10)
+    assert asked[0] == asked[1]
+    page.close()

@@ -20,7 +20,7 @@ import viewimit
 from viewimit.analysis.landscape import landscape
 from viewimit.commands import imitate, json_output
 from viewimit.commands.json_output import rounded
-from viewimit.experiments.bench import speed
+from viewimit.experiments.bench import robustness, speed
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -368,6 +368,15 @@ def test_bench_prints_one_object(ask_json, monkeypatch):
         (t, s) for t in TRANSFERS for s, law in SERVOS.items() if t != "epipolar" and not law.slow
     }
     assert all(row["runs"] == 4 and row["motions_95"] <= 3 for row in told["success"])
+
+
+def test_cases_of_a_bench_can_be_asked_for_by_a_part_of_their_names(ask, ask_json):
+    _, alone = ask_json("bench", "robustness", "--case", "swapped", "--runs", 2)
+    names = [row["case"] for row in alone["robustness"]]
+    assert names == [case.name for case in robustness.CASES if "swapped" in case.name]
+    for what, case in (("robustness", "no such"), ("speed", "swapped")):
+        status, out, err = ask("bench", what, "--case", case)
+        assert status == 2 and out == "" and err.startswith("viewimit bench: --case: ") and err.count("\n") == 1
 
 
 @pytest.mark.parametrize("missing", [{"pybullet"}, {"pybullet", "cv2"}, {"cv2"}])

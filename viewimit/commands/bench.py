@@ -21,7 +21,7 @@ from ..simulation.world import World
 from ..transfer import TRANSFERS
 from . import BadInput
 from . import bench_tables as tables
-from .bench_parts import PARTS
+from .bench_parts import CASES, PARTS
 from .json_output import print_json
 from .options import DONE, USUAL_LAYOUT, add_json_option, between, layout, naming
 from .rehearse import MOST_POSTURES
@@ -75,6 +75,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default=0,
         metavar="K",
         help="of servos that use it, after watching themselves in so many postures, whose motions do not count (none)",
+    )
+    runs.add_argument(
+        "--case", metavar="TEXT", help=f"of {', '.join(CASES)}: those alone whose names hold this, as 'hidden' (all)"
     )
     runs.add_argument("--csv", type=Path, metavar="FILE", help="of compare: keep every run, a row each")
     studies = parser.add_argument_group(
@@ -132,6 +135,8 @@ def _require_fitting(args: argparse.Namespace) -> None:
         raise BadInput("robots: needs the folder of URDF files: viewimit bench robots FOLDER")
     if args.what not in ("robots", "compare") and args.path is not None:
         raise BadInput(f"{args.path}: only `viewimit bench robots` and `compare` take a path")
+    if args.case and args.what not in CASES:
+        raise BadInput(f"--case: is of {', '.join(CASES)}")
     if args.csv and args.what != "compare":
         raise BadInput("--csv: is of `viewimit bench compare`")
     if (args.cluster or args.out) and (args.what not in STUDIES or (args.what == "compare" and args.path)):

@@ -2,7 +2,7 @@
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import partial
 
@@ -32,6 +32,11 @@ from . import bench_tables as tables
 from .options import naming
 
 PAPER_TRANSFER = "epipolar"
+CASES: dict[str, Sequence] = {
+    "robustness": robustness.CASES,
+    "claims": claims.CASES,
+    "compare": compare.CASES,
+}
 PAIRS_A_SCENE = 5
 
 
@@ -80,8 +85,9 @@ def _quick() -> list[str]:
 
 def _robustness(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[dict], str]:
     settings = msgspec.structs.replace(_best(args), scene=args.scene, points=args.points)
+    cases = _cases(args)
     found = _with_bar(
-        "robustness", lambda tell: robustness.run(settings, runs=args.runs, seed=args.seed, workers=study, tell=tell)
+        "robustness", lambda tell: robustness.run(settings, cases, args.runs, args.seed, workers=study, tell=tell)
     )
     heading = f"{args.runs} random runs a case, seed {args.seed}, largest joint error to the demonstrator"
     return [asdict(outcome) for outcome in found], f"{heading}\n{tables.robustness_table(found)}"
@@ -106,10 +112,8 @@ def _scenes(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
 
 
 def _claims(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[dict], str]:
-    found = _with_bar(
-        "claims",
-        lambda tell: claims.run(runs=args.runs, seed=args.seed, workers=study, rehearsed=args.rehearsed, tell=tell),
-    )
+    cases = _cases(args)
+    found = _with_bar("claims", lambda tell: claims.run(cases, args.runs, args.seed, study, tell, args.rehearsed))
     heading = f"{args.runs} random runs a case of {BEST.transfer} and {BEST.servo} in {BEST.scene}, seed {args.seed}"
     if args.rehearsed:
         heading += f", {args.rehearsed} postures rehearsed"
@@ -123,12 +127,10 @@ def _compare(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[dic
         heading = f"{args.path}"
     else:
         servos = [name for name in SERVOS if args.servo in (None, name) or name == compared.PAPER_LAW]
-        settings = Settings(scene=args.scene, points=args.points, transfer=_best(args).transfer)
+        settings, cases = Settings(scene=args.scene, points=args.points, transfer=_best(args).transfer), _cases(args)
         rows = _with_bar(
             "compare",
-            lambda tell: compare.run(
-                settings, servos, args.runs, args.seed, args.max_motions, workers=study, tell=tell
-            ),
+            lambda tell: compare.run(settings, servos, args.runs, args.seed, args.max_motions, cases, study, tell),
         )
         heading = (
             f"{args.runs} random runs a case of every law, {settings.transfer}, at most {args.max_motions} motions, "
@@ -179,6 +181,15 @@ def _robots(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
         f"{args.seed}; {len(found) - len(usable)} refused"
     )
     return {"arrived": arrived, "usable": len(usable), "robots": [asdict(one) for one in found]}, summary
+
+
+def _cases(args: argparse.Namespace) -> list:
+    """Those of this part that are asked for."""
+    cases = CASES[args.what]
+    chosen = [case for case in cases if (args.case or "") in case.name]
+    if not chosen:
+        raise BadInput(f"--case: of {args.what} none holds {args.case!r}: {'; '.join(case.name for case in cases)}")
+    return chosen
 
 
 def _best(args: argparse.Namespace) -> Settings:

@@ -192,6 +192,7 @@ def _judge(state: TrustState, E: NDArray) -> TrustState:
         return replace(state, promised=None)
     ratio = (E[before] - E[-1]) / max(state.promised, 1e-12)
     step = np.max(np.abs(state.known[-1].displacement - state.known[before].displacement))
+    step = min(step, state.radius)  # farther, if what was best then is not any more, by what has been seen since
     radius, failures = state.radius, 0
     if ratio < SHRINK_BELOW:
         radius = max(0.4 * step, MIN_RADIUS)

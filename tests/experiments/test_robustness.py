@@ -45,6 +45,7 @@ def test_the_table_is_of_the_runs(monkeypatch):
     (found,) = run(BEST, [Case("a", {})], runs=4, workers=1)
     assert found.rms_deg == pytest.approx(np.sqrt((0.01 + 0.49 + 4 + 0.64) / 4))
     assert found.expected_deg == pytest.approx(np.sqrt((0.04 + 0.16 + 0.16) / 4))
+    assert found.claimed_rms_deg == pytest.approx(np.sqrt((0.01 + 0.49 + 0.64) / 3))
     assert [share.count for share in found.ended.values()] == [1, 3, 4]
     assert (found.claimed.count, found.claimed_falsely.count, found.motions_median) == (3, 1, 7.5)
 

@@ -110,12 +110,14 @@ def _share(share: success.Share) -> str:
 
 
 def robustness_table(outcomes: list[robustness.Outcome]) -> str:
-    """For people: a row a case. Falsely: beyond 0.5° and three times the error that the servo expects."""
-    heads = ("rms", "expected", "ended ≤0.5°", "ended ≤1°", "motions", "95 %", "claimed", "falsely")
-    widths = (9, 10, 18, 18, 9, 7, 18, 16)
+    """For people: a row a case. Of claims: their rms; falsely: beyond 0.5° and three times the error that the servo
+    expects."""
+    heads = ("rms", "expected", "of claims", "ended ≤0.5°", "ended ≤1°", "motions", "95 %", "claimed", "falsely")
+    widths = (9, 10, 11, 18, 18, 9, 7, 18, 16)
     lines = [" " * 46 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
-        errors = f"{o.rms_deg:.2f}°", f"{o.expected_deg:.2f}°", _share(o.ended[0.5]), _share(o.ended[1.0])
+        claims_rms = "–" if o.claimed_rms_deg is None else f"{o.claimed_rms_deg:.2f}°"
+        errors = f"{o.rms_deg:.2f}°", f"{o.expected_deg:.2f}°", claims_rms, _share(o.ended[0.5]), _share(o.ended[1.0])
         motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
         cells = (*errors, *motions, _share(o.claimed), _share(o.claimed_falsely))
         lines.append(f"  {o.case:<44}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))

@@ -58,13 +58,15 @@ CASES = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of a case: rms_deg of the largest joint error at the end, expected_deg by the servo's own account; ended: by
-    NEAR_DEG; claimed_falsely: beyond 0.5° and SURELY times what the servo expects."""
+    """Of a case: rms_deg of the largest joint error at the end, expected_deg by the servo's own account;
+    claimed_rms_deg: of claims, None without any; ended: by NEAR_DEG; claimed_falsely: beyond 0.5° and SURELY times
+    what the servo expects."""
 
     case: str
     runs: int
     rms_deg: float
     expected_deg: float
+    claimed_rms_deg: float | None
     ended: dict[float, Share]
     motions_median: float
     motions_95: float
@@ -121,11 +123,13 @@ def run_once(settings: Settings, case: Case, seed: list[int], max_motions: int) 
 
 def _outcome(name: str, found: Sequence[tuple[float, float, int, bool]]) -> Outcome:
     error, expected, motions, claimed = (np.array(column) for column in zip(*found))
+    rms = lambda degrees: float(np.sqrt((degrees**2).mean()))
     return Outcome(
         name,
         len(found),
-        float(np.sqrt((error**2).mean())),
-        float(np.sqrt((expected**2).mean())),
+        rms(error),
+        rms(expected),
+        rms(error[claimed]) if claimed.any() else None,
         {near: Share.of(error <= near) for near in NEAR_DEG},
         float(np.median(motions)),
         float(np.percentile(motions, 95)),

@@ -24,7 +24,8 @@ class CurvesPanel(Panel):
         self._linked: tuple[int, bool] | None = None  # what the links were made of
 
     def seen(self, state: PageState) -> bool:
-        return state.view.wide or super().seen(state)
+        """The card is, wherever it stands still."""
+        return state.view.wide or self._card.visible or super().seen(state)
 
     def period(self, state: PageState) -> float:
         return SLOW

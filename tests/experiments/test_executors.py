@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from waiting import wait_until
 
+from viewimit.commands import bench_parts
 from viewimit.experiments.bench import claims, compare, following, robustness, scenes, success
 from viewimit.experiments.executors import cluster, fingerprint, local, study
 from viewimit.experiments.executors.cluster import Cluster
@@ -226,8 +227,7 @@ BENCH = "bench", "compare", "--runs", 2, "--max-motions", 4, "--servo", "broyden
 
 
 def test_the_command_keeps_goes_on_and_refuses_another_study(ask, tmp_path, monkeypatch):
-    monkeypatch.setattr(compare, "CASES", CASES)
-    monkeypatch.setattr(compare.run, "__defaults__", (CASES, *compare.run.__defaults__[1:]))
+    monkeypatch.setitem(bench_parts.CASES, "compare", CASES)
     monkeypatch.setattr(local.os, "cpu_count", lambda: 1)
     status, plain, _ = ask(*BENCH)
     status, first, err = ask(*BENCH, "--out", tmp_path / "kept")

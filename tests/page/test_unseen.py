@@ -85,6 +85,9 @@ def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
     content = page.gui.widgets[card].content
     move(page)
     assert page.gui.widgets[card].content != content
+    assert page.page.touch("layout", "0")
+    ticks(page, 20)
+    assert not page.gui.widgets[card].visible
 
 
 @pytest.mark.browser

@@ -17,7 +17,7 @@ FEW = 12  # tiles that still have room to be large
 
 
 class LecturerPanel(Panel):
-    in_lessons, inside = True, "Class"
+    in_lessons = True
 
     def build(self, layout: Layout, state: PageState) -> None:
         self._address, self._shared = layout.address, layout.shared
@@ -25,7 +25,7 @@ class LecturerPanel(Panel):
         if not self._built:
             return
         self._banner, self._invitation = layout.gui.add_html(""), layout.gui.add_html("")
-        with layout.upper_tab(self.inside):
+        with layout.upper_tab("Class"):
             self._head, self._tiles, self._links = (layout.gui.add_html("") for _ in range(3))
             if self._address is not None:
                 layout.gui.add_html(sink())

@@ -18,7 +18,10 @@ from waiting import wait_until
 
 from viewimit.cli import main
 
-LONG = ("test_types.py", "test_readme.py", "test_extension.py")
+LONG = (
+    "test_types.py", "test_readme.py", "test_extension.py", "test_random_scenes.py",
+    "test_workers.py", "test_leases.py", "test_faults.py", "test_deploy.py", "test_lecturer.py", "test_replicas.py",
+)  # fmt: skip
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
 os.environ["VIEWIMIT_CACHE"] = ""  # nothing of the user's own is read or written

@@ -52,6 +52,20 @@ def test_a_promise_that_is_broken_makes_no_region_larger():
     assert claims.run_once(hidden, [31, 394]).ended
 
 
+@pytest.mark.parametrize("k", [246, 416])
+def test_a_line_that_is_known_or_ends_at_a_limit_is_left_for_where_nobody_was(k):
+    """In the corner of the range nothing was left of it, and half-way along what had been visited nobody else was in
+    sight: both runs rested 91° and 174° off."""
+    (hidden,) = [case for case in CASES if case.name == "20 points, hidden by surfaces"]
+    ending = claims.run_once(hidden, [31, k])
+    assert ending.claimed and ending.within(claims.COVERED) and ending.error < 0.1
+
+
+def test_two_postures_that_are_best_by_turns_are_not_visited_by_turns_for_ever():
+    (hidden,) = [case for case in CASES if case.name == "20 points, hidden by surfaces"]
+    assert claims.run_once(hidden, [31, 206]).motions < claims.MOST_MOTIONS / 6
+
+
 def test_where_surfaces_hide_points_every_joint_that_can_be_told_is_found():
     """Of 30 runs a case all are that can be told; before, points that were predicted from afar led 3 in 40 astray, and
     3 in 40 stopped where too few of their own points were in sight."""

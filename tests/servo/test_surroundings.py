@@ -46,3 +46,20 @@ def test_a_point_whose_motion_was_not_seen_tells_nothing(times_seen, looks_told)
     assert here.points == POINTS - looks_told and here.hessian[0, 0] < 0.5 < here.hessian[1, 1]
     certificate = certify(here)
     assert certificate.told.tolist() == [False, True] and certificate.learnable == looks_told
+
+
+@pytest.mark.parametrize("reach_deg, hides", [(1.5, True), (30.0, False)])
+def test_what_noise_hides_near_by_can_be_learned_from_farther_away(reach_deg, hides):
+    """Slopes from visits that are as near as noise is large tell nothing, though the points tell all joints."""
+    rng, noise_px = np.random.default_rng(4), 0.5
+    y, J = rng.uniform(0, 240, (POINTS, 4)), rng.normal(0, 20, (POINTS, 4, 2))
+    places = PLACES / PLACES.max() * np.radians(reach_deg)
+    images = [y + J @ d + noise_px * rng.standard_normal(y.shape) for d in places]
+    visits = tuple(Visit(d, own, np.ones((POINTS, 2), bool)) for d, own in zip(places, images))
+    observed = SimpleNamespace(noise_px=noise_px, motion=0, lower=np.full(2, -9.0), upper=np.full(2, 9.0))
+    model, place = learn(list(visits), len(visits) - 1, noise_px), places[-1]
+    residual_of = lambda own: (own - images[-1]) - (own - images[-1]).mean(-2, keepdims=True)
+    found = minimise(lambda theta: residual_of(model.predict(theta)), place[None], place - 0.1, place + 0.1)
+    known = Known(visits, len(visits) - 1, 0.5, np.ones(POINTS, bool), model, observed, residual_of)
+    certificate = certify(survey(known, found, place))
+    assert certificate.told.all() != hides == certificate.learnable and (not hides or certificate.check.any())

@@ -36,7 +36,8 @@ class Certificate:
     """spread: (m,) rad/px, what a pixel of noise turns each joint by; expected: (m,) rad, standard deviations of the
     joint errors, inf of joints that are not told; told: (m,) bool; shown: whether E was seen to rise along every
     direction; check: (m,) rad, a motion that would show more, all 0 if there is none to make; spent: whether E is as
-    small as where nothing is told; learnable: whether points that were seen rarely should tell what others do not."""
+    small as where nothing is told; learnable: whether points that were seen rarely, or noise that is not averaged yet,
+    hide what should be told."""
 
     spread: NDArray
     expected: NDArray

@@ -32,12 +32,13 @@ def freedom_of(points: int, joints: int) -> int:
 @dataclass(frozen=True)
 class Surroundings:
     """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E, the mean over `points`; foreseen: if
-    those that were seen rarely moved as predicted, too, the sum over all, by `points`; E: px², there; seen: how many of
-    them really were, at the best visit; left: (m,) rad, from there to where E should be least; gradients: (k, m)
-    px²/rad, of E there as k draws of the own images' noise have them; slopes: (m, m) px²/rad², by which E would rise if
-    all motion of the own images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the E
-    measured at them, NaN where it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,)
-    rad, what the limits leave; noise_px: of residuals, standard deviation."""
+    those that were seen rarely moved as predicted, too, and the own images had no noise, the sum over all, by
+    `points`; E: px², there; seen: how many of them really were, at the best visit; left: (m,) rad, from there to
+    where E should be least; gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them;
+    slopes: (m, m) px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad,
+    the visits from there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points
+    whose hessian is hessians: (n, m, m); low, high: (m,) rad, what the limits leave; noise_px: of residuals,
+    standard deviation."""
 
     hessian: NDArray
     foreseen: NDArray
@@ -85,7 +86,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     if known.seen.noise_px > 0:
         freedom = freedom_of(points, len(place))
         noise = own_noise(known.model, known.residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
-        hessian, foreseen, hessians = (noise.taken_off(each) for each in (hessian, foreseen, hessians))
+        hessian, hessians = noise.taken_off(hessian), noise.taken_off(hessians)
         gradients = noise.gradients
     return Surroundings(
         hessian=hessian,

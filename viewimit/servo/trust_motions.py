@@ -74,6 +74,11 @@ def along(seen: Observation, place: NDArray, way: NDArray) -> NDArray:
 
 def farthest(visits: tuple[Visit, ...], candidates: NDArray) -> NDArray:
     """The posture, of (k, m), that is farthest from all visited."""
+    return candidates[int(np.argmax(nearest(visits, candidates)))]
+
+
+def nearest(visits: tuple[Visit, ...], candidates: NDArray, times: int = 1) -> NDArray:
+    """(k,) rad, a joint, from each posture of (k, m) to as near as so many visits were, inf if there are fewer."""
     visited = np.array([visit.displacement for visit in visits])
-    apart = np.abs(candidates[:, None] - visited).max(-1).min(1)
-    return candidates[int(np.argmax(apart))]
+    apart = np.sort(np.abs(candidates[:, None] - visited).max(-1), axis=1)
+    return apart[:, times - 1] if len(visits) >= times else np.full(len(candidates), np.inf)

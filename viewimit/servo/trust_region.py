@@ -25,7 +25,7 @@ from .observation import Conflict, Observation
 from .outlook import Outlook, look_out, measure
 from .servo import Moment
 from .surrogate import learn
-from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, probe, towards
+from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
 from .trust_state import FIRST_RADIUS, TrustState, arrived, first_radius, visit_of, without_rehearsal
 from .visit import Visit
 
@@ -35,6 +35,7 @@ _LAW = (
 )
 LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((12.0, 45.0, 0.5))
 LEAST_STEP = np.radians(0.01)
+CLOSE = 1e-9  # rad, between two times at one posture
 SHORT = np.radians(5.0)  # a motion that may be lengthened to look beyond its target
 CERTAIN, DOUBTFUL = np.radians((0.3, 5.0))
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
@@ -222,7 +223,7 @@ def _settle(
     if state.phase + 1 < len(PHASES):
         return None
     if state.restarts < MOST_RESTARTS:
-        return towards(_anew(state), seen, farthest(state.known, anywhere(seen)))
+        return towards(replace(_anew(state), needed=0), seen, farthest(state.known, anywhere(seen)))
     if 0 < state.needed <= told_by:
         return None
     told = certificate is None or bool(certificate.told.all())
@@ -230,16 +231,22 @@ def _settle(
 
 
 def _to_rest(state: TrustState, seen: Observation, place: NDArray, ending: str) -> tuple[TrustState, NDArray]:
-    """There, what did not come true from there is not tried once more."""
+    """There, what did not come true from there is not tried once more. By the third time at a posture that is best by
+    turns with another, here."""
+    if state.ending and nearest(state.visits, seen.displacement[None], 3)[0] < CLOSE:
+        return replace(state, ending="", status=ending), np.zeros_like(place)
     return towards(replace(state, ending=ending, failures=MOST_FAILURES), seen, place)
 
 
 def _where_more_is_seen(
     state: TrustState, seen: Observation, place: NDArray, ahead: Outlook, told_by: int
 ) -> tuple[TrustState, NDArray]:
-    """Far away on the line that so many points do not tell: others of the demonstrator's may be seen there."""
+    """Far away on the line that so many points do not tell, as long as that is unknown: others of the demonstrator's
+    may be seen there. Then anywhere."""
     flattest = np.linalg.eigh(ahead.found.hessian)[1][:, 0]
     goal = farthest(state.known, along(seen, place, flattest))
+    if nearest(state.known, goal[None])[0] < FIRST_RADIUS:
+        goal = farthest(state.known, anywhere(seen))
     return towards(replace(_anew(state), needed=told_by + 1), seen, goal)
 
 

@@ -18,10 +18,15 @@ from waiting import wait_until
 
 from viewimit.cli import main
 
-LONG = (
-    "test_types.py", "test_readme.py", "test_extension.py", "test_random_scenes.py",
-    "test_workers.py", "test_leases.py", "test_faults.py", "test_deploy.py", "test_lecturer.py", "test_replicas.py",
-)  # fmt: skip
+LONG = "test_types.py", "test_readme.py", "test_extension.py", "test_random_scenes.py"
+WAITING = (
+    "test_workers.py",
+    "test_leases.py",
+    "test_faults.py",
+    "test_deploy.py",
+    "test_lecturer.py",
+    "test_replicas.py",
+)
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
 os.environ["VIEWIMIT_CACHE"] = ""  # nothing of the user's own is read or written
@@ -108,10 +113,15 @@ def redis_url(tmp_path_factory):
 
 
 def pytest_collection_modifyitems(items):
-    """Files with browser's tests first, then the longest of those that would come last: none of them should be left to
-    one process at the end. Within a file the order stays, in which fixtures are set up once."""
+    """Files with browser's tests first, and after every second of them one that mostly waits for servers, so that the
+    processor is seldom waited for by all or by none; then the longest of those that would come last: none of them
+    should be left to one process at the end. Within a file the order stays, in which fixtures are set up once."""
+    paths = list(dict.fromkeys(item.path for item in items))
     of_browser = {item.path for item in items if "browser" in item.keywords}
-    items.sort(key=lambda item: (item.path not in of_browser, item.path.name not in LONG))
+    ranks = {path: (0, rank) for rank, path in enumerate(path for path in paths if path in of_browser)}
+    waiting = [path for path in paths if path.name in WAITING and path not in of_browser]
+    ranks |= {path: (0, 2 * rank + 1.5) for rank, path in enumerate(waiting)}
+    items.sort(key=lambda item: ranks.get(item.path, (1, item.path.name not in LONG)))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -223,13 +223,13 @@ def processes_of(pid: int) -> list[int]:
 
 
 def workers_of(server: "Server") -> list[int]:
-    """Process ids of a server's workers."""
+    """Process ids of a server's workers, as they were begun."""
     found = []
     for pid in processes_of(server.process.pid)[1:]:
         with open(f"/proc/{pid}/cmdline") as line:
             if "spawn_main" in line.read():
                 found.append(pid)
-    return found
+    return sorted(found, key=lambda pid: int(stat_of(pid)[19]))  # clock ticks; process ids begin anew at some time
 
 
 def stat_of(pid: int) -> list[str]:

@@ -34,7 +34,7 @@ from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 TOLD = ("wide", "narrow", "prefers_dark", "truth", "unseen")  # by the browser itself
-WINDOW = "window"
+WINDOW = "window"  # in place of all tabs' names
 SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # that are kept by their names
 
 

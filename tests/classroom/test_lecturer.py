@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from class_tabs import Tab, ask_class, asked, lecturers_cookie
-from serving import Server, browser_of, kept_of, processes_of, stat_of
+from serving import Server, browser_of, kept_of, workers_of
 from viewimit.app.server.lecturer import LecturerAccess, class_name, new_secret, require_secret
 from waiting import wait_until
 
@@ -84,16 +84,6 @@ def kept_of_all(server, *tabs):
     """What was written of them last."""
     own = [next(one for one in tab.cookie.split("; ") if one.startswith("viewimit")) for tab in tabs]
     return [kept_of(server.store, cookie) for cookie in own]
-
-
-def workers_of(server):
-    """As they were begun."""
-    commands = {}
-    for pid in processes_of(server.process.pid)[1:]:
-        with open(f"/proc/{pid}/cmdline", "rb") as line:
-            commands[pid] = line.read()
-    begun = lambda pid: int(stat_of(pid)[19])  # clock ticks; numbers of processes begin anew at some time
-    return sorted((pid for pid, line in commands.items() if b"spawn_main" in line), key=begun)
 
 
 def test_without_a_lecturer_there_is_no_class():

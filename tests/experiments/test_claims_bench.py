@@ -8,6 +8,8 @@ from viewimit.experiments.bench.claims import CASES, Case, Ending, outcome, run
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.simulation.scene import load_scene
 
+NAMED = {case.name: case for case in CASES}
+
 
 def test_no_joint_is_claimed_that_all_points_are_rigid_to():
     forearm = Case("forearm", 12, (claims.RIGID[0],))
@@ -40,36 +42,32 @@ def test_a_claim_is_false_that_is_far_off_and_farther_than_it_expects(error, exp
 @pytest.mark.parametrize("k", [1, 18, 20])
 def test_along_a_valley_without_evidence_no_run_goes_on_for_ever(k):
     """What a step had not kept was promised again, from the same place, for 300 motions."""
-    (five,) = [case for case in CASES if case.name == "5 points"]
-    ending = claims.run_once(five, [3, k])
+    ending = claims.run_once(NAMED["5 points"], [3, k])
     assert ending.ended and not ending.claimed
 
 
 def test_a_promise_that_is_broken_makes_no_region_larger():
     """Where two postures were the best by turns, each motion from one seemed as long as the way from the other, and the
     region about both grew with every failure, for 300 motions."""
-    (hidden,) = [case for case in CASES if case.name == "20 points, hidden by surfaces"]
-    assert claims.run_once(hidden, [31, 394]).ended
+    assert claims.run_once(NAMED["20 points, hidden by surfaces"], [31, 394]).ended
 
 
 @pytest.mark.parametrize("k", [246, 416])
 def test_a_line_that_is_known_or_ends_at_a_limit_is_left_for_where_nobody_was(k):
     """In the corner of the range nothing was left of it, and half-way along what had been visited nobody else was in
     sight: both runs rested 91° and 174° off."""
-    (hidden,) = [case for case in CASES if case.name == "20 points, hidden by surfaces"]
-    ending = claims.run_once(hidden, [31, k])
+    ending = claims.run_once(NAMED["20 points, hidden by surfaces"], [31, k])
     assert ending.claimed and ending.within(claims.COVERED) and ending.error < 0.1
 
 
 def test_two_postures_that_are_best_by_turns_are_not_visited_by_turns_for_ever():
-    (hidden,) = [case for case in CASES if case.name == "20 points, hidden by surfaces"]
-    assert claims.run_once(hidden, [31, 206]).motions < claims.MOST_MOTIONS / 6
+    assert claims.run_once(NAMED["20 points, hidden by surfaces"], [31, 206]).motions < claims.MOST_MOTIONS / 6
 
 
 def test_where_surfaces_hide_points_every_joint_that_can_be_told_is_found():
     """Of 30 runs a case all are that can be told; before, points that were predicted from afar led 3 in 40 astray, and
     3 in 40 stopped where too few of their own points were in sight."""
-    (found,) = run([case for case in CASES if case.name == "20 points, hidden beyond the rim"], 8, seed=0, workers=1)
+    (found,) = run([NAMED["20 points, hidden beyond the rim"]], 8, seed=0, workers=1)
     assert found.within_tellable.count == found.within_tellable.runs >= 5
     assert found.falsely is None or found.falsely.count == 0
 
@@ -77,5 +75,4 @@ def test_where_surfaces_hide_points_every_joint_that_can_be_told_is_found():
 @pytest.mark.parametrize("k", [187, 207])
 def test_points_seen_too_rarely_to_tell_how_they_move_tell_no_joint(k):
     """That they were taken to stand still looked like a conflict with every posture but one, 1.9° and 18° off."""
-    (rim,) = [case for case in CASES if case.name == "20 points, hidden beyond the rim"]
-    assert not claims.run_once(rim, [2026, k]).false
+    assert not claims.run_once(NAMED["20 points, hidden beyond the rim"], [2026, k]).false

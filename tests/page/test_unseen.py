@@ -1,9 +1,13 @@
 """Tabs that are not open, and windows that another hides, are not drawn; once they are seen they show what is."""
 
+import re
+
 import pytest
 from browsing import CURVES, open_page, posture, press, wait
+from page_fakes import QuietLandscapes
 from quiet_page import QuietPage
 from viewimit.app.panels import PANELS
+from viewimit.app.server.touches import Touches
 from waiting import wait_until
 
 TABS = {panel.inside for panel in PANELS} - {""}
@@ -11,16 +15,9 @@ HIDDEN = "Object.defineProperty(document, 'hidden', {value: %s, configurable: tr
 TELL = "document.dispatchEvent(new Event('visibilitychange'))"
 
 
-class Quiet:
-    """Makes no landscapes: nothing arrives between two ticks."""
-
-    def ask(self, page_id, make, done, kind="landscape"):
-        pass
-
-
 @pytest.fixture
 def page():
-    made = QuietPage(landscapes=Quiet())
+    made = QuietPage(landscapes=QuietLandscapes())
     ticks(made, 40)
     return made
 
@@ -50,7 +47,7 @@ def differ(before, after):
 
 @pytest.mark.parametrize("tab", ["Images", "Landscape", "Curves", "Equations"])
 def test_a_tab_that_is_not_open_is_not_drawn_until_it_is(page, tab):
-    drawn = QuietPage(landscapes=Quiet())
+    drawn = QuietPage(landscapes=QuietLandscapes())
     ticks(drawn, 40)
     leave_undrawn(page, tab)
     before, left = written(drawn), written(page)
@@ -63,8 +60,19 @@ def test_a_tab_that_is_not_open_is_not_drawn_until_it_is(page, tab):
     assert written(page) == written(drawn)
 
 
+def test_every_tab_can_be_told_and_all_of_them_at_once(page):
+    """By names of letters alone, as page.js tells no others, in an address as long as may be."""
+    touches, token = Touches(0), "a" * 32
+    address = touches.new_address()
+    touches.open(address, page.page.touch, token)
+    assert TABS > {"Images", "Landscape", "Curves"} and all(re.fullmatch(r"\w+", tab) for tab in TABS)
+    touches.follow(f"{address}/unseen/{','.join(TABS)}", {"Cookie": f"viewimit={token}"})
+    ticks(page, 1)
+    assert page.page.model.view.unseen == TABS
+
+
 def test_of_a_window_that_nobody_sees_nothing_is_drawn_until_somebody_does(page):
-    drawn = QuietPage(landscapes=Quiet())
+    drawn = QuietPage(landscapes=QuietLandscapes())
     ticks(drawn, 40)
     leave_undrawn(page, "window")
     before = written(page)
@@ -80,7 +88,7 @@ def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
     leave_undrawn(page, "Curves")
     ticks(page, 20)
     before = page.shown.count("vi-card")
-    assert before and TABS > {"Curves", "Landscape"}
+    assert before
     card = next(k for k, widget in enumerate(page.gui.widgets) if "vi-card" in widget.content)
     content = page.gui.widgets[card].content
     move(page)

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from browsing import PATIENCE_MS, open_page, press, wait, wait_for_count, wait_until_complete
+from browsing import CARD, PATIENCE_MS, STATUS, open_page, press, wait, wait_for_count, wait_until_complete
 from viewimit.app.lessons.source import shipped
 
 pytestmark = pytest.mark.browser
@@ -213,6 +213,19 @@ def test_a_lesson_is_shown_to_a_class_and_sent_to_it(browser, server):
     assert page.url.rstrip("/") == server.rstrip("/")
     page.close()
     assert page.problems == []
+
+
+def test_the_offer_covers_neither_what_is_said_nor_the_curves(browser, server):
+    """In as many lines as the strip may have."""
+    page = open_page(browser, server, "small")
+    for size in ((1280, 720), (1024, 640), (1920, 1080), (2560, 1440)):
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        wait_for_count(page, CARD, int(size[0] > 1600), exactly=True)
+        page.evaluate("where => { document.querySelector(where).textContent = 'so many words '.repeat(40); }", STATUS)
+        beneath = page.locator(CARD) if size[0] > 1600 else page.locator(STATUS).locator("..").locator("..")
+        bottom = lambda: sum(page.locator(OFFER).bounding_box()[side] for side in ("y", "height"))
+        wait(page, lambda beneath=beneath, bottom=bottom: bottom() <= beneath.first.bounding_box()["y"], 10)
+    page.close()
 
 
 def test_escape_leaves_and_what_is_offered_is_offered_once(browser, server):

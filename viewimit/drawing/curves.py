@@ -14,7 +14,7 @@ from .over.links import link
 SIDE_BY_SIDE = 600  # px of width from which the plots stand beside each other
 CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot
 PAIRED_WIDTH = 424  # px of each plot of a pair
-LEFT, RIGHT, TOP, BOTTOM = 40, 104, 24, 20
+LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20
 LIMIT, DOT_LIMIT = 90, 48  # vertices of a curve; motions up to which each has a dot
 STEPS = (1, 2, 4, 5, 10)  # x 10^k: the x axis ends at four of them
 FLOOR_E = 1e-3  # px² below which E is drawn as this: nobody could see that conflict

@@ -114,6 +114,13 @@ def test_what_points_seen_rarely_should_tell_can_be_learned():
     assert not certify(surroundings(BOTH)).learnable
 
 
+@pytest.mark.filterwarnings("error")
+def test_where_noise_explains_all_curvature_nothing_is_told_and_nothing_overflows():
+    here = replace(surroundings(BOTH, hessian=np.zeros((2, 2))), noise_px=0.1, gradients=np.ones((3, 2)))
+    found = certify(here)
+    assert found.claim == "untold" and not found.told.any() and np.isinf(found.expected).all()
+
+
 def test_noise_hides_rises_and_asks_for_longer_motions():
     here = replace(surroundings([(6, 0), (0, 6)]), noise_px=0.05)
     assert certify(here).shown

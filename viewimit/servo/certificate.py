@@ -107,7 +107,7 @@ def _of_own_noise(here: Surroundings) -> NDArray:
 def _unclear(here: Surroundings, v: NDArray) -> bool:
     """Whether the noise of the own images, which further postures average, hides more of a displacement along v than
     that of the demonstrator's does, or as much as tells nothing."""
-    curvature = max(v @ here.hessian @ v, np.finfo(float).tiny)
+    curvature = max(v @ here.hessian @ v, LEAST_CURVATURE)
     own, demo = ((here.gradients @ v) ** 2).mean() / curvature**2, here.noise_px**2 / (here.points * curvature)
     return bool(own > demo or here.points * curvature * UNTOLD**2 < 1)
 

@@ -122,7 +122,8 @@ def test_the_view_is_fitted_to_another_canvas_unless_the_visitor_has_turned_it(p
     page.set_viewport_size({"width": 1480, "height": 720})
     wait(page, lambda: not np.allclose(page.evaluate(CAMERA), first, atol=0.05))
     fitted = camera_at_rest(page)
-    x, y = page.evaluate(PLACE, "/floor")
+    box = page.locator("canvas[data-engine]").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + 60  # where nothing stands over the scene
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + 80, y, steps=4)

@@ -76,7 +76,8 @@ def test_there_are_two_lines_and_ci_runs_the_second():
     opens, tests = (block.rstrip("\n") for block in blocks("sh"))
     assert "\n" not in opens + tests
     assert opens.endswith("/viewimit --open") and "pip install -e ." in opens
-    assert "pip install -e '.[test]'" in tests and "tests/browser.py" in tests and tests.endswith("-m pytest -n auto")
+    assert "pip install -e '.[docs,test]'" in tests and "tests/browser.py" in tests
+    assert tests.endswith("-m pytest -n auto")
     script = (ROOT / ".ci/run").read_text()
     (extraction,) = re.findall(r"^test_line=\$\((.*)\)$", script, re.MULTILINE)
     found = subprocess.run(["bash", "-c", extraction], cwd=ROOT, capture_output=True, text=True, check=True).stdout

@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+from contextlib import suppress
 from http import HTTPStatus
 from typing import Any, Protocol
 
@@ -18,7 +19,7 @@ from .limits.pending_connections import PendingConnections
 from .limits.unsent import Unsent
 from .message_schema import Hostile, Refused
 from .rate_limits import TokenBucket
-from .request_head import METHODS, NotAnswered, RequestHead, read_head
+from .request_head import METHODS, MOST_HEAD, NotAnswered, RequestHead, read_head, too_long
 from .responses import plain_response
 from .validation import PART, MessageValidator
 
@@ -57,6 +58,7 @@ class GuardedConnection(ServerConnection):
         self.network = network_of(None)
         self._unsent = Unsent()
         self._received = b""  # of a request that has not come as a whole
+        self._came = 0  # bytes, with empty lines before it
         self._head: RequestHead | None = None
         self._refused = False
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
@@ -102,13 +104,17 @@ class GuardedConnection(ServerConnection):
         if self._head is not None:
             super().data_received(data)
         elif not self._refused:
-            self._received += data
-            self._begin()
+            self._came += len(data)
+            self._received = (self._received + data).lstrip(b"\r\n")
+            if b"\n" in data or self._came > MOST_HEAD:  # else it cannot be whole
+                self._begin()
 
     def _begin(self) -> None:
         """Once all of a request's head has come."""
         try:
             self._head = read_head(self._received)
+            if self._head is None and self._came > MOST_HEAD:
+                raise too_long()
         except NotAnswered as refusal:
             self._refuse(refusal)
             return
@@ -139,9 +145,10 @@ class GuardedConnection(ServerConnection):
         if self._received.startswith(b"HEAD "):
             answer.body = b""
         self._received = b""
-        self.transport.write(answer.serialize())
-        self.transport.write_eof()
         self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
+        self.transport.write(answer.serialize())
+        with suppress(OSError):  # it has just gone
+            self.transport.write_eof()
 
     def send_data(self) -> None:
         before = self.transport.get_write_buffer_size()

@@ -12,11 +12,10 @@ import http
 import re
 import secrets
 from collections.abc import Mapping
-from http.cookies import CookieError, SimpleCookie
 
 from websockets.http11 import Response
 
-from .cookie import cookie_for, cookie_name, token_of
+from .cookie import cookie_for, cookie_name, cookie_value, token_of
 from .responses import plain_response
 
 ROOT = "/lecturer/"
@@ -64,11 +63,8 @@ class LecturerAccess:
         """Whether a request comes from a browser that has opened the lecturer's address."""
         if self._secret is None:
             return False
-        try:
-            morsel = SimpleCookie(headers.get("Cookie", "") or "").get(_name(headers))
-        except CookieError:
-            return False
-        return morsel is not None and hmac.compare_digest(morsel.value.encode(errors="replace"), self._cookie.encode())
+        value = cookie_value(headers, _name(headers))
+        return value is not None and hmac.compare_digest(value.encode(errors="replace"), self._cookie.encode())
 
 
 def _name(headers: Mapping[str, str]) -> str:

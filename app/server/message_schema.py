@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+MOST_BUT_PARTS = 1 << 14  # bytes of a message that is no part of a file: to read it takes a millisecond at most
 Real = Annotated[float, Meta(ge=-1e5, le=1e5)]
 Count = Annotated[int, Meta(ge=0, le=100_000)]
 Size = Annotated[int, Meta(ge=0, le=2**53)]
@@ -122,6 +123,8 @@ def read(raw: bytes | str) -> msgspec.Struct:
         raise Hostile(f"a malformed message: {error}") from None
     if kind not in _READERS:
         raise Hostile(f"a message of the type {kind[:40]!r}")
+    if len(raw) > MOST_BUT_PARTS and kind != FileTransferPart.__name__:
+        raise Hostile(f"a {kind} of more than {MOST_BUT_PARTS} bytes")
     try:
         return _READERS[kind](raw)
     except msgspec.ValidationError as error:

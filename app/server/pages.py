@@ -45,6 +45,7 @@ from .options import ServerOptions
 from .seat_counts import SeatCounts
 from .touches import Touches
 
+BUILT_AT_ONCE = 2  # pages: all others would wait for many more
 AGAIN_AFTER = 5.0  # s, until who could not be shown a page is to try again
 log = logging.getLogger(__name__)
 
@@ -102,7 +103,7 @@ class App:
         self._keys = SessionKeys(server, autosave, options.settings, self._retire)
         viser_private.wake_in_loop(server)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being kept
-        self._collecting = threading.Lock()
+        self._collecting, self._building = threading.Lock(), threading.Semaphore(BUILT_AT_ONCE)
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
         camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
         workers = LandscapeWorker(), ExperimentWorker(), camera
@@ -133,13 +134,16 @@ class App:
         self.services.basins.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
+        if client.client_id not in self._server.get_clients():  # it has left while others' pages were built
+            return
         viser_private.wake_in_loop(client)
         token = token_of_client(self._server, client.client_id)
         address = None if token is None else self._touches.new_address()
         place = Place()
         try:
             place = self._keys.take(client)
-            page = self._page(client, place, address)
+            with self._building:
+                page = self._page(client, place, address)
         except Exception as error:  # a scene of the user's that has changed meanwhile, or what nobody foresaw
             if place.key:
                 self._keys.leave(place.key)

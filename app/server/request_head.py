@@ -46,7 +46,7 @@ def read_head(received: bytes) -> RequestHead | None:
     received = received.lstrip(b"\r\n")
     end = _END.search(received)
     if len(received) > MOST_HEAD if end is None else end.end() > MOST_HEAD:
-        raise NotAnswered(http.HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, f"a head of more than {MOST_HEAD} bytes")
+        raise too_long()
     if end is None:
         return None
     first, _, rest = received.partition(b"\n")
@@ -67,6 +67,10 @@ def read_head(received: bytes) -> RequestHead | None:
     if websocket and (method != b"GET" or minor == b"0"):
         raise NotAnswered(http.HTTPStatus.BAD_REQUEST, "a websocket by another request than a GET of HTTP/1.1")
     return RequestHead(method == b"GET", websocket, plain)
+
+
+def too_long() -> NotAnswered:
+    return NotAnswered(http.HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, f"a head of more than {MOST_HEAD} bytes")
 
 
 def _as_websockets_reads(head: bytes) -> Request:

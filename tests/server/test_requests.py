@@ -40,6 +40,7 @@ REQUESTS = {
     "HEAD of health": ("HEAD /health HTTP/1.1\r\n" + HOST, 200),
     "HTTP/1.0 of health": ("GET /health HTTP/1.0\r\n", 200),
     "HEAD of HTTP/1.0 of health": ("HEAD /health HTTP/1.0\r\n", 200),
+    "nothing but empty lines": ("\r\n" * MOST_HEAD, 431),
     "an empty line before": ("\r\nGET /health HTTP/1.1\r\n" + HOST, 200),
     "no such file": ("GET /nothing HTTP/1.1\r\n" + HOST, 404),
     "no such file, its head": ("HEAD /nothing HTTP/1.1\r\n" + HOST, 404),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 
 
@@ -46,3 +47,15 @@ def test_wrong_shapes_are_refused_with_the_view():
         FourViews.from_images(l, r, L[:, :1], R)
     with pytest.raises(ValueError, match="different numbers of points.*R: 5"):
         FourViews.from_images(l, r, L, R[:5])
+
+
+@pytest.mark.parametrize("name", TRANSFERS)
+def test_a_transfer_takes_the_points_that_are_seen_everywhere_and_says_so(name):
+    l, r, L, R = images()
+    L[2] = np.nan
+    views = FourViews.from_images(l, r, L, R)
+    with pytest.raises(ValueError, match=r"seen in all four views: take FourViews\.used"):
+        TRANSFERS[name](views)
+    others = [0, 1, 3, 4, 5]
+    expected = TRANSFERS[name](FourViews.from_images(l[others], r[others], L[others], R[others]))
+    np.testing.assert_array_equal(TRANSFERS[name](views.used).recover(l, r), expected.recover(l, r))

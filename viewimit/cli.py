@@ -1,12 +1,15 @@
 """The command line: degrees at this surface, radians behind it.
 
-Exit status 0: done; 1: ran, but did not reach its target; 2: bad input; 130: interrupted. With --json exactly one
-JSON object goes to standard output, and all messages to standard error.
+Exit status 0: done; 1: ran, but did not reach its target; 2: bad input, or no room for what is printed; 130:
+interrupted; 141: nobody reads what is printed. With --json exactly one JSON object goes to standard output, and all
+messages to standard error.
 """
 
 import argparse
+import errno
 import importlib
 import io
+import os
 import re
 import sys
 
@@ -14,12 +17,13 @@ from . import __version__, threads
 from .commands import BadInput
 
 BAD_INPUT = 2
+UNREAD = 141  # as of a program that ends by SIGPIPE
 COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
     "imitate": "One run of the loop, without a page.",
     "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --body goes on from that.",
     "scene": "A scene file for a robot of which only the URDF is known, to be edited.",
-    "landscape": "E over the range of the two moving joints.",
+    "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",
     "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
     "detect": "Markers in your own pictures or videos, as a table of points.",
     "evaluate": "The method on your own tracked points: transfer, residuals, E.",
@@ -39,10 +43,26 @@ def main(argv: list[str] | None = None) -> int:
         argv.insert(0, "serve")
     args = _parser(argv[0]).parse_args(_attached(argv))
     try:
-        return args.run(args)
+        status = args.run(args)
+        sys.stdout.flush()
+        return status
     except BadInput as error:
         print(f"viewimit {args.command}: {error}", file=sys.stderr)
         return BAD_INPUT
+    except BrokenPipeError:
+        _print_no_more()
+        return UNREAD
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        _print_no_more()
+        print(f"viewimit {args.command}: cannot print: {error.strerror}", file=sys.stderr)
+        return BAD_INPUT
+
+
+def _print_no_more() -> None:
+    """What could not be printed would be tried once more when the process ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser(chosen: str) -> argparse.ArgumentParser:

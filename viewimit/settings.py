@@ -1,6 +1,7 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
 from collections.abc import Collection, Mapping
+from numbers import Integral, Real
 from typing import Annotated, TypeVar, get_type_hints
 
 import msgspec
@@ -81,6 +82,16 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return tuple((found, getattr(self, name)) for name, found in disturbances(kind).items())
 
     def __post_init__(self) -> None:
+        for name, numbers in _NUMBERS.items():
+            value = getattr(self, name)
+            if not isinstance(value, numbers) or isinstance(value, bool):
+                wanted = "a whole number" if numbers is Integral else "a number"
+                raise ValueError(f"{name} must be {wanted}, got {value!r}")
+        if self.undistort is not None and len(self.undistort) != 2:
+            raise ValueError(f"undistort must be k1, k2, got {self.undistort!r}")
+        for point in self.body_points or ():
+            if len(point) != 4 or not isinstance(point[0], Integral):
+                raise ValueError(f"body_points must be [link, x, y, z] each, got {point!r}")
         _require_choice("transfer", self.transfer, TRANSFERS)
         _require_choice("servo", self.servo, SERVOS)
         _require_choice("rectify", self.rectify, RECTIFY)
@@ -92,6 +103,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("seed", self.seed, 0, MOST_SEED)
 
 
+_NUMBERS = {
+    name: {int: Integral, float: Real}[hint] for name, hint in get_type_hints(Settings).items() if hint in (int, float)
+}
 DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
     name: mark
     for name, hint in get_type_hints(Settings, include_extras=True).items()

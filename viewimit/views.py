@@ -16,7 +16,7 @@ class FourViews:
 
     demo: (..., N, 4) px, the demonstrator's points [l, r] as x_l, y_l, x_r, y_r.
     own: (..., N, 4) px, the learner's own points [L, R].
-    visible: (..., N, 4) bool, seen in l, r, L, R. Coordinates of unseen points mean nothing.
+    visible: (..., N, 4) bool, seen in l, r, L, R. Coordinates of unseen points mean nothing: transfers take `used`.
     """
 
     demo: NDArray

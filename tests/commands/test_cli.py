@@ -10,6 +10,7 @@ import subprocess
 import sys
 import urllib.request
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -104,6 +105,35 @@ def test_imitate_writes_its_history(ask_json, tmp_path, name):
     assert list(number("motion")) == list(range(told["motions"] + 1)) and set(number("usable")) == {16}
     assert [str(probe) for probe in table["probe"]] == [str(moment["probe"]) for moment in told["history"]]
     assert table["status"][0] == "ready" and table["status"][-1] == told["status"] == "converged"
+
+
+@pytest.mark.parametrize("name", ["a.npz", "B.NPZ"])
+def test_a_landscape_is_written_under_the_name_that_is_told(ask, tmp_path, name):
+    assert f"written to {tmp_path / name}" in ask("landscape", "--step-deg", 30, "--out", tmp_path / name)[2]
+    with np.load(tmp_path / name) as data:
+        assert data["E"].shape == (4, 7)
+
+
+def test_a_table_cut_short_is_bad_input(ask, tmp_path):
+    lines = (Path(__file__).parents[2] / "docs" / "comparison.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "cut.csv").write_text("".join(lines[:50]))
+    status, _, err = ask("bench", "compare", tmp_path / "cut.csv")
+    assert status == 2 and err.count("\n") == 1 and "PATH: " in err and "have not the same runs" in err
+
+
+@pytest.mark.parametrize("where, status, says", [("closed", 141, ""), ("/dev/full", 2, "cannot print: No space left")])
+def test_where_nothing_can_be_printed_one_line_says_so_at_most(where, status, says):
+    if where == "closed":
+        reading, writing = os.pipe()
+        os.close(reading)
+    elif not os.path.exists(where):
+        pytest.skip(f"no {where}")
+    else:
+        writing = os.open(where, os.O_WRONLY)
+    with os.fdopen(writing, "wb") as out:
+        command = [sys.executable, "-m", "viewimit", "imitate", "--json"]
+        done = subprocess.run(command, stdout=out, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == status and says in done.stderr and done.stderr.count("\n") == bool(says)
 
 
 def test_every_object_tells_its_options_and_settings(ask_json, files):

@@ -86,6 +86,7 @@ def test_evaluate_takes_the_lenses_distortion_out_first(bent, tmp_path, capsys):
     [
         ("--undistort -0.08,0.01", "--undistort and --lens go together"),
         ("--lens 228,234,320,120", "--undistort and --lens go together"),
+        ("--undistort -0.9,0 --lens 60,60,320,120", "folds its image; a point of l is 1.88 from"),
         ("--undistort 3", "needs 2 numbers such as -0.05,0.01, got '3'"),
         ("--undistort 0.1,0 --lens 0,1,2,3", "focal lengths must be more than 0, got '0,1,2,3'"),
         ("--rectify always", "invalid choice: 'always'"),

@@ -220,6 +220,14 @@ def test_what_only_a_scene_has_is_refused_and_all_stays(fields):
     assert one.snapshot is before and len(robot.sent) == sent
 
 
+@pytest.mark.parametrize("fields", [{"scene": "iiwa"}, {"points": 5}], ids=str)
+def test_what_is_found_cannot_be_asked_to_be_other(fields):
+    robot = Robot()
+    with pytest.raises(ValueError, match=f"{next(iter(fields))} is what there is"):
+        session(robot, msgspec.structs.replace(ONE, **fields))
+    assert not robot.sent
+
+
 @pytest.mark.parametrize(
     "field, value, says",
     [

@@ -33,7 +33,9 @@ def test_a_number_seen_twice_is_nobodys():
 
 
 def test_a_dictionary_that_is_none_is_told_those_there_are():
-    assert {"4X4_50", "APRILTAG_36H11"} <= set(dictionary_names())
+    assert {"4X4_50", "APRILTAG_36H11"} <= set(dictionary_names()) and len(set(dictionary_names())) == len(
+        dictionary_names()
+    )
     with pytest.raises(ValueError, match="no dictionary '4x4'; there are 4X4_100, .*4X4_50"):
         Fiducials("4x4")
 
@@ -57,6 +59,9 @@ def test_detect_finds_them_and_evaluate_takes_what_it_wrote(ask, ask_json, tmp_p
     for view in VIEWS:
         found = np.array(frame["seen"][view])
         np.testing.assert_allclose(found, [seen[view][int(name)] for name in frame["usable"]], atol=0.3)
+    before = files[0].read_bytes()
+    status, _, err = ask("detect", *files, "--aruco", "APRILTAG_36h11", "--out", files[0])
+    assert status == 2 and "must end in .csv" in err and files[0].read_bytes() == before
     status, _, err = ask("detect", files[0], "--aruco", "9X9", "--out", out)
     assert status == 2 and "--aruco: no dictionary '9X9'; there are" in err and err.count("\n") == 1
     middle = ask_json("detect", *files, "--aruco", "APRILTAG_36h11", "--middle", 0.2, "--out", out)[1]

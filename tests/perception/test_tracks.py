@@ -146,6 +146,16 @@ def test_a_report_is_a_picture_too(ask, tidy, tmp_path, monkeypatch):
     assert status == 2 and "pip install 'viewimit[plot]'" in err
 
 
+@pytest.mark.parametrize("sure, usable", [("", 10), ("nan", 9), ("0.2", 9), ("1", 10)])
+def test_a_point_of_no_confidence_is_not_seen(ask_json, tidy, sure, usable):
+    """Of an empty cell it is not known, and taken to be seen."""
+    lines = tidy.read_text().splitlines()
+    lines[4] = ",".join([*lines[4].split(",")[:-1], sure])
+    tidy.write_text("\n".join(lines))
+    _, found = ask_json("evaluate", tidy, "--min-confidence", 0.5)
+    assert len(found["frames"][0]["usable"]) == usable
+
+
 def test_too_few_points_are_no_success(ask, tidy):
     status, _, err = ask("evaluate", tidy, "--min-confidence", 0.95)
     assert status == 1 and "no frame has 5 points" in err

@@ -124,6 +124,7 @@ def _compare(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[dic
     if args.path:
         with naming("PATH"):
             rows = compare_table.read(args.path)
+            compared.compared(rows)  # a table cut short lacks runs
         heading = f"{args.path}"
     else:
         servos = [name for name in SERVOS if args.servo in (None, name) or name == compared.PAPER_LAW]

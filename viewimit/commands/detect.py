@@ -39,7 +39,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{view}", nargs="+", type=Path, default=[], metavar="FILE", help=f"of view {view}: {WHAT[view]}"
         )
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="CSV to write")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="write them as .csv")
     parser.add_argument(
         "--markers",
         default="panda",
@@ -65,6 +65,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if importlib.util.find_spec("cv2") is None:
         raise BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
+    if args.out.suffix.lower() != ".csv":
+        raise BadInput(f"--out: {args.out}: its name must end in .csv")
     files = _by_view(args)
     names, detect = _square_markers(args) if args.aruco else _balls(args)
     from ..perception.detection import pictures  # loads OpenCV

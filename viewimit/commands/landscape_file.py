@@ -31,7 +31,8 @@ def write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) ->
     names = [f"theta{joint}_deg" for joint in scene.moving_joints]
     if path.suffix.lower() == ".npz":
         columns: dict[str, Any] = dict(zip(names, (first, second)))
-        np.savez(path, E=landscape.E, demonstrator_deg=np.degrees(snapshot.theta_demo), **columns)
+        with path.open("wb") as file:  # numpy would add the extension to a name that ends in .NPZ
+            np.savez(file, E=landscape.E, demonstrator_deg=np.degrees(snapshot.theta_demo), **columns)
     elif path.suffix.lower() == ".csv":
         rows = np.stack([*np.meshgrid(first, second, indexing="ij"), landscape.E], -1).reshape(-1, 3)
         np.savetxt(path, rows, "%.10g", ",", header=",".join([*names, "E_px2"]), comments="")

@@ -78,6 +78,7 @@ class OwnOpener:
         wanted = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
         start = _within(wanted, self._lower, self._upper, "the start")
         points = len(look_with(self._eyes).demo) if self._own is None else self._own.points
+        _require_found(settings, {"scene": self._name, "points": points})
         own = Own(self._arm, self._eyes, self._name, points, self._lower, self._upper)
         standing, self._own = own.move(start), own
         settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=degrees(start))
@@ -109,3 +110,10 @@ def _require(settings: Settings) -> None:
     for name in Settings.__struct_fields__:
         if name not in (*HAVE, *FOUND) and getattr(settings, name) != getattr(Settings(), name):
             raise ValueError(f"{name} is of a simulated scene; an arm and eyes of your own have {', '.join(HAVE)}")
+
+
+def _require_found(settings: Settings, found: dict[str, object]) -> None:
+    """Raises ValueError for what is asked to be other than it is."""
+    for name, there in found.items():
+        if getattr(settings, name) not in (there, getattr(Settings(), name)):
+            raise ValueError(f"{name} is what there is, {there!r}: leave it out")

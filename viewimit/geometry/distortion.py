@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-ROUNDS = 20  # of Newton's iteration, which doubles its digits at each
-LEAST_GROWTH = 0.05  # of the seen distance with r, that a step assumes
+ROUNDS = 80  # at most: of Newton's iteration, or halvings where it would leave the bracket
+ROUNDING = 4 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,26 @@ class Radial:
         squared = np.minimum(squared, self.reach**2)
         return 1 + squared * (self.k1 + self.k2 * squared)
 
+    @cached_property
+    def _least(self) -> float:
+        """The smallest stretch: at the centre, at `reach`, or between them where it is least."""
+        between = -self.k1 / (2 * self.k2) if self.k1 < 0 < self.k2 else 0.0  # r²
+        outmost = self.reach**2 if np.isfinite(self.reach) else 0.0
+        return float(self.stretch(np.array([0.0, between, outmost])).min())
+
     def undone(self, squared: NDArray) -> NDArray:
         """1 / stretch of what is seen at the squared distance given."""
         seen = np.sqrt(squared)
-        r = np.minimum(seen, self.reach)
+        low, high = np.zeros_like(seen), seen / self._least
+        r = np.clip(seen, low, high)
         for _ in range(ROUNDS):
-            inside = np.minimum(r * r, self.reach**2)
-            growth = np.maximum(1 + inside * (3 * self.k1 + 5 * self.k2 * inside), LEAST_GROWTH)
-            r = np.maximum(r - (r * self.stretch(r * r) - seen) / growth, 0)
+            stretch, inside = self.stretch(r * r), r * r
+            over = r * stretch - seen
+            if (np.abs(over) <= ROUNDING * seen).all():
+                break
+            low, high = np.where(over < 0, r, low), np.where(over > 0, r, high)
+            growth = np.where(r < self.reach, 1 + inside * (3 * self.k1 + 5 * self.k2 * inside), stretch)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = r - over / growth
+            r = np.where((low <= step) & (step <= high), step, (low + high) / 2)
         return 1 / self.stretch(r * r)

@@ -10,7 +10,7 @@ PIXEL_MIDDLE = 0.5  # OpenCV has (0, 0) in the middle of the first pixel
 
 def dictionary_names() -> list[str]:
     """Of OpenCV's dictionaries, such as 4X4_50 and APRILTAG_36H11."""
-    return sorted(name.removeprefix(PREFIX).upper() for name in dir(cv2.aruco) if name.startswith(PREFIX))
+    return sorted({name.removeprefix(PREFIX).upper() for name in dir(cv2.aruco) if name.startswith(PREFIX)})
 
 
 class Fiducials:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
+from ..geometry.affine import MIN_POINTS
 from ..geometry.distortion import Radial
 from ..reading import is_text
 from ..settings import BodyPoint
@@ -125,7 +126,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     def body_points(self, count: int) -> BodyPoints:
         """The layout with `count` points. Raises ValueError naming the layouts there are."""
         if str(count) not in self.points:
-            raise ValueError(f"no layout of {count} points in this scene; it has {', '.join(self.points)}")
+            there = ", ".join(self.points) or "none"
+            raise ValueError(f"no layout of {count} points in this scene; it has {there}")
         rows = np.array(self.points[str(count)])
         return BodyPoints(rows[:, 0].astype(int), rows[:, 1:])
 
@@ -229,6 +231,20 @@ def _check_head(head: Head) -> None:
             raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
 
 
+def _check_gaze(scene: Scene) -> None:
+    """Both are ahead of the head, and not right above or below it."""
+    head = scene.stereo_head()
+    for name in ("gaze_demonstrator", "gaze_learner"):
+        target = getattr(scene.head, name)
+        try:
+            head.gaze(target)
+        except ValueError:
+            raise ValueError(
+                f"head.{name} {list(target)} must not be at, right above or right below head.position "
+                f"{list(scene.head.position)}, where no side of an image is up"
+            ) from None
+
+
 def made_scene(name: str | Path, joints: tuple[int, ...] | None = None) -> "Derived":
     """What is chosen for the URDF of a reference. joints: that move, if they are few enough to choose all else by them.
 
@@ -299,15 +315,22 @@ def _check(scene: Scene) -> None:
                 f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot.name} turns, "
                 f"{turns[0]:.4g} … {turns[1]:.4g}"
             )
+    for number, (one, angle) in enumerate(zip(robot.joints, scene.posture_deg), 1):
+        low, high = np.degrees((one.lower, one.upper))
+        if not low - ROUNDING_DEG <= angle <= high + ROUNDING_DEG:
+            raise ValueError(f"posture_deg: joint {number} at {angle:g}° is outside its limits {low:g}° … {high:g}°")
     _check_head(scene.head)
+    _check_gaze(scene)
     if scene.size <= 0:
         raise ValueError(f"size must be more than 0, got {scene.size:g}")
     for count, layout in scene.points.items():
-        if count != str(len(layout)):
-            raise ValueError(f"points.{count} has {len(layout)} points")
+        if count != str(len(layout)) or not layout:
+            raise ValueError(f"points.{count} has {len(layout) or 'no'} points")
         if any(not 0 <= link <= n for link, *_ in layout):
             raise ValueError(f"points.{count}: links are 0 … {n}")
         if not np.isfinite(np.array(layout, float)).all():
             raise ValueError(f"points.{count}: not all numbers are finite")
+        if len(set(layout)) < min(len(layout), MIN_POINTS):
+            raise ValueError(f"points.{count}: only {len(set(layout))} points differ, at least {MIN_POINTS} must")
     scene.require_posture(np.radians(scene.posture_deg)[scene.moving], "demonstrator's")
     scene.require_posture(np.radians(scene.start_deg), "learner's start")

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..equations import Equation
@@ -75,6 +76,9 @@ class TransferMethod:
     near: Callable[[FourViews, Rectification], Residuals] | None = None
 
     def __call__(self, views: FourViews) -> FittedTransfer:
+        """`fit`. Raises ValueError for coordinates that are not finite."""
+        if not (np.isfinite(views.demo).all() and np.isfinite(views.own).all()):
+            raise ValueError("a transfer needs points that are seen in all four views: take FourViews.used")
         return self.fit(views)
 
 

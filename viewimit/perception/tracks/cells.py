@@ -54,7 +54,7 @@ class Table:
             raise ValueError(f"{self.path}: line {line}: {len(cells)} cells, but {columns} columns{hint}")
 
     def number(self, line: int, column: str, text: str, empty: float) -> float:
-        """A pixel or a share; `empty` for an empty cell or NaN."""
+        """A pixel or a share; `empty` for an empty cell, NaN for NaN."""
         try:
             value = float(text)
             if -MOST_PX <= value <= MOST_PX and (self._separator == "," or "." not in text):
@@ -62,8 +62,10 @@ class Table:
         except ValueError:
             value = math.inf
         text = text.strip()
-        if not text or text.lower() == "nan":
+        if not text:
             return empty
+        if text.lower() == "nan":
+            return math.nan
         if self._separator != "," and ("," in text or "." in text):
             value = self._with_decimal(line, column, text)
             if -MOST_PX <= value <= MOST_PX:

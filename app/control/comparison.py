@@ -26,6 +26,10 @@ class Comparison:
         self._on = False
         self.html: str | None = None
 
+    @property
+    def on(self) -> bool:
+        return self._on
+
     def toggle(self) -> None:
         self._on, self._asked = not self._on, None
         if not self._on:

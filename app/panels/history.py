@@ -6,6 +6,8 @@ from ..control.state import PageState
 from .panel import SLOW, Layout, Panel
 from .widgets import put, put_html, put_most
 
+LONG = 1000  # motions, whose number leaves no room for another beside the slider
+
 
 class HistoryPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
@@ -25,7 +27,8 @@ class HistoryPanel(Panel):
     def show(self, state: PageState) -> None:
         put_most(self._history, max(state.last, 1))
         put(self._history, state.cursor)
-        put_html(self._count, f'<div class="vi-count"><span>{state.cursor} of {state.last}</span></div>')
+        at = f"{state.cursor} " if state.last < LONG else ""  # it stands in the slider's box too
+        put_html(self._count, f'<div class="vi-count"><span>{at}of {state.last}</span></div>')
         put(self._speed, speed_name(state.speed))
 
 

@@ -241,6 +241,12 @@ window.addEventListener("keydown", event => {
   if (event.key === "Enter" && !here.matches("a")) return follow(".vi-guide-main");
 }, true);
 
+// Keys of the page that viser turns its camera by while they are held: at once it is told that they are not
+const HELD_BY_VISER = ["ArrowLeft", "ArrowRight", "KeyE", "KeyS"];
+window.addEventListener("keydown", event => {
+  if (HELD_BY_VISER.includes(event.code)) document.dispatchEvent(new KeyboardEvent("keyup", {code: event.code}));
+});
+
 // Before a class: P, or ?present in the address. Letters are larger, controls folded, a ring goes with the pointer; what
 // is true is hidden until T, in 3-D by the server; a lesson goes on by arrows or a remote
 const pointer = document.createElement("div");

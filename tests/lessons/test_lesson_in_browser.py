@@ -175,7 +175,10 @@ def test_every_other_lesson_by_keyboard_on_a_phone(browser, server, name):
     page = open_page(browser, server, "small", reduced_motion="reduce")
     page.set_viewport_size(PHONE)
     press(page, "Escape")
-    page.locator(f'.vi-lessons a[href$="begin,{name}"]').evaluate("link => link.click()")
+    page.evaluate("document.getElementById('vi-view-controls').click()")
+    page.locator(f'.vi-lessons a[href$="begin,{name}"]').click()
+    wait_for(page, GUIDE)
+    page.get_by_text("History", exact=True).wait_for(state="hidden")  # the controls lie over no lesson
     assert walk_on(page, Keys) == [step.id for step in shipped()[name].step]
     page.close()
     assert page.problems == []
@@ -225,6 +228,8 @@ def test_the_offer_covers_neither_what_is_said_nor_the_curves(browser, server):
         beneath = page.locator(CARD) if size[0] > 1600 else page.locator(STATUS).locator("..").locator("..")
         bottom = lambda: sum(page.locator(OFFER).bounding_box()[side] for side in ("y", "height"))
         wait(page, lambda beneath=beneath, bottom=bottom: bottom() <= beneath.first.bounding_box()["y"], 10)
+        offer, scene = page.locator(OFFER).bounding_box(), page.locator("canvas[data-engine]").bounding_box()
+        assert scene["x"] <= offer["x"] and offer["x"] + offer["width"] <= scene["x"] + scene["width"]
     page.close()
 
 

@@ -130,6 +130,10 @@ def test_the_view_is_fitted_to_another_canvas_unless_the_visitor_has_turned_it(p
     page.mouse.up()
     wait(page, lambda: not np.allclose(page.evaluate(CAMERA), fitted, atol=0.3))
     turned = camera_at_rest(page)
+    page.keyboard.down("ArrowRight")  # the page's: viser would turn its camera as long as it is held
+    camera_at_rest(page)
+    page.keyboard.up("ArrowRight")
+    assert np.allclose(page.evaluate(CAMERA), turned, atol=0.05)
     page.set_viewport_size({"width": 1280, "height": 720})
     before = chosen_point(page)
     press(page, "n")

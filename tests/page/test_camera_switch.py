@@ -140,6 +140,9 @@ LOADED = """async where => {
 }"""
 DOTS = "where => [...document.querySelectorAll(where)].map(path => path.getAttribute('d').split('M').length - 1)"
 
+STROKE = """where => { const {strokeLinecap, stroke} = getComputedStyle(document.querySelector(where))
+  return [strokeLinecap, stroke] }"""
+
 
 @needed
 @pytest.mark.browser
@@ -155,6 +158,7 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     seen = int(re.search(r"points seen\s*(\d+)\s*of 36", page.text_content("body"))[1])
     in_L, in_R, *_ = page.evaluate(DOTS, DETECTED)
     assert in_L == in_R == seen >= 5
+    assert page.evaluate(STROKE, DETECTED) == ["round", "rgb(0, 114, 178)"]  # the learner's, and points are dots
     wait_for_status(page, "^(?!.*starting)")
     assert re.search(r"E [\d.]+ px²", status(page))
     switch(page, "Camera images")

@@ -30,7 +30,7 @@ TITLES = {
     "paused": "Paused",
     "moving": "Moving",
     "arrived": "Arrived",
-    "least": "Rests where E is least",
+    "least": "Rests where E is least nearby",
     "rests": "Rests",
     "untold": "Cannot tell",
     "stalled": "Stalled",

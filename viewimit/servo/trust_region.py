@@ -96,7 +96,8 @@ class TrustRegion:
     def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
         if state is None:
             return (Equation("", "no motion yet", _LAW, wide=True),)
-        known = f"The images are predicted from {len(state.visits)} postures visited; "
+        several = "s" if len(state.visits) > 1 else ""
+        known = f"The images are predicted from {len(state.visits)} posture{several} visited; "
         note = f"{known}D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
         return (Equation("", "servo: the images are predicted, E is asked", _LAW, note=note, wide=True),)
 

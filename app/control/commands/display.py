@@ -163,10 +163,14 @@ class ToggleHelp(OfView):
 
 
 class FromStarts(Command):
-    """Find from where the learner arrives, or hide it."""
+    """Find from where the learner arrives, or hide it; over the landscape of the transfer that is used."""
 
     def apply(self, model: PageModel, now: float) -> None:
-        model.basins.toggle(model.session)
+        hidden = model.comparison.on
+        if hidden:
+            model.comparison.toggle()
+        if not hidden or model.basins.run is None:
+            model.basins.toggle(model.session)
 
 
 class ToggleComparison(Command):

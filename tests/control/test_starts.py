@@ -3,7 +3,7 @@
 import pytest
 from page_fakes import Hands, QuietExperiments, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.control.commands.display import FromStarts
+from viewimit.app.control.commands.display import FromStarts, ToggleComparison
 from viewimit.app.jobs import basin_child
 from viewimit.app.jobs.experiments import ExperimentWorker, Request, Run
 from waiting import wait_until
@@ -33,6 +33,16 @@ def test_it_is_asked_for_with_the_settings_but_the_start_and_by_points(visit):
     worker.tell(Run(request.name, "running", figure="<p>some</p>"))
     visitor.arrive()
     assert model.state(0.0).basin.figure == "<p>some</p>"
+
+
+def test_it_ends_the_comparison_that_would_hide_it(visit):
+    model, _, worker = visit
+    ToggleComparison().apply(model, 0.0)
+    toggle(model)
+    assert not model.comparison.on and model.basins.going_on
+    ToggleComparison().apply(model, 0.0)
+    toggle(model)
+    assert not model.comparison.on and model.basins.going_on and len(worker.asked) == 1
 
 
 CHANGES = {

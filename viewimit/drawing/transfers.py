@@ -12,8 +12,8 @@ from . import svg
 from .observability import draw_bars
 from .small_landscape import WIDTH, draw_small, small_plane
 
-GAP, ROW = 10, 131  # px between columns, a row's height
-MOST_HIGH, TOP = 82, 15  # px of a plot, and from its row's top
+GAP, ROW = 10, 111  # px between columns, a row's height
+MOST_HIGH, TOP = 62, 15  # px of a plot, and from its row's top
 TOTAL = 2 * WIDTH + GAP
 
 

@@ -75,7 +75,7 @@ def script(settings=None, *deeds) -> dict:
 
 
 def layout(count: int) -> str:
-    return f"points.{count} = {[[1, 0.1, 0.1, 0.1]] * count}\n"
+    return f"points.{count} = {[[1, 0.1, 0.1, 0.1 * k] for k in range(count)]}\n"
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from .queue import CommandQueue
 class Comparison:
     """Each transfer is asked for apart, so that the landscapes of other pages come in between.
 
-    html: all of them; None while the one that is used is shown.
+    on: whether they are to be shown; html: all of them; None while the one that is used is shown.
     """
 
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
@@ -23,21 +23,17 @@ class Comparison:
         self._asked: tuple | None = None  # None while nothing is shown
         self._compared: dict[str, ComparedTransfer] = {}
         self._fresh: set[str] = set()  # what has come since the last drawing
-        self._on = False
+        self.on = False
         self.html: str | None = None
 
-    @property
-    def on(self) -> bool:
-        return self._on
-
     def toggle(self) -> None:
-        self._on, self._asked = not self._on, None
-        if not self._on:
+        self.on, self._asked = not self.on, None
+        if not self.on:
             self.html = None
 
     def ask(self, world: World, snapshot: Snapshot) -> None:
         """Ask anew if what is shown would differ."""
-        if not self._on:
+        if not self.on:
             return
         asked = world, *landscape_key(snapshot, but=("transfer",))
         if asked == self._asked:

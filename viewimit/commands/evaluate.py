@@ -157,9 +157,8 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
     if args.undistort is None:
         return views
     (fx, fy, *centre), by = args.lens, Radial(*args.undistort)
-    for name, at in zip(VIEWS, range(4)):
-        image = (views.demo, views.own)[at // 2][..., 2 * (at % 2) : 2 * (at % 2) + 2]
-        farthest = np.nanmax(np.hypot(*np.moveaxis((image - centre) / (fx, fy), -1, 0)), initial=0.0)
+    for name, image in zip(VIEWS, (views.demo_left, views.demo_right, views.own_left, views.own_right)):
+        farthest = np.nanmax(np.linalg.norm((image - centre) / (fx, fy), axis=-1), initial=0.0)
         if not farthest < by.rim:
             raise BadInput(
                 f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.rim:.3g} focal lengths on, where "

@@ -16,7 +16,7 @@ from ..reading import is_text
 from ..settings import BodyPoint
 from .camera import StereoHead
 from .lens import Lens
-from .robot import BodyPoints
+from .robot import BodyPoints, Robot
 from .robots import load_robot, require_joints
 from .scene_reading import merged, read_fields, read_text, scene_names
 from .urdf.formats import require_urdf
@@ -178,7 +178,7 @@ def load_scene(
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
         if body_points is not None:
             scene = msgspec.structs.replace(scene, points={str(len(body_points)): tuple(body_points)})
-        _check(scene)
+        _require_possible(scene)
         scene = scene if joints is None else _freed(scene, joints)
     except NoRobotThere as error:
         raise NoRobotThere(f"{place}: {error}") from None
@@ -206,43 +206,8 @@ def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Pat
 def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
     """As a scene file that extends this one has it, with these fields. Raises ValueError that names the field."""
     scene = msgspec.convert(merged(msgspec.to_builtins(scene), dict(fields)), Scene)
-    _check(scene)
+    _require_possible(scene)
     return scene
-
-
-def _check_head(head: Head) -> None:
-    """Lenses show all of their images, and cameras are turned in one way."""
-    if not 0 <= head.toe_in_deg <= MOST_TOE_IN_DEG:
-        raise ValueError(f"head.toe_in_deg must be between 0 and {MOST_TOE_IN_DEG:g}, got {head.toe_in_deg:g}")
-    if head.verged and head.toe_in_deg:
-        raise ValueError("head: cameras that are verged look at the gaze point: leave toe_in_deg out")
-    for what, length in (("baseline", head.baseline), ("focal", head.focal)):
-        if not length >= LEAST_LENGTH:
-            raise ValueError(f"head.{what} must be more than 0, got {length:g}")
-    if not all(1 <= edge <= MOST_IMAGE_PX for edge in head.image):
-        raise ValueError(f"head.image must be 1 to {MOST_IMAGE_PX} px wide and high, got {list(head.image)}")
-    corners = np.array([[x, y] for x in (0, head.image[0]) for y in (0, head.image[1])], float)
-    for name, eye in (("left", head.left), ("right", head.right)):
-        lens = head.lens(eye)
-        if not min(lens.focal) >= LEAST_LENGTH:
-            raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
-        if not lens.shows(corners):
-            told = f"{eye.distortion}, undistorted by {head.undistort}," if lens.undone.bends else f"{eye.distortion}"
-            raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
-
-
-def _check_gaze(scene: Scene) -> None:
-    """Both are ahead of the head, and not right above or below it."""
-    head = scene.stereo_head()
-    for name in ("gaze_demonstrator", "gaze_learner"):
-        target = getattr(scene.head, name)
-        try:
-            head.gaze(target)
-        except ValueError:
-            raise ValueError(
-                f"head.{name} {list(target)} must not be at, right above or right below head.position "
-                f"{list(scene.head.position)}, where no side of an image is up"
-            ) from None
 
 
 def made_scene(name: str | Path, joints: tuple[int, ...] | None = None) -> "Derived":
@@ -294,9 +259,21 @@ def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
     return msgspec.structs.replace(scene, moving_joints=tuple(joints), range_deg=ranges, start_deg=starts)
 
 
-def _check(scene: Scene) -> None:
-    """What types cannot say: counts agree with the robot, limits are ordered, links exist."""
+def _require_possible(scene: Scene) -> None:
+    """What types cannot say. Raises ValueError that names the field."""
     robot = load_robot(scene.robot)
+    _require_joints(scene, robot)
+    _require_head(scene.head)
+    _require_gaze(scene)
+    if scene.size <= 0:
+        raise ValueError(f"size must be more than 0, got {scene.size:g}")
+    _require_layouts(scene, len(robot.joints))
+    scene.require_posture(np.radians(scene.posture_deg)[scene.moving], "demonstrator's")
+    scene.require_posture(np.radians(scene.start_deg), "learner's start")
+
+
+def _require_joints(scene: Scene, robot: Robot) -> None:
+    """Those that move are named once each, with a range, and none is held or may go where it cannot turn."""
     n, m = len(robot.joints), len(scene.moving_joints)
     if len(scene.posture_deg) != n:
         raise ValueError(f"posture_deg has {len(scene.posture_deg)} angles, but {robot.name} has {n} joints")
@@ -304,33 +281,67 @@ def _check(scene: Scene) -> None:
         raise ValueError(f"moving_joints {list(scene.moving_joints)} must ascend, base to tip")
     if not 0 < m == len(set(scene.moving_joints)) == len(scene.range_deg) == len(scene.start_deg):
         raise ValueError("moving_joints, range_deg and start_deg must name the same joints once each")
+    turns = np.degrees([(joint.lower, joint.upper) for joint in robot.joints])
     for joint, (low, high) in zip(scene.moving_joints, scene.range_deg):
         if not 1 <= joint <= n:
             raise ValueError(f"{robot.name} has no joint {joint}; its joints are 1 … {n}")
         if not low < high:
             raise ValueError(f"joint {joint}: range_deg {low:g} … {high:g} is empty")
-        turns = np.degrees((robot.joints[joint - 1].lower, robot.joints[joint - 1].upper))
-        if low < turns[0] - ROUNDING_DEG or high > turns[1] + ROUNDING_DEG:
+        least, most = turns[joint - 1]
+        if low < least - ROUNDING_DEG or high > most + ROUNDING_DEG:
             raise ValueError(
-                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot.name} turns, "
-                f"{turns[0]:.4g} … {turns[1]:.4g}"
+                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot.name} turns, {least:.4g} … {most:.4g}"
             )
-    for number, (one, angle) in enumerate(zip(robot.joints, scene.posture_deg), 1):
-        low, high = np.degrees((one.lower, one.upper))
-        if not low - ROUNDING_DEG <= angle <= high + ROUNDING_DEG:
-            raise ValueError(f"posture_deg: joint {number} at {angle:g}° is outside its limits {low:g}° … {high:g}°")
-    _check_head(scene.head)
-    _check_gaze(scene)
-    if scene.size <= 0:
-        raise ValueError(f"size must be more than 0, got {scene.size:g}")
+    for joint, (angle, (least, most)) in enumerate(zip(scene.posture_deg, turns), 1):
+        if not least - ROUNDING_DEG <= angle <= most + ROUNDING_DEG:
+            raise ValueError(
+                f"posture_deg: joint {joint} at {angle:g}° is outside its limits {least:.4g}° … {most:.4g}°"
+            )
+
+
+def _require_head(head: Head) -> None:
+    """Lenses show all of their images, and cameras are turned in one way."""
+    if not 0 <= head.toe_in_deg <= MOST_TOE_IN_DEG:
+        raise ValueError(f"head.toe_in_deg must be between 0 and {MOST_TOE_IN_DEG:g}, got {head.toe_in_deg:g}")
+    if head.verged and head.toe_in_deg:
+        raise ValueError("head: cameras that are verged look at the gaze point: leave toe_in_deg out")
+    for what, length in (("baseline", head.baseline), ("focal", head.focal)):
+        if not length >= LEAST_LENGTH:
+            raise ValueError(f"head.{what} must be more than 0, got {length:g}")
+    if not all(1 <= edge <= MOST_IMAGE_PX for edge in head.image):
+        raise ValueError(f"head.image must be 1 to {MOST_IMAGE_PX} px wide and high, got {list(head.image)}")
+    corners = np.array([[x, y] for x in (0, head.image[0]) for y in (0, head.image[1])], float)
+    for name, eye in (("left", head.left), ("right", head.right)):
+        lens = head.lens(eye)
+        if not min(lens.focal) >= LEAST_LENGTH:
+            raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
+        if not lens.shows(corners):
+            told = f"{eye.distortion}, undistorted by {head.undistort}," if lens.undone.bends else f"{eye.distortion}"
+            raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
+
+
+def _require_gaze(scene: Scene) -> None:
+    """The head is turned towards two places, neither of them right above or below it."""
+    head = scene.stereo_head()
+    for name in ("gaze_demonstrator", "gaze_learner"):
+        target = getattr(scene.head, name)
+        try:
+            head.gaze(target)
+        except ValueError:
+            raise ValueError(
+                f"head.{name} {list(target)} must not be at, right above or right below head.position "
+                f"{list(scene.head.position)}, where no side of an image is up"
+            ) from None
+
+
+def _require_layouts(scene: Scene, links: int) -> None:
+    """Each has as many points as it is called by, on links of the robot, in enough places for a transfer."""
     for count, layout in scene.points.items():
         if count != str(len(layout)) or not layout:
             raise ValueError(f"points.{count} has {len(layout) or 'no'} points")
-        if any(not 0 <= link <= n for link, *_ in layout):
-            raise ValueError(f"points.{count}: links are 0 … {n}")
+        if any(not 0 <= link <= links for link, *_ in layout):
+            raise ValueError(f"points.{count}: links are 0 … {links}")
         if not np.isfinite(np.array(layout, float)).all():
             raise ValueError(f"points.{count}: not all numbers are finite")
         if len(set(layout)) < min(len(layout), MIN_POINTS):
             raise ValueError(f"points.{count}: only {len(set(layout))} points differ, at least {MIN_POINTS} must")
-    scene.require_posture(np.radians(scene.posture_deg)[scene.moving], "demonstrator's")
-    scene.require_posture(np.radians(scene.start_deg), "learner's start")

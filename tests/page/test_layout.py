@@ -12,6 +12,7 @@ from browsing import (
     STATUS,
     VIEW_TABS,
     canvas_colours,
+    choose,
     click,
     open_page,
     press,
@@ -107,6 +108,24 @@ def test_nothing_is_cut_or_covered_at_any_size_and_pixel_ratio(page, dark):
                 assert page.get_by_text(words, exact=True).is_visible(), (words, where)
             if (width, height) in WIDE:
                 assert_seen(page, f"{CARD} svg", where=where)
+
+
+APART = """() => ["L", "R", "l", "r"].flatMap(view => {
+  const [drawn, links] = [".vi-four:not(.vi-over *)", ".vi-links .vi-four"].map(
+    panel => document.querySelector(`${panel} svg.vi-at-${view}`).getBoundingClientRect());
+  return ["left", "top", "right", "bottom"].map(side => Math.abs(drawn[side] - links[side])) })"""
+
+
+@pytest.mark.parametrize("transfer", ["Projective combination", "Epipolar (paper)"])
+def test_in_a_low_window_all_is_seen_and_links_lie_where_their_points_are(page, transfer):
+    """However many words tell how a point is recovered."""
+    choose(page, "Transfer", transfer)
+    told = "carried" if transfer.startswith("P") else "lines cross"
+    for size in ((1024, 620), (1024, 640), (1100, 679), (1280, 680), (1280, 719), (1280, 720)):
+        resize(page, *size)
+        wait(page, lambda: told in page.text_content("p.vi-how"))
+        assert_seen(page, METRICS, where=str(size))
+        wait(page, lambda: max(page.evaluate(APART)) < 0.5, 10)
 
 
 def test_a_small_window_shows_one_view_at_a_time(page):

@@ -122,7 +122,7 @@ def test_a_table_cut_short_is_bad_input(ask, tmp_path):
 
 
 @pytest.mark.parametrize("where, status, says", [("closed", 141, ""), ("/dev/full", 2, "cannot print: No space left")])
-def test_where_nothing_can_be_printed_one_line_says_so_at_most(where, status, says):
+def test_where_nothing_can_be_printed_one_line_says_so_at_most(tmp_path, where, status, says):
     if where == "closed":
         reading, writing = os.pipe()
         os.close(reading)
@@ -132,7 +132,7 @@ def test_where_nothing_can_be_printed_one_line_says_so_at_most(where, status, sa
         writing = os.open(where, os.O_WRONLY)
     with os.fdopen(writing, "wb") as out:
         command = [sys.executable, "-m", "viewimit", "imitate", "--json"]
-        done = subprocess.run(command, stdout=out, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run(command, stdout=out, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
     assert done.returncode == status and says in done.stderr and done.stderr.count("\n") == bool(says)
 
 

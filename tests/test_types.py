@@ -6,9 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parent.parent
 
 
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="the last NumPy there has narrower types of shapes")
 def test_the_type_checker_finds_nothing(tmp_path):
     package = tmp_path / "viewimit"
     shutil.copytree(ROOT / "viewimit", package)

@@ -5,6 +5,7 @@ import os
 import re
 import stat
 import struct
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
@@ -20,8 +21,8 @@ MOST_PARTS = 32  # of a name in TOML: the time that a parser takes grows with th
 _PART = rb"(?:\"[^\"\n]*\"|'[^'\n]*'|[\w-]+)[ \t]*"
 LONG_NAME = re.compile(rb"(?<![\w-])(?:" + _PART + rb"\.[ \t]*){%d}" % MOST_PARTS)
 DAMAGED = (
-    zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, RuntimeError, SyntaxError, ValueError,
-    TypeError, MemoryError,
+    zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, EOFError, NotImplementedError, RuntimeError,
+    SyntaxError, ValueError, TypeError, MemoryError,
 )  # fmt: skip
 
 

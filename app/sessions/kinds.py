@@ -27,6 +27,8 @@ def require_fields(kind: type, fields: dict[str, Any]) -> None:
 
 def fits(value: Any, hint: Any) -> bool:
     """Whether a value is of the kind that a type says; true for a type of which this knows no way to tell."""
+    while hasattr(alias := get_origin(hint) or hint, "__value__"):  # a name for a type, as numpy's NDArray may be
+        hint = alias.__value__
     origin, inside = get_origin(hint), get_args(hint)
     if hint is Any:
         return True

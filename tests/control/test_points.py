@@ -264,6 +264,7 @@ def test_a_rehearsal_with_other_points_is_forgotten(visit):
 
 
 def test_where_pictures_show_markers_no_point_is_edited():
+    pytest.importorskip("pybullet")
     visit = Visit(Camera(), settings=BEST)
     visit.put("camera", True)
     visit.rest()

@@ -132,7 +132,7 @@ def test_the_page_hands_out_a_replay_and_every_picture():
         page.page.put(choose_picture("Curves"))
         page.page.put(choose_format("PNG"))
         png = save(SavePicture(), "viewimit-curves.png")
-        assert png[:4] == b"\x89PNG" and int.from_bytes(png[16:20]) == 4 * 440  # px: 15 cm at 300 an inch
+        assert png[:4] == b"\x89PNG" and int.from_bytes(png[16:20], "big") == 4 * 440  # px: 15 cm at 300 an inch
 
 
 def take_experiment(model):

@@ -2,6 +2,7 @@
 
 import contextlib
 import sqlite3
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -11,9 +12,11 @@ from protocol import Client
 from quiet_page import QuietPage
 from serving import Here, browser_of, kept_of
 from sessions_kept import BEGUN, kept_session
+from typing_extensions import TypeAliasType
 from viewimit.app.page import CannotResume
 from viewimit.app.sessions import codec, saved
 from viewimit.app.sessions.autosave import Autosave
+from viewimit.app.sessions.kinds import fits
 from viewimit.app.sessions.saved import HEAD, SavedSession
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from viewimit.app.sessions.stores import open_store
@@ -139,6 +142,17 @@ def test_a_head_that_no_page_has_is_refused(parts, fields):
 def test_moments_that_no_session_has_are_refused(parts, change):
     with pytest.raises(ValueError):
         saved.decoded(changed_moments(parts, change), BEGUN)
+
+
+T = TypeVar("T")
+
+
+@pytest.mark.parametrize(
+    "array", [TypeAliasType("Array", np.ndarray), TypeAliasType("Of", np.ndarray[Any, T], type_params=(T,))[np.dtype]]
+)
+def test_a_name_for_a_type_is_what_it_names(array):
+    """As numpy's `NDArray`, since 2.5."""
+    assert fits(np.zeros(2), array) and fits(None, array | None) and not fits(1.0, array) and not fits(None, array)
 
 
 @pytest.mark.parametrize("plain", [b"\x91" * 5_000, b"\x92\x91\x91\xd9\x02\xff\xff\x90", b"\x92\xc0\xc0"])

@@ -119,7 +119,7 @@ def evaluate_frames(
             why = why_degenerate(some) if len(names) >= MIN_POINTS else [TOO_FEW] * len(at)
             good = np.array([not words for words in why])
             told = iter(_evaluated(_frames(some, good), transfer, rectification) if good.any() else ())
-            for index, words in zip(at, why):
+            for index, words in zip(at.tolist(), why):
                 found = dict.fromkeys(FIGURES) | {"refused": words} if words else next(told)
                 frames[index] = {"frame": numbers[index], "usable": names} | found
     return frames

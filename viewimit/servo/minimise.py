@@ -62,8 +62,8 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
         if not on.any():
             break  # by its own linear model nothing is left to gain
         candidates = np.clip(best[:, None] - steps, low, high)
-    k = int(np.argmin(best_E))
-    return Minimum(best[k], float(best_E[k]), float(E_first), hessians[k], count)
+    least = int(np.argmin(best_E))
+    return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count)
 
 
 def _damped_steps(gradient: NDArray, normal: NDArray, free: NDArray) -> NDArray:

@@ -111,7 +111,8 @@ def _fit_one(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
     h: (N, 4), Y: (N, 4) px. With H = h/ρ and Ŷ its combination that is nearest to Y, the Jacobian is what H cannot
     make of -A, A = [Ŷ u_j/ρ].
     """
-    p, prior = np.zeros(3), PRIOR * np.vdot(Y, Y) / len(Y) * np.eye(3)
+    prior = PRIOR * np.vdot(Y, Y) / len(Y) * np.eye(3)
+    p: NDArray = np.zeros(3)
     H, inverse = h, np.eye(4) / len(h)  # where p = 0 its columns are orthogonal, of length √N
     for _ in range(STEPS):
         found = H @ (inverse @ (H.T @ Y))

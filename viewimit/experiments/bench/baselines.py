@@ -68,7 +68,7 @@ def _fundamental(p: NDArray, q: NDArray) -> tuple[NDArray, float]:
     u = np.hstack([p, q])
     centre = u.mean(0)
     _, vectors = np.linalg.eigh((u - centre).T @ (u - centre))
-    return vectors[:, 0], -centre @ vectors[:, 0]
+    return vectors[:, 0], -float(centre @ vectors[:, 0])
 
 
 def _fundamentals(p: NDArray, q: NDArray) -> tuple[NDArray, NDArray]:

@@ -1,6 +1,7 @@
 """Independent work on a Dask cluster: an existing scheduler shares it among its workers, and gives what a lost worker
 had to another. Each worker needs the same viewimit and numpy, and one thread: `dask worker ADDRESS --nthreads 1`."""
 
+import asyncio
 import importlib.util
 import pickle
 from collections.abc import Callable, Iterator, Sequence
@@ -35,7 +36,7 @@ class Cluster:
         with client:
             try:
                 client.wait_for_workers(1, timeout=CONNECT_S)
-            except TimeoutError:
+            except asyncio.TimeoutError:  # which is another on Python 3.10
                 told = f"start some: dask worker {self.address} --nthreads 1"
                 raise StudyError(f"{self.address}: that scheduler has no workers; {told}") from None
             yield from _run(client, work, batches)

@@ -60,7 +60,7 @@ def run(
     scene = session.scene
     if len(scene.moving_joints) != 2:
         raise ValueError(f"a landscape needs two moving joints, this scene has {len(scene.moving_joints)}")
-    axes = tuple(np.radians(axis) for axis in grid_deg)
+    axes = np.radians(grid_deg[0]), np.radians(grid_deg[1])
     commanded = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
     reached, own, visible = _pictures(session, commanded, tell)
     now = session.snapshot
@@ -88,7 +88,8 @@ def _pictures(
         sent = target
         found.append((theta, *session.eyes.own_images(theta)))
         tell(len(found) / (commanded.size // 2), None)
-    return tuple(np.array(each).reshape(commanded.shape[:2] + each[0].shape) for each in zip(*found))
+    reached, own, visible = (np.array(each).reshape(commanded.shape[:2] + each[0].shape) for each in zip(*found))
+    return reached, own, visible
 
 
 def fitted_minimum(axes: tuple[NDArray, NDArray], E: NDArray) -> NDArray:

@@ -30,7 +30,8 @@ WAITING = (
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
 os.environ["VIEWIMIT_CACHE"] = ""  # nothing of the user's own is read or written
-hypothesis.settings.register_profile("patient", deadline=None)  # how long an example takes is the machine's matter
+# How long an example takes is the machine's matter; the examples are the same in every run
+hypothesis.settings.register_profile("patient", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("patient")
 
 

@@ -93,23 +93,23 @@ def _settings_renamed(settings: Settings, told: Callable[[str], str]) -> Setting
 
 class Log(msgspec.Struct, forbid_unknown_fields=True):
     """What is done to a session, as it is done. before: what led to motion 0; deeds: by the motion at which they were
-    done, but for the step from each motion to the next; lost: the motion from which on it does not know all, or None.
+    done, but for the step from each motion to the next; lost: the motion from which on it does not know all, or None;
+    glanced: the motions whose last look is part of the step to the next.
     """
 
     before: Script
     deeds: dict[int, list[Deed]] = {}
     lost: int | None = None
+    glanced: set[int] = set()
 
     @classmethod
     def unknown(cls) -> Log:
         """That knows of nothing."""
         return cls(Script(Settings()), lost=0)
 
-    def note(self, motion: int, deed: Deed | None = None) -> None:
-        """At a motion, past which nothing is true any more. None: the step to the next, or nothing at all."""
+    def note(self, motion: int, deed: Deed) -> None:
+        """At a motion, past which nothing is true any more."""
         self._drop_after(motion)
-        if deed is None:
-            return
         here = self.deeds.setdefault(motion, [])
         if here and isinstance(deed, Stepped | Looked) and type(here[-1]) is type(deed):
             here[-1] = type(deed)(here[-1].times + deed.times)
@@ -117,6 +117,14 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             here.append(deed)
         else:
             self.lose(motion)
+
+    def note_on(self, motion: int, looked: bool) -> None:
+        """The step from a motion to the next, at the beginning of which was looked again, or not."""
+        if looked:
+            self.note(motion, Looked(1))
+            self.glanced.add(motion)
+        else:
+            self._drop_after(motion)
 
     def lose(self, motion: int) -> None:
         """Something was done that no script can say."""
@@ -129,16 +137,27 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             raise ValueError("it goes on from what cannot be said in a few words, as a rehearsal kept in a file")
         deeds = list(self.before.deeds)
         last = 0
-        for at in sorted(at for at in self.deeds if at <= motion and self.deeds[at]):
-            deeds += [Stepped(at - last)] * (at > last) + self.deeds[at]
-            last = at
+        for at in sorted(at for at in self.deeds if at <= motion):
+            here = self.deeds[at] if at == motion else self._left_for_next(at)
+            if here:
+                deeds += [Stepped(at - last)] * (at > last) + here
+                last = at
         return Script(self.before.settings, tuple(deeds + [Stepped(motion - last)] * (motion > last)))
 
     def copy(self) -> Log:
         """That does not follow any more."""
-        return Log(self.before, {at: list(deeds) for at, deeds in self.deeds.items()}, self.lost)
+        return Log(self.before, {at: list(deeds) for at, deeds in self.deeds.items()}, self.lost, set(self.glanced))
+
+    def _left_for_next(self, motion: int) -> list[Deed]:
+        """What was done at a motion before the step to the next."""
+        here = self.deeds[motion]
+        if motion not in self.glanced:
+            return here
+        looks = here[-1].times - 1  # type: ignore[union-attr]
+        return here[:-1] + [Looked(looks)] * (looks > 0)
 
     def _drop_after(self, motion: int) -> None:
+        self.glanced = {at for at in self.glanced if at < motion}
         if self.lost is not None and self.lost > motion:
             self.lost = None
         for later in [at for at in self.deeds if at > motion]:

@@ -141,10 +141,9 @@ class Session:
             self.log.note(now.motion, Stepped(1))
             return False
         if now.motion >= MAX_HISTORY:
+            self.log.note(now.motion, Stepped(1))
             self.history.replace(now.with_fields(status="stopped"))
             return False
-        if held:
-            self.log.note(now.motion, Looked(1))
         state, displacement = self._ask(now)  # residual e → E → servo
         if exchanged(state) != exchanged(now.servo_state):
             now = self.observe(now.theta, now, servo_state=state)
@@ -152,7 +151,7 @@ class Session:
             self.log.note(now.motion, Stepped(1))
             self.history.replace(_resting(now, state))
             return False
-        self.log.note(now.motion)
+        self.log.note_on(now.motion, looked=held)
         after = self._moved(now, displacement, probe=state.probe, status=state.status, servo_state=state)
         self.history.append(after)
         return True
@@ -180,7 +179,8 @@ class Session:
         after = self._followed(now, self.observe(now.theta, now, look=now.look + 1))
         moved = not _same_demonstrator(now, after)
         self.log.note(now.motion, Looked(1))
-        self.history.replace(after.with_fields(status=_awake(after)) if moved else after)
+        wakes = after.transfer is not None and (moved or now.transfer is None)
+        self.history.replace(after.with_fields(status=_awake(after)) if wakes else after)
         return moved
 
     def observation(self, now: Snapshot) -> Observation:
@@ -354,6 +354,7 @@ class Session:
         after = self._moved(now, target - now.commanded, probe=True, to_rehearse=left)
         visit = Visit.of(after.commanded - self.embodiment.lower, after.views.own, after.views.visible[:, 2:])
         status = "rehearsing" if len(left) else _awake(after)
+        self.log.note_on(now.motion, looked=False)
         self.history.append(after.with_fields(body=now.body.with_visit(visit), status=status))
 
     def _drive(self, now: Snapshot, displacement: NDArray) -> tuple[NDArray, NDArray]:

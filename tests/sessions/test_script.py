@@ -22,7 +22,7 @@ def same(one: Snapshot, other: Snapshot) -> None:
     assert one.settings == other.settings and (one.motion, one.look) == (other.motion, other.look)
     for name in ("theta", "theta_demo", "commanded", "moved"):
         assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
-    assert np.array_equal(one.E, other.E, equal_nan=True)
+    assert np.array_equal(one.E, other.E, equal_nan=True) and one.status == other.status
     assert one.views.own.tobytes() == other.views.own.tobytes()
 
 
@@ -94,6 +94,20 @@ def test_a_moment_at_which_the_arm_was_held_until_enough_was_seen_is_led_to():
             session.scrub(motion)
             same(session.snapshot, again(session).snapshot)
             session.step()
+
+
+@pytest.mark.parametrize("servo", ["broyden", "trust-region"])
+def test_an_arm_held_that_goes_on_by_what_its_servo_knows_is_led_on(servo):
+    """From where too few points are in sight still, after one look more."""
+    session = Session(LOSSY)
+    session.step()
+    session.change(servo=servo)
+    for _ in range(6):
+        session.step()
+        other = again(session)
+        same(session.snapshot, other.snapshot)
+    session.scrub(session.cursor - 1)
+    same(session.snapshot, again(session).snapshot)
 
 
 def test_motions_in_a_row_are_said_in_one_word():

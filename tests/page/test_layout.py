@@ -167,3 +167,14 @@ def test_a_window_that_grows_and_shrinks_is_laid_out_anew(page):
     resize(page, 1920, 1080)
     wait_for_count(page, CARD, 1, exactly=True)
     assert canvas_colours(page) > 1000
+
+
+def test_links_lie_over_whole_frames_where_their_points_are(page):
+    resize(page, 1280, 720)
+    click(page, "Display")
+    switch(page, "Whole frames")
+    wait_for_count(page, ".vi-four .vi-whole", 2, exactly=True)
+    for size in ((1024, 620), (1280, 720), (1920, 1080), (853, 480), (390, 844), (360, 640)):
+        resize(page, *size)
+        show(page, "images")
+        wait(page, lambda: max(page.evaluate(APART)) < 0.5, 10)

@@ -74,7 +74,7 @@ IMAGES, METRICS, LEGEND = "vi-images", "vi-metrics", "vi-legend"
 VIEW_TABS = "vi-views"
 EXPERIMENT = "vi-figure"
 PROGRESS = "vi-progress"
-VERDICT = "vi-verdict"
+VERDICT = "vi-claims"
 MOTION = "vi-said"  # of the demonstrator, that is chosen
 DRAWING = "vi"  # any
 

@@ -366,3 +366,14 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
     assert np.degrees(np.abs(now.theta - exact.snapshot.theta)).max() < 0.5
     told = session.observation(now).displacement
     np.testing.assert_allclose(told, now.commanded - np.radians(session.settings.start_deg))
+
+
+def test_settings_of_lists_and_numpys_numbers_are_those_of_tuples_and_pythons():
+    plain = Settings(joints=(2, 4), undistort=(0.0, 0.0), noise_px=0.5, seed=3, start_deg=(25.0, -45.0))
+    loose = Settings(
+        joints=np.array([2, 4]), undistort=[0.0, np.float64(0)], noise_px=np.float64(0.5), seed=np.int64(3),
+        start_deg=[25.0, -45.0],
+    )  # fmt: skip
+    assert loose == plain and repr(loose) == repr(plain) and hash(loose) == hash(plain)
+    with pytest.raises(ValueError, match="seed must be a whole number"):
+        Settings(seed=np.float64(3.5))

@@ -33,6 +33,34 @@ def test_a_point_without_coordinates_was_not_seen_in_that_view():
     assert selected.usable.all()
 
 
+def test_a_masked_point_was_not_seen_whatever_lies_under_the_mask():
+    l, r, L, R = images()
+    hidden = np.zeros((6, 2), bool)
+    hidden[2, 1] = True
+    masked = FourViews.from_images(l, np.ma.array(r, mask=hidden), L, R)
+    assert not masked.visible[2, 1] and masked.visible.sum() == 23
+
+
+@pytest.mark.parametrize("name", TRANSFERS)
+@pytest.mark.parametrize("kind", [">f8", "i8", ">i4", "f4"])
+def test_E_does_not_depend_on_how_numbers_are_stored(name, kind):
+    views = FourViews.from_images(*(image.round() for image in images(9)))
+    other = FourViews(views.demo.astype(kind), views.own.astype(kind), views.visible)
+    expected, found = (float(TRANSFERS[name](each).conflict(each)) for each in (views, other))
+    assert found == pytest.approx(expected, rel=1e-3 if kind == "f4" else 1e-9)
+
+
+@pytest.mark.parametrize("name", TRANSFERS)
+def test_points_in_one_place_raise_nothing_and_have_no_condition(name):
+    l, r, L, R = images()
+    views = FourViews.from_images(l, r, 0 * L, 0 * R)
+    with np.errstate(all="raise"):
+        fitted = TRANSFERS[name](views)
+        assert np.isfinite(fitted.conflict(views)) and np.isfinite(fitted.recover(l, r)).all()
+        other = FourViews.from_images(0 * l, 0 * r, L, R)
+        assert np.isinf(TRANSFERS[name](other).condition)
+
+
 def test_one_demonstrator_beside_a_batch_of_own_images():
     l, r, _, _ = images()
     _, _, L, R = images(batch=(3,))

@@ -82,6 +82,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return tuple((found, getattr(self, name)) for name, found in disturbances(kind).items())
 
     def __post_init__(self) -> None:
+        for name in _ANY_SEQUENCE + tuple(_NUMBERS):
+            value = getattr(self, name)
+            if isinstance(value, (list, tuple, np.ndarray, np.generic)):
+                msgspec.structs.force_setattr(self, name, _plain(value))
         for name, numbers in _NUMBERS.items():
             value = getattr(self, name)
             if not isinstance(value, numbers) or isinstance(value, bool):
@@ -103,6 +107,14 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("seed", self.seed, 0, MOST_SEED)
 
 
+def _plain(value):
+    """Tuples and Python's numbers, which can be kept, compared and written."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
+    return tuple(map(_plain, value)) if isinstance(value, (list, tuple)) else value
+
+
+_ANY_SEQUENCE = ("joints", "body_points", "demonstrator_deg", "start_deg", "undistort")
 _NUMBERS = {
     name: {int: Integral, float: Real}[hint] for name, hint in get_type_hints(Settings).items() if hint in (int, float)
 }

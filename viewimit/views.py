@@ -25,11 +25,11 @@ class FourViews:
 
     @classmethod
     def from_images(cls, demo_left: ArrayLike, demo_right: ArrayLike, own_left: ArrayLike, own_right: ArrayLike):
-        """Tracked points, (..., N, 2) px a view. A point with NaN in a view was not seen there.
+        """Tracked points, (..., N, 2) px a view. A point with NaN in a view, or masked, was not seen there.
 
         Raises ValueError if the views do not hold the same number of points.
         """
-        images = [np.asarray(image, float) for image in (demo_left, demo_right, own_left, own_right)]
+        images = [_unmasked(image) for image in (demo_left, demo_right, own_left, own_right)]
         for name, image in zip(VIEWS, images):
             if image.ndim < 2 or image.shape[-1] != 2:
                 raise ValueError(f"view {name}: need points of shape (..., N, 2), got {image.shape}")
@@ -102,3 +102,10 @@ def exchange(order: NDArray, pairs: Pairs) -> NDArray:
     for pair in pairs:
         order[[*pair]] = order[[*reversed(pair)]]
     return order
+
+
+def _unmasked(image: ArrayLike) -> NDArray:
+    """As numbers, NaN in place of what a masked array hides."""
+    if isinstance(image, np.ma.MaskedArray):
+        return np.ma.filled(image.astype(float), np.nan)
+    return np.asarray(image, float)

@@ -54,13 +54,13 @@ def draw_verdict(run: Run | None) -> str:
     """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
     if run is not None and run.problem:
         title = EXPERIMENTS[run.name].short_title
-        return f'<div class="vi-verdict"><p>{title} failed: {svg.escape(with_minus(run.problem))}</p></div>'
+        return f'<div class="vi-claims"><p>{title} failed: {svg.escape(with_minus(run.problem))}</p></div>'
     if run is None or not run.claims:
         return ""
     head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))
     rows = "".join(_row(claim) for claim in run.claims)
     said = f"<p><b>{svg.escape(verdict(run.claims))}</b></p>"
-    return f'<div class="vi-verdict">{said}<table><tr>{head}</tr>{rows}</table></div>'
+    return f'<div class="vi-claims">{said}<table><tr>{head}</tr>{rows}</table></div>'
 
 
 def _row(claim: Claim) -> str:

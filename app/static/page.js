@@ -112,6 +112,11 @@ document.addEventListener("click", event => {
     setTimeout(() => document.activeElement.blur());  // which only then has the focus
 });
 
+// Arrows move the slider or the tab that has the focus, and nothing else
+document.addEventListener("DOMContentLoaded", () => document.body.addEventListener("keydown", event => {
+  if (event.key.startsWith("Arrow") && event.target.matches("[role=slider],[role=tab]")) event.stopPropagation();
+}));
+
 // A number box that is left without a number shows its value again, and one out of its range says which that is
 let value = "";
 document.addEventListener("focusin", event => { if (event.target.matches(NUMBER)) value = event.target.value; });

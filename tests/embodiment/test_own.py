@@ -12,6 +12,7 @@ from viewimit.rehearsal import rehearse
 from viewimit.settings import BEST, Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
+from viewimit.transfer import TRANSFERS
 
 ONE = msgspec.structs.replace(BEST, frames=1)
 DEMO = np.radians((45.0, -90.0))
@@ -256,3 +257,18 @@ def test_looks_that_do_not_match_the_first_are_told_so():
     robot.look = lambda: whole().with_own(np.full((10, 4), np.nan))
     with pytest.raises(ValueError, match="visible whose coordinates are not finite"):
         one.step()
+
+
+@pytest.mark.parametrize("transfer", TRANSFERS)
+@pytest.mark.parametrize("own", [np.zeros((10, 4)), np.outer(np.arange(10.0), (1, 2, 1, 3))], ids=["place", "line"])
+def test_a_body_whose_points_are_lost_to_one_place_is_no_evidence(transfer, own):
+    """As trackers write what they have lost; E of it would be 0 wherever the arm is."""
+    settings = Settings(transfer=transfer, servo="trust-region")
+    robot, whole = Robot(), Robot()
+    seen, expected = robot.look, session(whole, settings).run(60)
+    robot.look = lambda: seen().with_own(own) if robot.looks == 13 else seen()
+    last = session(robot, settings).run(60)
+    assert np.degrees(np.abs(last.commanded - expected.commanded)).max() < 0.5 and last.status == expected.status
+    robot.look = lambda: seen().with_own(own)
+    held = session(robot, settings)
+    assert not held.step() and held.snapshot.status == "stopped" and np.isnan(held.snapshot.E)

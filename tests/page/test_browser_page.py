@@ -60,6 +60,7 @@ from viewimit.settings import Settings
 pytestmark = pytest.mark.browser
 
 
+FITS = "e => e.scrollWidth <= e.clientWidth && e.clientWidth > 0.9 * e.closest('[data-dock-region]').clientWidth"
 INPUTS = "[...document.querySelectorAll('input')].map(input => [input.value, input.checked])"
 
 
@@ -424,6 +425,7 @@ def test_an_experiment_is_run_judged_and_downloaded(laboratory):
         assert 400 < box["y"] and box["y"] + box["height"] <= SIZES["small"][1], selector
     assert "Demonstrator (45.0°, −90.0°) · epipolar" in page.text_content(EXPERIMENT)
     rows = page.locator(VERDICT_ROW).all_text_contents()
+    assert page.locator(VERDICT_ROW).first.locator("xpath=ancestor::table").evaluate(FITS)
     assert len(rows) == 14 and sum(text.endswith("pass") for text in rows) == 4, rows
     name, data = downloaded(page, "Download figure and data")
     with zipfile.ZipFile(io.BytesIO(data)) as archive:

@@ -3,7 +3,20 @@
 import re
 
 import pytest
-from browsing import HELP, POSTURE, choose, open_page, pause, posture, press, row, wait, wait_for_count, wait_for_status
+from browsing import (
+    HELP,
+    POSTURE,
+    choose,
+    open_page,
+    pause,
+    posture,
+    press,
+    row,
+    status,
+    wait,
+    wait_for_count,
+    wait_for_status,
+)
 
 pytestmark = pytest.mark.browser
 TABS = ("Curves", "Equations", "Duel", "Experiments", "Motions", "Landscape")
@@ -100,6 +113,33 @@ def test_tab_goes_through_the_whole_page(page):
     left = """controls => [...document.querySelectorAll(controls)].filter(e => e.checkVisibility() && !e.dataset.reached
       && (!e.role || /button|slider|^tab$/.test(e.role))).map(e => e.outerHTML)"""
     assert page.evaluate(left, controls) == []
+
+
+def test_arrows_move_the_slider_or_the_tab_that_has_the_focus_and_nothing_else(page):
+    press(page, "r")
+    wait_for_status(page, "Ready")
+    stands = posture(page)
+    noise = row(page, "Noise px").locator("[role=slider]")
+    for key, more in (("ArrowRight", 1), ("ArrowRight", 1), ("ArrowLeft", -1), ("ArrowLeft", -1)):
+        before = float(noise.get_attribute("aria-valuenow"))
+        noise.press(key)
+        pause(page)
+        assert more * (float(noise.get_attribute("aria-valuenow")) - before) > 0
+    page.get_by_role("tab", name="Landscape", exact=True).press("ArrowRight")
+    pause(page)
+    assert page.get_by_role("tab", name="Curves", exact=True).get_attribute("aria-selected") == "true"
+    assert posture(page) == stands and "Ready" in status(page)
+    page.get_by_role("tab", name="Landscape", exact=True).click()
+    press(page, "ArrowRight")
+    wait(page, lambda: posture(page) != stands)
+
+
+def test_a_folder_that_has_the_focus_shows_it(page):
+    folder = page.get_by_role("button", name=FOLDERS[0], exact=True)
+    folder.focus()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    assert folder.evaluate("e => e.matches(':focus-visible') && getComputedStyle(e).outlineStyle") == "solid"
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -176,7 +176,7 @@ def _draw_angles(
         angle = own[done - 1, k]
         labels.append((float(points[done - 1, 1]), f"{name} {svg.number(angle)}°", "vi-of-own"))
         if len(joints) <= 3:
-            labels.append((float(line[-1, 1]), f"{name} = {svg.number(demo[done - 1, k], 0)}°", "vi-of-demo"))
+            labels.append((float(line[-1, 1]), f"{name} = {svg.number(demo[done - 1, k])}°", "vi-of-demo"))
     return "".join(parts) + axes.labels(labels)
 
 

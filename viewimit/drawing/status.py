@@ -117,7 +117,8 @@ def describe(
     """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
     from 1 of those that move; advises: whether it says what to do next, which nobody can in a replay."""
     if snapshot.to_rehearse is not None and snapshot.rehearses:
-        sentence = f"watches itself, with nobody to imitate; {len(snapshot.to_rehearse)} postures to go."
+        left = len(snapshot.to_rehearse)
+        sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
         return Said("moving" if playing else "paused", sentence)
     if snapshot.transfer is None:
         return Said("lost", _too_few(int(snapshot.usable.sum())))

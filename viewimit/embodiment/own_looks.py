@@ -3,7 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.affine import MIN_POINTS
 from ..perception import frames
+from ..perception.degeneracy import NONE, extents
 from ..perception.latency import MOST_LAG, lag_of
 from ..settings import Settings
 from ..snapshot import Snapshot
@@ -76,7 +78,20 @@ def look_with(eyes: Eyes, points: int | None = None) -> FourViews:
     shown = np.concatenate([views.demo, views.own], -1)[np.repeat(views.visible, 2, -1)]
     if not np.isfinite(shown).all():
         raise ValueError("look() gave a point as visible whose coordinates are not finite")
-    return views
+    return _without_lost(views)
+
+
+def _without_lost(views: FourViews) -> FourViews:
+    """Without a body all of whose points are in one place or on one line: a tracker that has lost them says so, as
+    with zeros. E of such points is nearly 0 wherever the arm is."""
+    visible = views.visible.copy()
+    for k, images in ((slice(0, 2), views.demo), (slice(2, 4), views.own)):
+        seen = images[views.visible[:, k].all(-1)]
+        if len(seen) >= MIN_POINTS:
+            sigma = extents(seen)
+            if sigma[1] <= NONE * max(sigma[0], NONE * np.abs(seen).max()):
+                visible[:, k] = False
+    return FourViews(views.demo, views.own, visible)
 
 
 def _elsewhere(before: Images, after: Images, noise_px: float) -> bool:

@@ -7,7 +7,7 @@ from typing import Protocol
 from ..drawing import svg
 from .figures import LINE, WIDTH
 
-COLUMNS = ((0, 26), (150, 15), (236, 15), (322, 13), (398, 5))  # px, and letters of a line
+COLUMNS = ((0, 17), (110, 14), (195, 16), (299, 14), (398, 5))  # px, and letters of a line
 HEADS = ("", "paper", "here", "tolerance", "")
 WORDS = {True: "pass", False: "miss", None: svg.MISSING}
 

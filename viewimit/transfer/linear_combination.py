@@ -28,8 +28,8 @@ class LinearTransfer(AffineTransfer):
     @cached_property
     def condition(self) -> NDArray:
         """σ1/σ3 of the centred [l r]: (...), inf for coplanar points."""
-        with np.errstate(divide="ignore"):
-            ratio = self.sigma[..., 0] / self.sigma[..., 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(self.sigma[..., 2] > 0, self.sigma[..., 0] / self.sigma[..., 2], np.inf)
         return np.broadcast_to(ratio, self.matrix.shape[:-2])
 
 

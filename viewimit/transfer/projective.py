@@ -60,7 +60,7 @@ def fit(views: FourViews) -> ProjectiveTransfer:
     """For N ≥ 5 points. `condition` is σ1/σ3 of the centred [l r]."""
     count = views.own.shape[-2]
     require_points(count)
-    body = _body_of(views.demo) if views.demo.ndim > 2 else _body(np.ascontiguousarray(views.demo).tobytes())
+    body = _body_of(views.demo) if views.demo.ndim > 2 else _body(np.ascontiguousarray(views.demo, float).tobytes())
     own_mean, own = centred(views.own)
     batch = own.shape[:-2]
     if math.prod(batch) == 1:
@@ -111,7 +111,7 @@ def _fit_one(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
     h: (N, 4), Y: (N, 4) px. With H = h/ρ and Ŷ its combination that is nearest to Y, the Jacobian is what H cannot
     make of -A, A = [Ŷ u_j/ρ].
     """
-    prior = PRIOR * np.vdot(Y, Y) / len(Y) * np.eye(3)
+    prior = PRIOR * (np.vdot(Y, Y) / len(Y) or 1.0) * np.eye(3)  # 1: all in one place
     p: NDArray = np.zeros(3)
     H, inverse = h, np.eye(4) / len(h)  # where p = 0 its columns are orthogonal, of length √N
     for _ in range(STEPS):

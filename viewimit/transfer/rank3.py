@@ -59,7 +59,7 @@ class Rank3Transfer(Transfer):
     def conflict(self, views: FourViews) -> NDArray:
         """From the eigenvalues alone."""
         values = np.linalg.eigvalsh(self.scatter)
-        return values[..., :-RANK].sum(-1) / (2 * views.own.shape[-2])
+        return np.maximum(values[..., :-RANK].sum(-1), 0.0) / (2 * views.own.shape[-2])  # rounding may leave -1e-12
 
 
 def fit(views: FourViews) -> Rank3Transfer:
@@ -75,7 +75,7 @@ def fit(views: FourViews) -> Rank3Transfer:
     W[..., 4:, 4:] = scatter(own, own).transpose(2, 0, 1).reshape(batch + (4, 4))
     sigma = np.linalg.svd(demo, compute_uv=False)
     known = sigma[..., 2] > sigma[..., 0] * np.finfo(float).eps * demo.shape[-2]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         flat = np.where(known, sigma[..., 0] / sigma[..., 2], np.inf)
     return Rank3Transfer(W, demo_mean, own_mean, flat)
 

@@ -64,6 +64,15 @@ for (const [event, drags] of [["pointerdown", true], ["pointerup", false], ["poi
   document.addEventListener(event, ({target}) => {
     root.classList.toggle("vi-drags", drags && target.closest(".mantine-Slider-root") !== null);
   }, true);
+// What is shown in the card beside the scene has no tab: who was there sees the first one
+const leaveCurves = () => {
+  if (!root.classList.contains("vi-has-card")) return;
+  for (const tab of document.querySelectorAll("[data-dock-strip] [role=tab][aria-selected=true]")) {
+    const first = tab.closest("[data-dock-strip]").querySelector("[role=tab]");
+    if (!tab.checkVisibility() && first.checkVisibility())
+      for (const kind of ["pointerdown", "pointerup"]) first.dispatchEvent(new PointerEvent(kind, {bubbles: true}));
+  }
+};
 let waits = false;
 const later = () => {
   if (waits) return;
@@ -71,6 +80,7 @@ const later = () => {
   setTimeout(() => {
     waits = false;
     describe();
+    leaveCurves();
     tellUnseen();
     const told = presenting() && document.querySelector("[data-link]");
     if (told && told.dataset.link !== toldTo) tellPresenting();  // to a server that was begun anew

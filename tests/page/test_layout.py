@@ -164,7 +164,12 @@ def test_a_window_that_grows_and_shrinks_is_laid_out_anew(page):
     assert not curves.is_visible()
     resize(page, 1280, 720)
     wait(page, curves.is_visible)
+    curves.click()
+    wait(page, lambda: curves.get_attribute("aria-selected") == "true")
     resize(page, 1920, 1080)
+    landscape = page.get_by_role("tab", name="Landscape")
+    wait(page, lambda: landscape.get_attribute("aria-selected") == "true", 10)
+    assert_seen(page, f"svg:has({LEVELS})")
     wait_for_count(page, CARD, 1, exactly=True)
     assert canvas_colours(page) > 1000
 

@@ -150,11 +150,11 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
 
     def _left_for_next(self, motion: int) -> list[Deed]:
         """What was done at a motion before the step to the next."""
-        here = self.deeds[motion]
         if motion not in self.glanced:
-            return here
-        looks = here[-1].times - 1  # type: ignore[union-attr]
-        return here[:-1] + [Looked(looks)] * (looks > 0)
+            return self.deeds[motion]
+        *before, look = self.deeds[motion]
+        assert isinstance(look, Looked)
+        return before + [Looked(look.times - 1)] * (look.times > 1)
 
     def _drop_after(self, motion: int) -> None:
         self.glanced = {at for at in self.glanced if at < motion}

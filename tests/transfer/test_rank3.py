@@ -28,6 +28,12 @@ def test_affine_views_of_one_body_leave_nothing_and_are_recovered():
     np.testing.assert_allclose(fitted.recover(views.demo_left, views.demo_right), views.own, atol=1e-8)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_E_is_never_less_than_nothing(seed):
+    views = seen(*affine_views(np.random.default_rng(seed)))
+    assert rank3.fit(views).conflict(views) >= 0
+
+
 def test_E_is_what_singular_values_beyond_the_third_hold():
     rng = np.random.default_rng(1)
     demo, own = rng.normal(0, 30, (11, 4)), rng.normal(0, 30, (5, 11, 4))

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
 from ..perception import frames
-from ..perception.degeneracy import NONE, extents
+from ..perception.degeneracy import dimensions
 from ..perception.latency import MOST_LAG, lag_of
 from ..settings import Settings
 from ..snapshot import Snapshot
@@ -87,10 +87,8 @@ def _without_lost(views: FourViews) -> FourViews:
     visible = views.visible.copy()
     for k, images in ((slice(0, 2), views.demo), (slice(2, 4), views.own)):
         seen = images[views.visible[:, k].all(-1)]
-        if len(seen) >= MIN_POINTS:
-            sigma = extents(seen)
-            if sigma[1] <= NONE * max(sigma[0], NONE * np.abs(seen).max()):
-                visible[:, k] = False
+        if len(seen) >= MIN_POINTS and dimensions(seen) < 2:
+            visible[:, k] = False
     return FourViews(views.demo, views.own, visible)
 
 

@@ -18,14 +18,19 @@ def extents(images: NDArray) -> NDArray:
     return np.linalg.svd(centred(images)[1], compute_uv=False)
 
 
+def dimensions(images: NDArray) -> NDArray:
+    """In how many directions points lie apart, (..., N, 4) px → (...): 0 in one place, 1 on one line, 2 in a plane."""
+    sigma, size = extents(images), np.abs(images).max((-2, -1))
+    return (sigma > NONE * np.maximum(sigma[..., :1], NONE * size[..., None])).sum(-1)
+
+
 def why_degenerate(views: FourViews) -> list[str]:
     """Of each of T frames, T x N points that are all seen: in one line why no transfer can be fitted, "" if one can."""
     why = np.full(len(views.demo), "", object)
     for pair, images in (("[l, r]", views.demo), ("[L, R]", views.own)):
-        sigma, size = extents(images), np.abs(images).max((-2, -1))
-        dimensions = (sigma > NONE * np.maximum(sigma[:, :1], NONE * size[:, None])).sum(-1)
+        spread = dimensions(images)
         for count, shape in enumerate(SHAPES):
-            why[(dimensions == count) & (why == "")] = f"{shape} in {pair}"
+            why[(spread == count) & (why == "")] = f"{shape} in {pair}"
     both = np.concatenate([views.demo, views.own], -1)
     repeats = (np.diff(np.sort(both[..., 0], -1), axis=-1) == 0).any(-1)  # else all points differ
     for k in np.flatnonzero(repeats & (why == "")):

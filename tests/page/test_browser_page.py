@@ -305,14 +305,13 @@ def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):
     page.get_by_role("link", name="image L, large or not", exact=True).click()
     wait(page, lambda: page.locator(f"{VIEW_NAME}:visible").all_text_contents() == ["L"])
     press(page, "Escape")
-    as_usual = lambda *now: np.abs(np.subtract(now, usual[: len(now)])).max() < 0.5  # px: a browser rounds parts of one
-    wait(page, lambda: as_usual(width(IMAGE_L)))
+    wait(page, lambda: width(IMAGE_L) == usual[0])
     press(page, "m")
     press(page, "m")
     wait(page, lambda: width(LEVELS) > 1.3 * usual[1] and not page.locator(IMAGE_L).first.is_visible())
     assert all(page.get_by_text(words, exact=True).is_visible() for words in ("Play", "Step"))
     page.get_by_role("link", name="Figures, large or not").click()
-    wait(page, lambda: as_usual(width(IMAGE_L), width(LEVELS)))
+    wait(page, lambda: (width(IMAGE_L), width(LEVELS)) == usual)
 
 
 def test_a_learner_that_watches_itself_first_imitates_in_few_motions(session):

@@ -226,10 +226,17 @@ def workers_of(server: "Server") -> list[int]:
     """Process ids of a server's workers, as they were begun."""
     found = []
     for pid in processes_of(server.process.pid)[1:]:
-        with open(f"/proc/{pid}/cmdline") as line:
-            if "spawn_main" in line.read():
-                found.append(pid)
-    return sorted(found, key=lambda pid: int(stat_of(pid)[19]))  # clock ticks; process ids begin anew at some time
+        with suppress(FileNotFoundError, ProcessLookupError):  # one that has ended since it was listed
+            if "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text():
+                found.append((int(stat_of(pid)[19]), pid))  # clock ticks; process ids begin anew at some time
+    return [pid for _, pid in sorted(found)]
+
+
+def tell_all(pids: list[int], what: int) -> None:
+    """A signal to each process of these that has not ended."""
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            os.kill(pid, what)
 
 
 def stat_of(pid: int) -> list[str]:

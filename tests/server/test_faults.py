@@ -13,7 +13,7 @@ import pytest
 from browsing import PAUSE
 from drawn import learners_bars
 from protocol import Client
-from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of
+from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of, tell_all
 from viewimit.app.control.command_loop import CommandLoop
 from viewimit.app.page import LEAVES_WITHIN
 from viewimit.app.panels.save import SavePanel
@@ -162,8 +162,7 @@ def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
     with Client(server.url, cookie=cookie).ready() as client:
         work(client)
         seen = what_a_visitor_sees(client)
-        for pid in reversed(processes_of(server.process.pid)):  # a terminal tells them all
-            os.kill(pid, signal.SIGHUP)
+        tell_all(processes_of(server.process.pid)[::-1], signal.SIGHUP)  # as a terminal does
         assert server.process.wait(ENDS_WITHIN_S) == 0
         assert "another takes its place" not in server.log
     server = Server("--port", server.url.rsplit(":", 1)[1], *options)
@@ -175,8 +174,7 @@ def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
 def test_who_was_started_by_nohup_goes_on_when_the_terminal_is_closed():
     with heard_of(signal.SIGHUP, signal.SIG_IGN):
         server = Server("--workers", "2")
-    for pid in reversed(processes_of(server.process.pid)):
-        os.kill(pid, signal.SIGHUP)
+    tell_all(processes_of(server.process.pid)[::-1], signal.SIGHUP)
     with pytest.raises(subprocess.TimeoutExpired):
         server.process.wait(1.0)
     Client(server.url).ready().close()

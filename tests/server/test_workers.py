@@ -11,7 +11,7 @@ import time
 import pytest
 from browsing import open_page, posture, press, stands, wait, wait_for_status, wait_until_complete
 from protocol import Client
-from serving import Server, browser_of, kept_of, workers_of
+from serving import Server, browser_of, kept_of, tell_all, workers_of
 from test_faults import comes_back, what_a_visitor_sees, work
 from viewimit.app.server import dispatcher as dispatcher_module
 from viewimit.app.server import workers as workers_module
@@ -300,8 +300,7 @@ def test_who_was_asleep_itself_does_not_take_others_for_silent(monkeypatch):
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
 def test_a_signal_to_all_processes_begins_none_again(tmp_path):
     server = Server("--workers", "2", "--store", str(tmp_path / "state"))
-    for pid in workers_of(server):
-        os.kill(pid, signal.SIGTERM)
+    tell_all(workers_of(server), signal.SIGTERM)
     wait_until(lambda: not workers_of(server))
     assert server.stop() == 0
     assert "another takes its place" not in server.log

@@ -82,6 +82,16 @@ def test_batches_broadcast_against_one_image():
         np.testing.assert_allclose(f[index] * f33[index], alone * alone_f33, rtol=1e-7, atol=1e-7)
 
 
+@pytest.mark.parametrize("batch", [1, 40], ids=["short", "long"])
+@pytest.mark.parametrize("coordinate", [np.nan, np.inf])
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_coordinate_that_is_not_finite_is_refused(batch, coordinate):
+    p, q = np.random.default_rng(9).uniform(0, 500, (2, batch, 8, 2))
+    p[-1, 3, 0] = coordinate
+    with pytest.raises(ValueError):
+        fit_affine_fundamental(p, q)
+
+
 def test_scatter_of_one_image_against_many_is_scatter_of_each():
     rng = np.random.default_rng(6)
     one, many = rng.normal(size=(7, 4)), rng.normal(size=(5, 7, 4))

@@ -17,7 +17,9 @@ LAGUERRE_STEPS = 20  # a bound: the iteration stops by itself, after 3 or 4 step
 CONVERGED = 1e-6  # last step, relative to the trace of W; the steps shrink cubically, and the next would be rounding
 FEW = 32  # eigenproblems that LAPACK solves sooner, one by one, than array operations all at once
 FLAT = 1e-10  # f' of a double root, relative to the trace³: steps stay short where f and f' are rounding errors
-NEARLY_EQUAL = 1e-5  # of the cofactors of f, relative to the trace³: below, LAPACK takes over; above, f errs by 1e-10
+NEARLY_EQUAL = (
+    1e-5  # of the cofactors of f, relative to the trace³: below LAPACK takes over; above, f errs by some 1e-9
+)
 
 
 def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray]:
@@ -25,7 +27,7 @@ def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray
 
     p, q: (..., N, 2) px → f: (..., 4), unit norm, sign arbitrary; f33: (...) px.
     Eq. (2) prints 1/n for 1/N, and the u_0 of Eq. (3) is the centroid.
-    Raises ValueError with fewer than 5 points.
+    Raises ValueError with fewer than 5 points, its kind LinAlgError with a coordinate that is not finite.
     """
     p, q = np.broadcast_arrays(np.asarray(p, float), np.asarray(q, float))
     require_points(p.shape[-2])

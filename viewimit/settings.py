@@ -91,8 +91,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if not isinstance(value, numbers) or isinstance(value, bool):
                 wanted = "a whole number" if numbers is Integral else "a number"
                 raise ValueError(f"{name} must be {wanted}, got {value!r}")
-        if self.undistort is not None and len(self.undistort) != 2:
-            raise ValueError(f"undistort must be k1, k2, got {self.undistort!r}")
+        if self.undistort is not None and not _is_pair(self.undistort):
+            raise ValueError(f"undistort must be two finite numbers k1, k2, got {self.undistort!r}")
         for point in self.body_points or ():
             if len(point) != 4 or not isinstance(point[0], Integral):
                 raise ValueError(f"body_points must be [link, x, y, z] each, got {point!r}")
@@ -105,6 +105,12 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("delay", self.delay, 0, MOST_LAG)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
+
+
+def _is_pair(value) -> bool:
+    """Two finite numbers."""
+    numbers = isinstance(value, tuple) and all(isinstance(each, Real) and -np.inf < each < np.inf for each in value)
+    return numbers and len(value) == 2
 
 
 def _plain(value):

@@ -165,7 +165,8 @@ def load_scene(
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
     robot's limits and start at rest. undistort: (k1, k2) in place of the head's. body_points: the only layout, in place
     of the scene's.
-    Raises ValueError that names the file and the field, NoRobotThere where the scene's URDF is missing.
+    Raises ValueError that names the file and the field, or the joints that were asked for; NoRobotThere where the
+    scene's URDF is missing.
     """
     place, read = _source(name, joints)
     if robot is not None:
@@ -179,12 +180,11 @@ def load_scene(
         if body_points is not None:
             scene = msgspec.structs.replace(scene, points={str(len(body_points)): tuple(body_points)})
         _require_possible(scene)
-        scene = scene if joints is None else _freed(scene, joints)
     except NoRobotThere as error:
         raise NoRobotThere(f"{place}: {error}") from None
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{place}: {error}") from None
-    return scene
+    return scene if joints is None else _freed(scene, joints)
 
 
 def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Path, Callable[[], dict]]:

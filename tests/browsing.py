@@ -45,15 +45,6 @@ DETECTED = f"{css(drawn.OWN_POINTS)}:not({css(drawn.NOT_DETECTED)})"
 
 LAST_NODE = "/now/chosen_demonstrator"  # of the 3-D scene, as it is built
 
-# What moves by CSS is at once where it comes to, as with less motion wanted: a press on what still moves while a folder
-# opens goes down on one thing and up on another, and so is no click.
-STILL = """{
-const still = new CSSStyleSheet();
-still.replaceSync("*,::before,::after{transition-duration:1ms!important;transition-delay:0s!important}");
-window.moves = moves => { document.adoptedStyleSheets = moves ? [] : [still]; };
-window.moves(false);
-}"""
-
 # A software renderer needs nearly a second of both cores for a frame of the 3-D scene. Everything but its triangles is
 # as ever, three.js with its shaders, lights and meshes too, at as many frames a second as on a slow machine.
 # `canvas_colours` has them drawn in the next frame, and no frame follow it until it has been looked at.
@@ -97,7 +88,7 @@ def open_page(browser, url: str, size: str = "least", **options):
     page.on("console", lambda m: page.problems.append(m.text) if m.type == "error" else None)
     page.on("request", lambda request: page.requested.append(request.url))
     page.on("websocket", lambda ws: ws.on("framereceived", lambda data: page.frames_received.append(data)))
-    page.add_init_script(STILL + SPARING)
+    page.add_init_script(SPARING)
     page.goto(url)
     wait_until_complete(page)
     return page
@@ -199,6 +190,20 @@ def press(page, key: str) -> None:
 def click(page, words: str) -> None:
     page.get_by_text(words, exact=True).click()
     pause(page)
+
+
+def fold(page, folder: str) -> None:
+    """Open it, or shut it, and wait until nothing moves: a press on what moves goes down on one thing, up on another,
+    and so is no click."""
+    of_panels = "[...document.querySelectorAll('.mantine-ScrollArea-content')].map(e => e.offsetHeight).join()"
+    heights = [page.evaluate(of_panels)]
+
+    def rests():
+        heights.append(page.evaluate(of_panels))
+        return heights[0] != heights[-2] == heights[-1]
+
+    page.get_by_text(folder, exact=True).click()
+    wait(page, rests)
 
 
 def downloaded(page, button: str) -> tuple[str, bytes]:

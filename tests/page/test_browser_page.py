@@ -34,6 +34,7 @@ from browsing import (
     click,
     demonstrator,
     downloaded,
+    fold,
     open_page,
     posture,
     press,
@@ -193,7 +194,7 @@ def test_noise_and_seed_repeat(session):
         return page.locator(LARGE_FIGURE).first.text_content()
 
     noisy = changed_E("Noise px", 0.5)
-    click(page, "Arm and chance")
+    fold(page, "Arm and chance")
     other = changed_E("Seed", 8)
     assert changed_E("Seed", 7) == noisy != other
     changed_E("Wrong %", 20)
@@ -206,7 +207,7 @@ def test_noise_and_seed_repeat(session):
     set_number(page, "Steps °", 2)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page)[1] == -8)
-    click(page, "Arm and chance")
+    fold(page, "Arm and chance")
 
 
 def test_all_joints_can_be_freed_and_held_again(session):
@@ -253,7 +254,7 @@ def test_two_methods_race_from_one_start(session):
 
 def test_display_switches(session):
     page = session
-    page.get_by_text("Display", exact=True).click()
+    fold(page, "Display")
     switches = ("Rays", "Residuals, 3-D", "Hand gizmo", "Whole frames", "Dark")
     for label in switches:
         switch(page, label)
@@ -269,7 +270,7 @@ def test_display_switches(session):
     switch(page, "Raw, rectified")
     wait_for_text(page, "Not rectified: one affine")
     switch(page, "Raw, rectified")
-    page.get_by_text("Display", exact=True).click()
+    fold(page, "Display")
 
 
 def test_keys_choose_points_and_show_the_help(session):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from browsing import LESSON, choose, chosen_point, open_page, press, switch, wait
+from browsing import LESSON, choose, chosen_point, fold, open_page, press, switch, wait
 from viewimit.app.control.presets import PRESETS
 
 from viewimit.drawing.theme import ROLES
@@ -69,7 +69,7 @@ def test_a_click_beside_a_point_chooses_it(page):
 
 def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
     name = a_point(page)
-    page.get_by_text("Display", exact=True).click()
+    fold(page, "Display")
 
     def prefer(scheme):
         page.emulate_media(color_scheme=scheme)
@@ -89,11 +89,11 @@ def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
     becomes(True)
     switch(page, "Dark")
     becomes(False)
-    page.get_by_text("Display", exact=True).click()
+    fold(page, "Display")
 
 
 def test_shadows_are_cast_when_they_are_asked_for_and_add_no_light(page):
-    page.get_by_text("Display", exact=True).click()
+    fold(page, "Display")
     lit = lambda: page.evaluate(LIT, "/floor")
     ((sun, casts),) = lit()
     assert not casts and "/floor/shadows" not in page.evaluate(POSES)
@@ -102,7 +102,7 @@ def test_shadows_are_cast_when_they_are_asked_for_and_add_no_light(page):
     assert sum(intensity for intensity, _ in lit()) == pytest.approx(sun)
     switch(page, "Shadows")
     wait(page, lambda: lit() == [[sun, False]] and "/floor/shadows" not in page.evaluate(POSES))
-    page.get_by_text("Display", exact=True).click()
+    fold(page, "Display")
 
 
 def camera_at_rest(page):

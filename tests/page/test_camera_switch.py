@@ -11,6 +11,7 @@ from browsing import (
     DETECTED,
     PHOTOGRAPH,
     POSTURE,
+    fold,
     open_page,
     posture,
     press,
@@ -148,7 +149,7 @@ STROKE = """where => { const {strokeLinecap, stroke} = getComputedStyle(document
 @pytest.mark.browser
 def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, server):
     page = open_page(browser, server, "small")
-    page.get_by_text("Display", exact=True).click()
+    fold(page, "Display")
     switch(page, "Camera images")
     wait_for_count(page, PHOTOGRAPH, 4)
     assert page.evaluate(LOADED, PHOTOGRAPH) == [[640, 240]] * 4

@@ -239,7 +239,6 @@ def test_no_hint_is_seen_while_a_slider_is_dragged(page):
 
 
 def test_who_asks_for_less_motion_sees_arms_jump_and_folders_open_at_once(page):
-    page.evaluate("window.moves(true)")
     page.emulate_media(reduced_motion="reduce")
     long = "[...document.querySelectorAll('*')].filter(e => parseFloat(getComputedStyle(e).transitionDuration) > .001)"
     moving = "document.getAnimations().filter(a => a.effect.getComputedTiming().duration > 1)"
@@ -260,4 +259,3 @@ def test_who_asks_for_less_motion_sees_arms_jump_and_folders_open_at_once(page):
     pause(page)
     assert len(set(page.evaluate("window.postures"))) <= 2  # where it was and where it is
     page.emulate_media(reduced_motion="no-preference")
-    page.evaluate("window.moves(false)")

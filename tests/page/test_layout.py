@@ -13,7 +13,7 @@ from browsing import (
     VIEW_TABS,
     canvas_colours,
     choose,
-    click,
+    fold,
     open_page,
     press,
     switch,
@@ -48,6 +48,7 @@ selector => [...document.querySelectorAll(selector)].filter(e => e.getClientRect
   const view = e.viewBox?.baseVal;
   const shown = getComputedStyle(e).visibility == "visible";
   return {cut, scale: view?.width ? box.width / view.width : 1, width: box.width, shown,
+          met: met?.outerHTML.slice(0, 200),
           own: !catches || !met || e.contains(met) || met.contains(e) || e.parentElement.contains(met)};
 }).filter(e => e.shown && e.width > 0)
 """
@@ -92,9 +93,9 @@ def show(page, view):
 def test_nothing_is_cut_or_covered_at_any_size_and_pixel_ratio(page, dark):
     if dark:
         resize(page, 1280, 720)
-        click(page, "Display")
+        fold(page, "Display")
         switch(page, "Dark")
-        click(page, "Display")
+        fold(page, "Display")
     for width, height in SIZES if not dark else SIZES[::2]:
         for ratio in RATIOS if not dark else RATIOS[::3]:
             where = f"{width} x {height} at {ratio}"
@@ -176,7 +177,7 @@ def test_a_window_that_grows_and_shrinks_is_laid_out_anew(page):
 
 def test_links_lie_over_whole_frames_where_their_points_are(page):
     resize(page, 1280, 720)
-    click(page, "Display")
+    fold(page, "Display")
     switch(page, "Whole frames")
     wait_for_count(page, ".vi-four .vi-whole", 2, exactly=True)
     for size in ((1024, 620), (1280, 720), (1920, 1080), (853, 480), (390, 844), (360, 640)):

@@ -109,7 +109,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 def _is_pair(value) -> bool:
     """Two finite numbers."""
-    numbers = isinstance(value, tuple) and all(isinstance(each, Real) and -np.inf < each < np.inf for each in value)
+    numbers = isinstance(value, tuple) and all(
+        isinstance(each, (int, float)) and -np.inf < each < np.inf for each in value
+    )
     return numbers and len(value) == 2
 
 

@@ -17,9 +17,7 @@ LAGUERRE_STEPS = 20  # a bound: the iteration stops by itself, after 3 or 4 step
 CONVERGED = 1e-6  # last step, relative to the trace of W; the steps shrink cubically, and the next would be rounding
 FEW = 32  # eigenproblems that LAPACK solves sooner, one by one, than array operations all at once
 FLAT = 1e-10  # f' of a double root, relative to the trace³: steps stay short where f and f' are rounding errors
-NEARLY_EQUAL = (
-    1e-5  # of the cofactors of f, relative to the trace³: below LAPACK takes over; above, f errs by some 1e-9
-)
+NEARLY_EQUAL = 1e-5  # of the cofactors of f, relative to the trace³: below, LAPACK takes over; above, f errs by 1e-9
 
 
 def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray]:

@@ -102,7 +102,7 @@ const leave = list => {
 
 document.addEventListener("keydown", event => {
   const here = event.target;
-  if (here.matches(FOLDER) && (event.key === "Enter" || event.key === " ")) {
+  if (here.matches(`${FOLDER},.vi-ask,.vi-close`) && (event.key === "Enter" || event.key === " ")) {
     event.preventDefault();
     event.stopPropagation();  // Space plays elsewhere
     here.click();
@@ -328,6 +328,19 @@ new MutationObserver(() => {
   const onwards = here.querySelector(".vi-guide-main");
   const again = another ? null : here.querySelector(focused) || (onwards && onwards.closest("a"));
   (again || here.querySelector("h2")).focus({preventScroll: true});
+}).observe(document, {childList: true, subtree: true});
+// A question that keys have come to keeps the focus when the numbers beside it are drawn anew
+let question = null;
+document.addEventListener("focusin", ({target}) => { question = target.matches(".vi-ask:focus-visible") ? target : null; });
+document.addEventListener("focusout", ({target}) => queueMicrotask(() => {  // what is removed is gone only then
+  if (target.isConnected && target === question) question = null;
+}));
+new MutationObserver(() => {
+  if (!question || question.isConnected || document.activeElement !== document.body) return;
+  const again = document.querySelector(`.vi-ask[popovertarget=${question.getAttribute("popovertarget")}]`);
+  if (!again) return;
+  again.focus({preventScroll: true});
+  question = again;
 }).observe(document, {childList: true, subtree: true});
 // A link to a state: what the page's address asks for is told once, and is then gone from it, so that a reload goes on
 const searched = new URLSearchParams(location.search), asked = searched.get("s");

@@ -28,7 +28,7 @@ from . import states
 
 STEP_DEG, SLOW_STEP_DEG = 1.0, 3.0  # of landscapes; SLOW: of the transfer that takes ten times as long
 SLOW = "projective"
-ASK = re.compile(r'<input type="button" class="vi-ask"[^>]*/>')
+ASK = re.compile(r'<button type="button" class="vi-ask"[^>]*></button>')
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def test_what_a_number_is_now_is_told_at_its_place_on_the_scale():
 
 def test_every_question_has_its_card():
     for ask in (glossary.ask, glossary.beside):
-        button = parsed(ask("basin")).find(".//input")
+        button = parsed(ask("basin")).find(".//button")
         assert f'id="{button.get("popovertarget")}"' in glossary.cards()
         assert f"#{button.get('popovertarget')}{{position-anchor:" in glossary.cards()
         assert button.get("aria-label") == "What is basin?"

@@ -9,6 +9,7 @@ from browsing import (
     open_page,
     pause,
     press,
+    status,
     wait,
     wait_for_count,
     wait_for_status,
@@ -16,6 +17,7 @@ from browsing import (
 
 pytestmark = pytest.mark.browser
 STRIP, TRUTH, CARD = ".vi-strip", ".vi-truth p", ".vi-word:popover-open"
+ASKED = "document.activeElement.getAttribute('popovertarget')"
 
 
 @pytest.fixture(scope="module")
@@ -61,28 +63,60 @@ def test_every_number_explains_itself(page, key):
     wait_for_count(page, CARD, 0, exactly=True)
 
 
-def test_a_card_stays_open_while_the_numbers_change(page):
-    choose(page, "Preset", "Paper, Section 5.3")
-    wait_for_status(page, "Ready")  # the images were drawn anew
-    card = opened(page, "condition")
-    before, place = page.locator(FOUR_IMAGES).text_content(), card.bounding_box()
-    page.evaluate("document.activeElement.blur()")
+def step(page):
+    before = page.locator(FOUR_IMAGES).text_content()
     press(page, "ArrowRight")
     wait(page, lambda: page.locator(FOUR_IMAGES).text_content() != before)
     pause(page)
+
+
+def come_by_keys(page, key):
+    """To its "?": what keys come to keeps the focus when it is drawn anew."""
+    page.keyboard.press("Tab")
+    page.locator(f".vi-ask[popovertarget=vi-word-{key}]").focus()
+
+
+def test_a_card_stays_open_while_the_numbers_change(page):
+    choose(page, "Preset", "Paper, Section 5.3")
+    wait_for_status(page, "Ready")  # the images were drawn anew
+    place = opened(page, "condition").bounding_box()
+    step(page)
     assert page.locator(CARD).bounding_box() == place
     page.locator(f"{CARD} .vi-close").click()
     wait_for_count(page, CARD, 0, exactly=True)
 
 
-def test_a_question_is_reached_and_asked_by_keys(page):
-    def reached():  # by a Tab from the question before it, unless the numbers are drawn anew in between
-        page.locator(".vi-ask[popovertarget=vi-word-E]").focus()
-        page.keyboard.press("Tab")
-        return page.evaluate("document.activeElement.getAttribute('popovertarget')") == "vi-word-mean_e"
+def test_the_pages_keys_act_after_a_question_by_pointer_and_beside_one_by_keys(page):
+    opened(page, "cost")
+    press(page, "Escape")
+    for asked in (None, "vi-word-E"):
+        assert page.evaluate(ASKED) == asked  # None: the pointer has left it
+        step(page)
+        come_by_keys(page, "E")
+    press(page, " ")  # on a question it asks
+    wait_for_count(page, CARD, 1, exactly=True)
+    press(page, " ")
+    wait_for_count(page, CARD, 0, exactly=True)
+    assert status(page).startswith("Paused")
 
-    wait(page, reached)
+
+def test_a_question_is_reached_and_asked_by_keys(page):
+    come_by_keys(page, "E")
+    page.keyboard.press("Tab")
+    assert page.evaluate(ASKED) == "vi-word-mean_e"
     page.keyboard.press("Enter")
     wait_for_count(page, CARD, 1, exactly=True)
     page.keyboard.press("Escape")
     wait_for_count(page, CARD, 0, exactly=True)
+
+
+def test_a_question_keeps_the_focus_while_the_numbers_are_drawn_anew_unless_it_was_left(page):
+    press(page, "r")
+    wait_for_status(page, "Ready")
+    come_by_keys(page, "E")
+    for _ in range(2):
+        step(page)
+        assert page.evaluate(ASKED) == "vi-word-E"
+    page.evaluate("document.activeElement.blur()")
+    step(page)
+    assert page.evaluate(ASKED) is None

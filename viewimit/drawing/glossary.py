@@ -83,7 +83,7 @@ def ask(key: str, style: str = "") -> str:
     name = svg.escape(glossary()[key].symbol)
     place = f' style="{style}"' if style else ""
     told = f'popovertarget="vi-word-{key}" aria-label="What is {name}?"{place}'
-    return f'<input type="button" class="vi-ask" value="?" {told}/>'
+    return f'<button type="button" class="vi-ask" {told}></button>'
 
 
 def asks(keys: Iterable[str]) -> str:
@@ -105,8 +105,8 @@ def cards(address: str | None = None) -> str:
         for key in glossary()
     )
     words = "".join(
-        f'<div class="vi-word" id="vi-word-{key}" popover="auto"><input type="button" class="vi-close" value="×"'
-        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"/>{_show(address, key)}'
+        f'<div class="vi-word" id="vi-word-{key}" popover="auto"><button type="button" class="vi-close"'
+        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"></button>{_show(address, key)}'
         f"{_give_back(address)}{_described(entry)}</div>"
         for key, entry in glossary().items()
     )

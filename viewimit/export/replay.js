@@ -114,7 +114,7 @@ const begin = (run, meshes) => {
   document.addEventListener("keydown", event => {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (event.ctrlKey || event.metaKey || event.altKey || !(key in KEYS)) return;
-    if (event.target.matches("select,pre,.vi-ask,.vi-close") || document.querySelector(":popover-open")) return;
+    if (event.target.matches("select,pre") || document.querySelector(":popover-open")) return;
     if (key === " " && event.target.matches("button:not(#play)")) return;
     event.preventDefault();
     KEYS[key]();

@@ -262,6 +262,15 @@ def test_points_that_are_not_seen_in_all_four_views_take_no_part():
         {"undistort": ("0.1", "0")},
         {"undistort": 0.1},
         {"body_points": ((0.7, 0.0, 0.0, 0.1),) * 6},
+        {"body_points": 5},
+        {"body_points": ((1, 0.0, 0.0),) * 6},
+        {"body_points": ((1, "0", 0.0, 0.0),) * 6},
+        {"joints": 2},
+        {"joints": "24"},
+        {"joints": (2, 4.0)},
+        {"joints": ()},
+        {"start_deg": "25,-45"},
+        {"start_deg": ("25", -45)},
         {"noise_px": -0.1},
         {"missing": 1.5},
         {"demonstrator_deg": (np.nan, -90)},
@@ -275,8 +284,9 @@ def test_points_that_are_not_seen_in_all_four_views_take_no_part():
 def test_bad_settings_raise_and_leave_the_session_as_it_was(bad):
     session = walked(Session(DISTURBED), 3)
     world, history, cursor = session.world, list(session.history), session.cursor
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError) as raised:
         session.change(**bad)
+    assert "panda.toml" not in str(raised.value)  # it is not the scene file's fault
     assert session.world is world and session.cursor == cursor
     assert len(session.history) == len(history) and all(a is b for a, b in zip(session.history, history))
     walked(session, 1)

@@ -1,5 +1,6 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
+import reprlib
 from collections.abc import Collection, Mapping
 from numbers import Integral, Real
 from typing import Annotated, TypeVar, get_type_hints
@@ -82,7 +83,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return tuple((found, getattr(self, name)) for name, found in disturbances(kind).items())
 
     def __post_init__(self) -> None:
-        for name in _ANY_SEQUENCE + tuple(_NUMBERS):
+        for name in (*_SEQUENCES, *_NUMBERS):
             value = getattr(self, name)
             if isinstance(value, (list, tuple, np.ndarray, np.generic)):
                 msgspec.structs.force_setattr(self, name, _plain(value))
@@ -91,11 +92,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if not isinstance(value, numbers) or isinstance(value, bool):
                 wanted = "a whole number" if numbers is Integral else "a number"
                 raise ValueError(f"{name} must be {wanted}, got {value!r}")
-        if self.undistort is not None and not _is_pair(self.undistort):
-            raise ValueError(f"undistort must be two finite numbers k1, k2, got {self.undistort!r}")
-        for point in self.body_points or ():
-            if len(point) != 4 or not isinstance(point[0], Integral):
-                raise ValueError(f"body_points must be [link, x, y, z] each, got {point!r}")
+        for name, wanted in _SEQUENCES.items():
+            value = getattr(self, name)
+            if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):
+                raise ValueError(f"{name} must be {wanted}, got {reprlib.repr(value)}")
         _require_choice("transfer", self.transfer, TRANSFERS)
         _require_choice("servo", self.servo, SERVOS)
         _require_choice("rectify", self.rectify, RECTIFY)
@@ -107,12 +107,12 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("seed", self.seed, 0, MOST_SEED)
 
 
-def _is_pair(value) -> bool:
-    """Two finite numbers."""
-    numbers = isinstance(value, tuple) and all(
-        isinstance(each, (int, float)) and -np.inf < each < np.inf for each in value
-    )
-    return numbers and len(value) == 2
+def _is_of(kind, value) -> bool:
+    try:
+        msgspec.convert(value, kind)
+    except msgspec.ValidationError:
+        return False
+    return True
 
 
 def _plain(value):
@@ -122,10 +122,15 @@ def _plain(value):
     return tuple(map(_plain, value)) if isinstance(value, (list, tuple)) else value
 
 
-_ANY_SEQUENCE = ("joints", "body_points", "demonstrator_deg", "start_deg", "undistort")
-_NUMBERS = {
-    name: {int: Integral, float: Real}[hint] for name, hint in get_type_hints(Settings).items() if hint in (int, float)
+_SEQUENCES = {
+    "joints": "whole numbers",
+    "body_points": "[link, x, y, z] each",
+    "demonstrator_deg": "angles in degrees",
+    "start_deg": "angles in degrees",
+    "undistort": "two finite numbers k1, k2",
 }
+_HINTS = get_type_hints(Settings)
+_NUMBERS = {name: {int: Integral, float: Real}[hint] for name, hint in _HINTS.items() if hint in (int, float)}
 DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
     name: mark
     for name, hint in get_type_hints(Settings, include_extras=True).items()

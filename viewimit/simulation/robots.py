@@ -29,7 +29,9 @@ def load_robot(name: str | Path) -> Robot:
 
 def require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
     """Raises ValueError unless they are in order, of the robot's, and each moves by itself."""
-    if not joints or list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
+    if not joints:
+        raise ValueError(f"needs joints that move, of 1 … {len(robot.joints)}, got none")
+    if list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
         raise ValueError(f"joints {', '.join(map(str, joints))} must ascend, within 1 … {len(robot.joints)}")
     for joint in joints:
         one = robot.joints[joint - 1]

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from .body_image import FEWEST, BodyImage
 from .contradictions import believed
 from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
-from .embodiment.in_scene import OpenEyes, degrees
+from .embodiment.in_scene import OpenEyes, degrees, told
 from .history import MAX_HISTORY, History
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .rectifying import POOLED, rectification_for
@@ -365,6 +365,7 @@ class Session:
     def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot, deed: Deed) -> None:
         """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad."""
         if np.isfinite(theta_demo).all():
+            theta_demo = told(theta_demo, self.embodiment.require_posture, "demonstrator's")
             settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
         theta_demo = self.embodiment.pose(theta_demo)
         now = self.observe(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))

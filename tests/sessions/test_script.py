@@ -41,7 +41,7 @@ DEEDS = st.lists(
         st.tuples(
             st.just("change"),
             st.sampled_from([{"noise_px": 0.4}, {"servo": "broyden"}, {"servo": "trust-region"}, {"frames": 3},
-                             {"transfer": "linear"}, {"start_deg": (30.0, -40.0)}, {"missing": 0.3}]),
+                             {"transfer": "linear"}, {"start_deg": (30.0123456789012, -40.0)}, {"missing": 0.3}]),
         ),
         st.tuples(st.just("scrub"), st.integers(0, 6)),
         st.tuples(st.just("look"), st.integers(1, 2)),
@@ -81,6 +81,23 @@ def test_whatever_is_done_is_done_again_to_the_last_bit(deeds, begun):
     for _ in range(3):  # and they go on alike
         assert session.step() == other.step()
         same(session.snapshot, other.snapshot)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_settings_tell_of_postures_to_the_last_bit(seed):
+    """However many digits these were given with, and at limits that have no end in degrees, too."""
+    rng = np.random.default_rng(seed)
+    low, high = np.array([[0.0, -180.0], [90.0, 0.0]])
+    session = Session(Settings(start_deg=rng.uniform(low, high), demonstrator_deg=rng.uniform(low, high), noise_px=0.5))
+    same(session.snapshot, Session(session.settings).snapshot)
+    session.pose(np.radians(rng.uniform(low, high)))
+    posed = session.snapshot.theta_demo
+    same(session.snapshot, Session(session.settings).snapshot)
+    session.change(transfer="linear")
+    assert session.snapshot.theta_demo.tobytes() == posed.tobytes()
+    of_all = Session(replace(session.settings, joints=tuple(range(1, 8)), start_deg=None, demonstrator_deg=None))
+    of_all.pose(of_all.embodiment.upper)
+    same(of_all.snapshot, Session(of_all.settings).snapshot)
 
 
 def test_a_moment_at_which_the_arm_was_held_until_enough_was_seen_is_led_to():

@@ -99,8 +99,8 @@ def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDAr
     anyway = settings.points == USUAL_POINTS or settings.body_points is not None
     points = scene.layout_near(USUAL_POINTS) if anyway else settings.points
     start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
-    demo = _demonstrator(settings, scene)
-    start = scene.require_posture(np.radians(start_deg), "learner's start")
+    demo = told(_demonstrator(settings, scene), scene.require_posture, "demonstrator's")
+    start = told(np.radians(start_deg), scene.require_posture, "learner's start")
     fields = {"points": points, "demonstrator_deg": degrees(demo), "start_deg": degrees(start)}
     return msgspec.structs.replace(settings, **fields), demo, start
 
@@ -112,6 +112,12 @@ def _demonstrator(settings: Settings, scene: Scene) -> NDArray:
     else:
         posture_deg = np.array(settings.demonstrator_deg, float)
     return scene.require_posture(np.radians(posture_deg), "demonstrator's")
+
+
+def told(theta: NDArray, require: Callable[[ArrayLike, str], NDArray], whose: str) -> NDArray:
+    """A posture, (m,) rad, as settings that tell of it in degrees have it, to the last bit: with them a run is to
+    repeat itself. require: raises ValueError for one that cannot be."""
+    return require(np.radians(degrees(require(theta, whose))), whose)
 
 
 def degrees(theta: NDArray) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..body_image import Body
 from ..settings import Settings
-from .in_scene import degrees
+from .in_scene import degrees, told
 from .interface import Arm, Eyes
 from .own_looks import OwnLooks, look_with
 from .protocol import Beginning
@@ -76,7 +76,7 @@ class OwnOpener:
     def __call__(self, settings: Settings) -> Beginning:
         _require(settings)
         wanted = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
-        start = _within(wanted, self._lower, self._upper, "the start")
+        start = told(wanted, lambda theta, whose: _within(theta, self._lower, self._upper, whose), "the start")
         points = len(look_with(self._eyes).demo) if self._own is None else self._own.points
         _require_found(settings, {"scene": self._name, "points": points})
         own = Own(self._arm, self._eyes, self._name, points, self._lower, self._upper)

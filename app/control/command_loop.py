@@ -3,7 +3,9 @@
 What looks with camera images takes long, and would hold up everybody's pages.
 """
 
+import threading
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import partial
 
 from ..jobs.camera_images import CameraLost
@@ -16,6 +18,7 @@ from .shedding import LoadShedding, TimeBudget
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
+LONG_AT_ONCE = threading.BoundedSemaphore(2)  # of all pages: a class that follows a link leaves the others time
 
 
 def _beside() -> float:
@@ -68,19 +71,18 @@ class CommandLoop:
             self._take_turn(now)
 
     def _take_turn(self, now: float) -> None:
-        """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes
-        camera images or long, at once if not."""
+        """Carry out what the visitor did and make the motions that are due, or move the lesson on: beside the scheduler
+        if that takes camera images or long, at once if not."""
         model, commands = self._model, self._queue.take()
-        if model.guided.course is not None:
-            for command in commands:
-                self._apply(command, now)
-            model.follow_lesson(now)
-            return
         opens = any(command.opens_pictures(model) for command in commands)
         long = any(command.takes_long for command in commands)
-        if not opens and not long and model.session.settings.camera == "points":
+        in_lesson = model.guided.course is not None
+        if not opens and not long and (in_lesson or model.session.settings.camera == "points"):
             self._apply_within_budget(commands, now)
-            self._move_on(now, self._shedding.step_budget)
+            if in_lesson:  # also if it has just been left: what is below it may look with camera images
+                model.follow_lesson(now)
+            else:
+                self._move_on(now, self._shedding.step_budget)
             return
         first = next((k for k, command in enumerate(commands) if command.moves), len(commands))
         if not self._apply_within_budget(commands[:first], now, commands[first:]):
@@ -102,6 +104,9 @@ class CommandLoop:
         self._move_on(now, budget)
 
     def _move_on(self, now: float, budget: Callable[[], float]) -> None:
+        if self._model.guided.course is not None:
+            self._model.follow_lesson(now)
+            return
         self._model.motions.tick()
         self._model.player.advance(now, budget)
         session = self._model.session
@@ -140,6 +145,7 @@ class CommandLoop:
             self._model.refuse("In a lesson the page's own controls rest: Esc leaves it.", now + MESSAGE_STAYS)
             return
         try:
-            command.apply(self._model, now)
+            with LONG_AT_ONCE if command.takes_long else nullcontext():
+                command.apply(self._model, now)
         except ValueError as refusal:
             self._model.refuse(str(refusal), now + MESSAGE_STAYS)

@@ -1,5 +1,6 @@
 """A page becomes what a link holds, to the last bit, and Undo brings back what it was."""
 
+import threading
 from pathlib import Path
 
 import msgspec
@@ -8,14 +9,17 @@ import pytest
 from quiet_page import QuietPage
 from viewimit.app.control.commands.links import FollowLink
 from viewimit.app.control.commands.session import Step, Undo
+from viewimit.app.control.history import undoable
 from viewimit.app.control.memory import memory_of
 from viewimit.app.control.presets import AS_STARTED, PRESETS
 from viewimit.app.panels.guide.share import share_html
 from viewimit.app.sessions.autosave import SavedPage, SavedSession
 from viewimit.app.sessions.link import read, written
+from waiting import wait_until
 
 from viewimit.export.citation import cite
 from viewimit.export.replay import replay
+from viewimit.script_player import play
 from viewimit.session import Session
 from viewimit.settings import Settings
 
@@ -29,6 +33,40 @@ def settled(page: QuietPage) -> None:
         page.tick(0.1)
         assert page.page._commands.wait(60)
     page.tick(0.1)
+
+
+@pytest.mark.parametrize("below", [(), ("begin,tour",)], ids=["page", "lesson"])
+def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_a_time(below, monkeypatch):
+    """In a lesson, too: each follows in a thread of its own, and its page's tick returns at once."""
+    going_on, most, may_end = set(), [], threading.Event()
+
+    def slow(script, session):
+        going_on.add(threading.get_ident())
+        most.append(len(going_on))
+        assert may_end.wait(10)
+        going_on.discard(threading.get_ident())
+        play(script, session)
+
+    monkeypatch.setattr(undoable, "play", slow)
+    sent, pages = (
+        QuietPage(Settings(transfer="linear")),
+        [QuietPage(Settings(), address="/touch/0.x") for _ in range(4)],
+    )
+    text = written(sent.page.model.linked())
+    for page in pages:
+        for deed in below:
+            page.page.touch("lesson", deed)
+            page.tick(0.1)
+        page.page.put(FollowLink(text))
+        page.tick(0.1)  # returns, though the link cannot be followed yet
+        assert page.page.busy
+    wait_until(lambda: len(going_on) == 2)
+    may_end.set()
+    for page in pages:
+        settled(page)
+        model = page.page.model
+        assert model.session.settings.transfer == "linear" and model.guided.course is None
+    assert max(most) == 2
 
 
 @pytest.mark.parametrize("preset", BY_POINTS[:4], ids=lambda preset: preset.name)

@@ -31,7 +31,8 @@ from .responses import plain_response
 from .seat_counts import SeatCounts
 from .touches import worker_of
 
-HEAD_WITHIN, LOOK_AGAIN = 10.0, 0.02  # s
+HEAD_WITHIN = 10.0  # s
+LOOK_AGAIN, LOOK_AT_LEAST = 0.02, 0.5  # s: at once, and where no more comes
 UNPLACED = 200  # connections at a time whose head has not come
 KNOWN = 10_000  # browsers
 log = logging.getLogger(__name__)
@@ -159,12 +160,15 @@ def _cancel(task: asyncio.Task) -> None:
 
 async def _head(connection: socket.socket) -> bytes:
     """What a client has sent, once that is all of a request's head, or all that it will send. It stays unread."""
+    looked_at, pause = 0, LOOK_AGAIN
     while True:
         await _readable(connection)
         head = connection.recv(MOST_HEAD, socket.MSG_PEEK)
-        if not head or is_whole(head) or len(head) == MOST_HEAD:
+        if not head or len(head) == MOST_HEAD or (len(head) > looked_at and is_whole(head)):
             return head
-        await asyncio.sleep(LOOK_AGAIN)  # it is readable already, so that nothing tells when more has come
+        pause = LOOK_AGAIN if len(head) > looked_at else min(2 * pause, LOOK_AT_LEAST)
+        looked_at = len(head)
+        await asyncio.sleep(pause)  # it is readable already, so that nothing tells when more has come
 
 
 async def _readable(connection: socket.socket) -> None:

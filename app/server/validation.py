@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+import weakref
 from collections.abc import Callable
 
 from viser import (
@@ -115,7 +116,8 @@ class Uploads:
         self._refused = None
         if message.part_count:
             self._going_on[message.transfer_uuid] = message, set()
-            asyncio.get_running_loop().call_later(UPLOAD_WITHIN, self._end, message.transfer_uuid)
+            # which keeps nothing of a client that has gone
+            asyncio.get_running_loop().call_later(UPLOAD_WITHIN, _end, weakref.ref(self), message.transfer_uuid)
 
     def add(self, part: message_schema.FileTransferPart) -> None:
         if part.transfer_uuid not in self._going_on:
@@ -134,10 +136,16 @@ class Uploads:
         if len(parts) == begun.part_count:
             del self._going_on[part.transfer_uuid]
 
-    def _end(self, transfer: str) -> None:
+    def end(self, transfer: str) -> None:
         """It has had its time."""
         if self._going_on.pop(transfer, None) is not None:
             self._drop(transfer)
+
+
+def _end(uploads: "weakref.ref[Uploads]", transfer: str) -> None:
+    there = uploads()
+    if there is not None:
+        there.end(transfer)
 
 
 def _shown(value) -> str:

@@ -118,9 +118,10 @@ class SqliteStore:
         with contextlib.suppress(FileNotFoundError):
             if self._path.stat().st_ino == self._inode:
                 return
-        log.warning("%s was deleted; sessions are written anew", self._path)
         self._file.close()
+        self._inode = -1  # of no file, should it not open
         self._open()
+        log.warning("%s was deleted; sessions are written anew", self._path)
 
     def _left(self, run, key: str) -> float:
         """s for which it is leased yet, 0 if it is not."""

@@ -63,6 +63,7 @@ GOOD = {"format": motion.FORMAT, "name": "wave", "joints": [2, 4], "step_s": 0.0
         ({"step_s": 0}, "step_s must be between 0.001 and 10 s, got 0"),
         ({"colour": "red"}, "not a recorded motion: .*colour"),
         ({"name": None}, "not a recorded motion: .*name"),
+        ({"name": "w" * 201}, "not a recorded motion: .*length <= 200.*name"),
     ],
 )
 def test_what_is_no_motion_of_this_scene_is_told(world, tmp_path, change, message):

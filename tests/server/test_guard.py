@@ -1,11 +1,13 @@
 """Hostile clients against a running server: each is refused or closed with a line in the log; nobody else notices."""
 
+import asyncio
 import contextlib
 import os
 import socket
 import time
 import urllib.error
 import urllib.request
+import weakref
 from http.cookies import SimpleCookie
 
 import pytest
@@ -19,7 +21,7 @@ from viewimit.app.server.cookie import cookie_value, token_of
 from viewimit.app.server.message_schema import MOST_BUT_PARTS
 from viewimit.app.server.origins import is_own_page
 from viewimit.app.server.rate_limits import LINES_A_SECOND, QuietLog, TokenBucket
-from viewimit.app.server.validation import MOST_BYTES, PART
+from viewimit.app.server.validation import MOST_BYTES, PART, Uploads
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 
@@ -231,6 +233,23 @@ def test_unfinished_uploads_stay_within_their_bound(guarded, client):
             send_part(client, f"t{k}", part, b"\x00" * PART)
     client.closed(2)
     stays(lambda: guarded.memory - before < 3 * MOST_BYTES / 2**20, 0.2)
+
+
+def test_an_upload_keeps_nothing_of_a_client_that_has_gone():
+    """Whether it was whole or not: the clock that would end it waits for a minute."""
+
+    async def gone():
+        uploads = Uploads(lambda transfer: None)
+        for name, size in (("whole", 9), ("half", PART + 1)):
+            begun = {"filename": "motion.json", "mime_type": "", "part_count": -(-size // PART), "size_bytes": size}
+            of = {"source_component_uuid": "a", "transfer_uuid": name, "type": ""}
+            uploads.begin(message_schema.FileTransferStartUpload(**of, **begun))
+            uploads.add(message_schema.FileTransferPart(**of, part_index=0, content=bytes(min(size, PART))))
+        there = weakref.ref(uploads)
+        del uploads
+        return there() is None
+
+    assert asyncio.run(gone())
 
 
 def test_an_upload_too_large_is_refused_and_the_page_goes_on(guarded, client, lines_left):

@@ -166,6 +166,23 @@ def test_who_never_ends_a_head_is_told_so_and_holds_nobody_up(dispatching, monke
         assert silent.recv(1000).startswith(b"HTTP/1.1 408 ")  # for it has begun
 
 
+def test_a_head_that_does_not_grow_is_searched_once_and_looked_at_ever_more_rarely(monkeypatch):
+    searched, slept, sleep = [], [], asyncio.sleep
+    is_whole = dispatcher_module.is_whole
+    monkeypatch.setattr(dispatcher_module, "is_whole", lambda head: searched.append(len(head)) or is_whole(head))
+    monkeypatch.setattr(asyncio, "sleep", lambda s: slept.append(s) or sleep(s / 10))
+    dispatching = Dispatching()
+    with socket.create_connection(dispatching.place) as client:
+        head = HEAD.format(token("anna")).encode()
+        client.sendall(head[:20])
+        wait_until(lambda: len(slept) >= 8)
+        assert slept[:6] == [0.02, 0.04, 0.08, 0.16, 0.32, 0.5] and max(slept) == 0.5
+        client.sendall(head[20:])
+        dispatching.handed(0).close()
+    assert searched == [20, len(head)]
+    dispatching.stop()
+
+
 def test_of_connections_that_send_nothing_only_so_many_are_open_and_the_oldest_make_room(monkeypatch):
     monkeypatch.setattr(dispatcher_module, "UNPLACED", 3)
     dispatching = Dispatching()

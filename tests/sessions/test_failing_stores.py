@@ -189,6 +189,24 @@ def test_a_file_that_was_deleted_is_written_anew(tmp_path, kept):
         each.stop()
 
 
+def test_while_a_file_cannot_be_opened_anew_it_is_not_said_to_be_and_then_all_goes_on(tmp_path, caplog):
+    """A folder in its place, and then the file itself again."""
+    store, file, aside = SqliteStore(tmp_path), tmp_path / "sessions.sqlite", tmp_path / "aside"
+    assert store.save(KEY, "a", {"0": b"kept"})
+    for name in ("sessions.sqlite-wal", "sessions.sqlite-shm"):
+        (tmp_path / name).unlink(missing_ok=True)
+    file.rename(aside)
+    file.mkdir()
+    for _ in range(3):
+        with pytest.raises(OSError, match="cannot keep sessions in"):
+            store.save(KEY, "a", {"0": b"lost"})
+    assert "written anew" not in caplog.text
+    file.rmdir()
+    aside.rename(file)
+    assert store.save(KEY, "a", {"1": b"more"})
+    assert caplog.text.count("written anew") == 1
+
+
 LARGE, PART = 1 << 20, 200 << 10  # bytes
 
 

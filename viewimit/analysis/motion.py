@@ -1,6 +1,7 @@
 """Motions of the demonstrator: made up or recorded, kept as JSON. Only its images reach a learner."""
 
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -16,6 +17,7 @@ SWING_DEG = 15.0  # of the sinusoid, each joint
 RADIUS_M = 0.08  # of the circle of the hand
 MOST_FRAMES = 5_000
 MOST_BYTES = 16 * MEGABYTE  # of a file
+MOST_NAME = 200  # letters
 FORMAT = "viewimit motion 1"
 
 
@@ -23,7 +25,7 @@ class Motion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """A posture of the moving joints a frame, `step_s` seconds apart. joints: their numbers from 1."""
 
     format: str = FORMAT
-    name: str
+    name: Annotated[str, msgspec.Meta(max_length=MOST_NAME)]
     joints: tuple[int, ...]
     step_s: float = STEP_S
     theta_deg: tuple[tuple[float, ...], ...]

@@ -12,13 +12,14 @@ from .state import SWITCHES, View
 
 def memory_of(model: PageModel) -> SavedSession:
     """The opponent of a duel and what runs in the tab Experiments is not kept."""
-    session, view = model.session, model.view
+    there, view = model.role.own or model.past.present, model.view
+    history, cursor, log = there.runs[0]
     head = SavedPage(
         begun=model.begun,
-        cursor=session.cursor,
-        length=len(session.history),
-        preset=model.preset.name,
-        speed=model.player.speed,
+        cursor=cursor,
+        length=len(history),
+        preset=there.preset.name,
+        speed=there.speed,
         chosen=view.chosen,
         show={name: getattr(view, name) for name in SWITCHES},
         dark=view.dark,
@@ -26,10 +27,10 @@ def memory_of(model: PageModel) -> SavedSession:
         lessons=model.guided.kept,
         lesson=model.guided.going_on,
         offered=model.guided.offered,
-        log=session.log.copy(),
+        log=log,
         name=model.role.name or "",
     )
-    return SavedSession(head, tuple(session.history))
+    return SavedSession(head, history)
 
 
 def go_on(model: PageModel, memory: SavedSession) -> None:

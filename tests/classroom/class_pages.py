@@ -21,9 +21,11 @@ class Class:
         self.students = [self.open(key=f"student {k}", settings=settings) for k in range(students)]
         self.go_on(2.0)
 
-    def open(self, key=None, lecturer=False, settings=None):
+    def open(self, key=None, lecturer=False, settings=None, resumed=None):
         who = {"classroom": self.classroom, "of_class": Attendee(key, lecturer)}
-        page = QuietPage(settings, address="/touch/0.x", shared=SHARED, **who, landscapes=QuietLandscapes())
+        page = QuietPage(
+            settings, resumed=resumed, address="/touch/0.x", shared=SHARED, **who, landscapes=QuietLandscapes()
+        )
         page.now = self.now
         return page
 

@@ -71,6 +71,29 @@ def test_who_leads_is_followed_motion_for_motion_and_back(of):
     assert model(student).session.snapshot.theta.tobytes() == own.theta.tobytes()
 
 
+def test_who_reloads_while_all_follow_follows_on_and_has_their_own_back_when_the_lecturer_lets_go(of):
+    lecturer, (student, _) = of.lecturer, of.students
+    student.choose("Preset", "Linear combination of views")
+    step(student, 2)
+    own = model(student).session.snapshot
+    step(lecturer, 3)
+    of.do("lead")
+    assert same(student, lecturer)
+    student.page.close()
+    kept = memory_of(model(student))
+    of.students[0] = again = of.open(key="student 0", resumed=kept)
+    of.go_on()
+    assert same(again, lecturer) and model(again).role.holds is not None
+    of.do("lead")  # let go
+    step(again)
+    assert memory_of(model(again)).history[-1].motion == model(again).session.cursor == 4
+    for _ in range(2):
+        again.page.put(Undo())
+        of.go_on(0.5)
+    assert model(again).session.snapshot.theta.tobytes() == own.theta.tobytes()
+    assert model(again).session.settings == own.settings and model(again).preset.name == "Linear combination of views"
+
+
 def test_who_comes_late_follows_too_and_what_was_sent_before_is_not_sent_again(of):
     step(of.lecturer, 2)
     of.do("send")

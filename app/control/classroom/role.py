@@ -1,6 +1,7 @@
 """What a page is in a class."""
 
 from ...classroom.messages import Asked
+from ..history.past import Left
 from .class_view import ClassView
 
 
@@ -28,6 +29,11 @@ class Role:
     @property
     def asked(self) -> Asked | None:
         """The question that goes on, for this page to answer."""
+        return None
+
+    @property
+    def own(self) -> Left | None:
+        """What was there before the lecturer led, while they do: that, not what is followed, is kept of the page."""
         return None
 
     def view(self, now: float) -> ClassView | None:

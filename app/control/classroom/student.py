@@ -41,7 +41,7 @@ class Student(Role):
         self._looked: tuple[Any, ...] = ()
         self._followed: str | None = None  # link from the beginning of which this page has followed
         self._at = -WHOLE_EVERY
-        self._before: Left | None = None  # what was there before the lecturer led
+        self._own: Left | None = None
 
     # What goes up
 
@@ -82,6 +82,10 @@ class Student(Role):
     def asked(self) -> Asked | None:
         return None if self.heard is None else self.heard.orders.asked
 
+    @property
+    def own(self) -> Left | None:
+        return self._own
+
     def call(self, name: str) -> None:
         self.name = name
 
@@ -103,10 +107,10 @@ class Student(Role):
         led = before is not None and before.leads
         if heard.leads and not led:
             model.player.pause()
-            self._before, self._looked, self._followed = model.past.present, (), None
-        elif led and not heard.leads and self._before is not None:
-            model.past.leave_here(self._before)
-            self._before = None
+            self._own, self._looked, self._followed = model.past.present, (), None
+        elif led and not heard.leads and self._own is not None:
+            model.past.leave_here(self._own)
+            self._own = None
         self._take_question(model, orders)
         return follow
 

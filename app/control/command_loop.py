@@ -149,3 +149,6 @@ class CommandLoop:
                 command.apply(self._model, now)
         except ValueError as refusal:
             self._model.refuse(str(refusal), now + MESSAGE_STAYS)
+            return
+        if not command.commutes and not command.in_lesson:  # what the page's own controls do
+            self._model.accept()

@@ -92,6 +92,7 @@ class PageModel:
         self.eye: Callable[[], Eye | None] = lambda: None
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
+        self._refusal: Message | None = None
         self.unsaved: str | None = None
 
     @property
@@ -117,7 +118,13 @@ class PageModel:
     def refuse(self, why: str, until: float) -> None:
         """Say why something cannot be; the widgets show again what is."""
         self.say(why, until)
+        self._refusal = self.message
         self.refusals += 1
+
+    def accept(self) -> None:
+        """What the visitor did can be: why something before it could not, is said no longer."""
+        if self.message is self._refusal:
+            self.message = None
 
     def follow_lesson(self, now: float) -> None:
         """Move on what moves by itself in it."""

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
+from quiet_page import QuietPage
 from viewimit.app.control.commands.command import Arrival, Refused
-from viewimit.app.control.commands.display import ChoosePoint, Switch
+from viewimit.app.control.commands.display import ChoosePoint, FitView, Switch
+from viewimit.app.control.commands.experiments import LoadMotion
 from viewimit.app.control.commands.session import ChoosePreset, ChooseSpeed, Play, PoseJoint, Reset, Step
 from viewimit.app.control.commands.touch import TOUCHES
 from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
@@ -440,3 +442,14 @@ def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
     Hands(model).set("dark", False)
     TOUCHES["dark"]("1").apply(model, 0.0)
     assert not model.view.on("dark") and memory_of(model).head.dark is False
+
+
+def test_why_something_could_not_be_is_said_until_something_can_be_that_is_no_view():
+    page = QuietPage(Settings())
+    page.page.put(LoadMotion(b"{}"))
+    for command, stays in ((FitView(), True), (Step(), False)):
+        page.tick(0.5)
+        assert "not a recorded motion" in page.page.model.message.text
+        page.page.put(command)
+        page.tick(0.5)
+        assert (page.page.model.message is not None) == stays

@@ -146,6 +146,11 @@ class PageState:
     classroom: ClassView | None = None
     name: str | None = None
 
+    @property
+    def seen(self) -> Snapshot:
+        """The session's moment, or the imitation's that is seen in its place."""
+        return self.present if self.imitated is None else self.shown
+
     @cached_property
     def arms_in_images(self) -> tuple[Bodies, Windows]:
         """What the arms look like in the four images, and the windows of these."""

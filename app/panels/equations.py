@@ -25,10 +25,10 @@ class EquationsPanel(Panel):
         return SLOWEST
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.present, state.view.chosen
+        return state.seen, state.view.chosen
 
     def show(self, state: PageState) -> None:
-        put_html(self._equations, draw_equations(state.present, state.view.chosen))
+        put_html(self._equations, draw_equations(state.seen, state.view.chosen))
 
 
 class BesidePanel(Panel):
@@ -63,7 +63,7 @@ class ConflictPanel(BesidePanel):
     inside, tab, draw = "Images", Layout.upper_tab, draw_conflict
 
     def _moment(self, state: PageState) -> Snapshot:
-        return state.see_through or state.present
+        return state.looked
 
 
 class LawPanel(BesidePanel):

@@ -23,17 +23,18 @@ class LearnerPanel(Panel):
         self._start = JointSliders(layout, inside, "Start {}", StartJoint.parse, hint)
 
     def depends_on(self, state: PageState) -> tuple:
-        present, own = state.present, _stands(state).tobytes()
-        shown = own, present.theta_demo.tobytes(), present.status
+        own = _stands(state).tobytes()
+        shown = own, state.seen.theta_demo.tobytes(), state.present.status, state.imitated is None
         return state.generation, *shown, state.settings.start_deg, state.rehearsal, state.refusals
 
     def show(self, state: PageState) -> None:
-        arms = _stands(state), state.present.theta_demo
-        put_html(self._bars, draw_learner(state.session.scene, *arms, state.assessment))
+        arms = _stands(state), state.seen.theta_demo
+        assessment = state.assessment if state.imitated is None else None  # which is of the session's moment
+        put_html(self._bars, draw_learner(state.session.scene, *arms, assessment))
         self._rehearsal.show(state)
         self._start.show(state, given(state.settings.start_deg))
 
 
 def _stands(state: PageState) -> NDArray:
     """(m,) rad, where the arm is seen; a see-through one is another."""
-    return state.present.theta if state.on_its_way is None else state.on_its_way
+    return state.seen.theta if state.on_its_way is None or state.imitated is not None else state.on_its_way

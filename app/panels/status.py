@@ -77,8 +77,7 @@ def _truth(state: PageState) -> str:
     off = following(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
     if off:
         return off + "."
-    seen = state.present if state.imitated is None else state.shown
-    return describe_truth(state.session.scene.moving_joints, seen.theta, seen.theta_demo)
+    return describe_truth(state.session.scene.moving_joints, state.seen.theta, state.seen.theta_demo)
 
 
 def _busy(state: PageState) -> tuple[str, str] | None:

@@ -1,14 +1,19 @@
 """Fig. 10's imitation in the scene and in the images: what was imitated is seen, and nothing of the session moves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from page_fakes import quiet_model
+from quiet_page import QuietPage
 from viewimit.app.control.commands.display import LetGo
 from viewimit.app.control.commands.experiments import ShowImitation
 from viewimit.app.control.commands.session import Step
 from viewimit.app.jobs.experiments import Run
 
 from viewimit.analysis.trajectory import Imitation
+from viewimit.drawing.equations import draw_conflict, draw_equations
+from viewimit.drawing.learner_bars import draw_learner
 from viewimit.experiments import EXPERIMENTS
 from viewimit.settings import Settings
 
@@ -41,6 +46,25 @@ def test_each_frame_is_seen_in_its_time_and_the_session_stays_as_it_is(model):
     over = BEGUN + FRAMES * STEP_S
     assert model.state(over).imitated is None and model.state(over).shown is present
     assert np.array_equal(model.poses(over)[0], present.theta)
+
+
+def test_what_stands_beside_the_images_is_of_the_imitation_too(model):
+    page = QuietPage()
+    there = page.page.model
+    there.session.resume(model.session.history, model.session.cursor)
+    there.view, there.experiments.chosen = replace(there.view, wide=True), "fig10"
+    there.experiments.take(model.experiments.shown)
+    page.tick(5.0)
+    page.page.put(ShowImitation())
+    page.tick(0.5 * STEP_S)
+    page.tick(2.2 * STEP_S)
+    seen, chosen = there.state(page.now).shown, there.view.chosen
+    assert seen is not there.session.snapshot
+    assert draw_conflict(seen) in page.shown and draw_equations(seen, chosen) in page.shown
+    assert draw_learner(there.session.scene, seen.theta, seen.theta_demo) in page.shown
+    page.page.put(ShowImitation())
+    page.tick(5.0)
+    assert draw_conflict(there.session.snapshot) in page.shown
 
 
 def test_points_are_recovered_by_the_transfer_that_was_frozen(model):

@@ -220,6 +220,7 @@ def test_names_tell_which_axis_is_of_points_where_nothing_else_does(tmp_path):
         ({"pred_tracks": CO / 1000}, "all in 0 … 1: multiply x by the picture's width"),
         ({"pred_tracks": CO, "pred_visibility": 9.0 * SEEN - 4}, "not logits"),
         ({"pred_tracks": CO, "pred_visibility": SEEN[:2]}, r"\(2, 3\), which does not fit 3 frames of 3 points"),
+        ({"pred_tracks": CO, "names": "tip"}, "1 names, but pred_tracks has shape"),
         ({"pred_tracks": CO, "names": ("tip", "tip", "base")}, "two points are named 'tip'"),
         ({"pred_tracks": np.where(CO == CO[0, 1, 1], np.inf, CO)}, "frame 0, point 1, y: inf is not a finite number"),
         ({"pred_tracks": np.full((2, 3, 2), np.nan)}, "no point in any frame"),
@@ -232,6 +233,21 @@ def test_faults_of_arrays_are_named(tmp_path, arrays, says):
     with pytest.raises(ValueError, match=says) as found:
         read_view(path)
     assert str(path) in str(found.value)
+
+
+@pytest.mark.parametrize("scorers", ["D,D,E,E", "D,D,D,D"])
+def test_a_body_part_that_two_columns_tell_of_is_refused(tmp_path, scorers):
+    path = tmp_path / "two.csv"
+    path.write_text(f"scorer,{scorers}\nbodyparts,a,a,a,a\ncoords,x,y,x,y\n0,1,2,3,4\n")
+    with pytest.raises(ValueError, match="two.csv: two columns are x of 'a': keep those of one scorer"):
+        read_view(path)
+
+
+def test_a_number_with_underscores_is_none(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("frame,point,x,y\n0,a,143_250,2\n")
+    with pytest.raises(ValueError, match="line 2, column x: '143_250' is not a finite number"):
+        read_view(path)
 
 
 # Tables of people and of OpenCV and COLMAP

@@ -7,7 +7,7 @@ import pytest
 from drawn import RESIDUALS, written_path
 
 from viewimit import TRANSFERS
-from viewimit.perception.tracks import read_files, read_tidy
+from viewimit.perception.tracks import read_files, read_tidy, read_view
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.views import VIEWS, FourViews
@@ -111,6 +111,35 @@ def test_a_view_of_one_frame_holds_for_all(tmp_path, tidy):
     tidy.write_text(text + "\n".join(more) + "\n")
     tracked = read_tidy(tidy)
     assert tracked.frames == (0, 7) and tracked.views().visible.all()
+
+
+def test_a_view_that_lost_its_points_in_all_frames_but_one_does_not_hold_for_all(tmp_path):
+    """Its body moves: the other view of it says so."""
+    lines = [
+        f"{t},{view},p{k},{'' if view == 'L' and t != 3 else 9 * k},{k * k + t},1"
+        for t in range(5) for view in VIEWS for k in range(6)
+    ]  # fmt: skip
+    paths = {view: tmp_path / f"{view}.csv" for view in VIEWS}
+    for view, path in paths.items():
+        own = [line.replace(f"{view},", "", 1) for line in lines if f",{view}," in line]
+        path.write_text("\n".join(["frame,point,x,y,confidence", *own]) + "\n")
+    (tmp_path / "tidy.csv").write_text("\n".join(["frame,view,point,x,y,confidence", *lines]) + "\n")
+    for tracked in (read_tidy(tmp_path / "tidy.csv"), read_files(paths)):
+        assert tracked.frames == (0, 1, 2, 3, 4)
+        assert tracked.views().visible[:, :, 2].any(-1).tolist() == [False, False, False, True, False]
+
+
+def test_a_confidence_in_percent_is_refused(tmp_path, tidy):
+    percent = tmp_path / "percent.csv"
+    percent.write_text(tidy.read_text().replace(",0.9\n", ",97\n", 3))
+    with pytest.raises(
+        ValueError, match="percent.csv: view .: frame 0, point .*: confidence 97 .* divide percentages by"
+    ):
+        read_tidy(percent)
+    of_one = tmp_path / "of_one.csv"
+    of_one.write_text("frame,point,x,y,likelihood\n0,a,1,2,97\n")
+    with pytest.raises(ValueError, match="of_one.csv: frame 0, point a: confidence 97 .* divide percentages by 100"):
+        read_view(of_one)
 
 
 def test_a_report_is_written(ask, tidy, tmp_path):

@@ -38,7 +38,10 @@ def read_arrays(path: Path) -> Track:
         raise ValueError(
             f"{path}: no array {' or '.join(TRACKS[:2])}; it has {', '.join(found) or 'none'}: save as {SAVE}"
         )
-    tracks, names = _unbatched(found[key], 3), next((found[name] for name in NAMES if name in found), None)
+    tracks, names = (
+        _unbatched(found[key], 3),
+        next((np.atleast_1d(found[name]) for name in NAMES if name in found), None),
+    )
     if tracks.ndim != 3 or tracks.shape[-1] != 2 or not np.issubdtype(tracks.dtype, np.number):
         raise ValueError(f"{path}: {key} has shape {found[key].shape}: needs (frames, points, 2) px; save as {SAVE}")
     require_cells(str(path), *tracks.shape[:2])

@@ -56,7 +56,7 @@ class Table:
     def number(self, line: int, column: str, text: str, empty: float) -> float:
         """A pixel or a share; `empty` for an empty cell, NaN for NaN."""
         try:
-            value = float(text)
+            value = math.inf if "_" in text else float(text)  # 1_000 is a number to Python only
             if -MOST_PX <= value <= MOST_PX and (self._separator == "," or "." not in text):
                 return value
         except ValueError:

@@ -2,6 +2,7 @@
 row a frame, by its number or the path of its picture. Predictions have x, y, likelihood, CollectedData x and y."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path, PurePosixPath
@@ -53,6 +54,10 @@ def track_of(
 ) -> Track:
     """values: (T, columns). Raises ValueError that names the file and the column."""
     chosen = choose(where, list(dict.fromkeys(one for one, _, _ in headings if one != SINGLE)), individual)
+    several = [heading for heading, count in Counter(headings).items() if count > 1 and heading[0] == chosen]
+    if several:
+        _, part, name = several[0]
+        raise ValueError(f"{where}: two columns are {name} of {part!r}: keep those of one scorer")
     columns = {(part, name): k for k, (one, part, name) in enumerate(headings) if one == chosen}
     parts = list(dict.fromkeys(part for part, _ in columns))
     for part in parts:

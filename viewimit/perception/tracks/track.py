@@ -14,6 +14,8 @@ from ...views import VIEWS, FourViews
 MOST_PX = 1e6  # beyond which no picture goes
 MOST_CELLS = 5_000_000  # frames times points
 CERTAIN = 1.0  # where no confidence is given
+MOST_CONFIDENCE = 2.0  # some trackers' peaks are a little above 1; visible is 2 in COCO's files
+BODIES = (VIEWS[:2], VIEWS[2:])  # the views of each
 Row = tuple[int, str, float, float, float]  # frame, point, x, y, confidence
 
 
@@ -40,6 +42,15 @@ class Track:
             value = self.image[t, n, axis]
             what = f"is no pixel: beyond {MOST_PX:g}" if math.isfinite(value) else "is not a finite number"
             raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}, {'xy'[axis]}: {value:g} {what}")
+        return self.require_shares(where)
+
+    def require_shares(self, where: str) -> "Track":
+        """Itself. Raises ValueError for a confidence that is none."""
+        wrong = self.confidence > MOST_CONFIDENCE
+        if wrong.any():
+            t, n = np.argwhere(wrong)[0]
+            sure = f"confidence {self.confidence[t, n]:g} is not in 0 … 1: divide percentages by 100"
+            raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}: {sure}")
         return self
 
     def sure(self, least_confidence: float) -> NDArray:
@@ -119,9 +130,9 @@ class Rows:
 
 
 def together(tracks: Mapping[str, Track]) -> TrackedPoints:
-    """Of all views, points matched by name. A view of a single frame, such as of a demonstrator that stands still,
-    holds for all frames."""
-    several = [view for view in VIEWS if len(tracks[view].frames) > 1]
+    """Of all views, points matched by name. A body that is shown in a single frame by both of its views, such as a
+    demonstrator that stands still, holds for all frames."""
+    several = [view for pair in BODIES for view in pair if any(len(tracks[of].frames) > 1 for of in pair)]
     frames = np.unique(np.concatenate([tracks[view].frames for view in several or VIEWS[:1]]))
     names = _ordered(list(dict.fromkeys(name for view in VIEWS for name in tracks[view].points)))
     require_cells("all views together", len(frames), len(names))

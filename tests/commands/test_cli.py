@@ -66,6 +66,19 @@ def test_joints_that_nothing_tells_are_named_and_nothing_is_claimed(ask_json, as
 
 @pytest.mark.parametrize(
     "words",
+    ["--servo trust-region --transfer epipolar --max-motions 2", "--servo gradient --max-motions 50"],
+    ids=["cut short", "along a line"],
+)
+def test_of_joints_that_too_few_visits_tell_of_it_is_not_said_that_their_points_do_not(ask_json, ask, words):
+    """A pixel costs them 2° in truth."""
+    run = "imitate", *words.split()
+    _, told = ask_json(*run)
+    assert not told["converged"] and {joint["told"] for joint in told["joints"]} <= {True, None}
+    assert "not told" not in ask(*run)[1]
+
+
+@pytest.mark.parametrize(
+    "words",
     [
         "imitate --noise-px 0.5 --missing 0.05 --seed 3 --start 60.123456789012345,-130 --max-motions 6",
         "imitate --joints 2,4,6 --points 16 --demonstrator 44.997659963130204,-90,10 --max-motions 10",

@@ -10,6 +10,7 @@ from ..analysis.self_assessment import assess
 from ..body_image import BodyImage
 from ..history import MAX_HISTORY
 from ..servo import SERVOS
+from ..servo.certificate import Certificate
 from ..session import Session
 from ..settings import BEST
 from . import BadInput, history_file
@@ -125,12 +126,18 @@ def _at_least(value: float, least: float, form: str) -> str:
     return f"below {least:g}" if value < least else f"{value:{form}}"
 
 
+def _told(certificate: Certificate, joint: int, status: str) -> bool | None:
+    """Whether its points tell a joint, by index; None where the visits that there are leave that open."""
+    if certificate.told[joint]:
+        return True
+    return False if status == "untold" else None
+
+
 def outcome(session: Session) -> dict:
     """`converged`, `expected_error_deg` and `told` are the learner's own claims; `error_deg`, of the worst joint, is
     true."""
     last, known = session.snapshot, assess(session)
     expected = None if known is None else known.certificate.expected
-    told = None if known is None else known.certificate.told
     return {
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
@@ -141,7 +148,7 @@ def outcome(session: Session) -> dict:
                 "name": f"theta{joint}",
                 "deg": np.degrees(last.theta[k]),
                 "expected_error_deg": None if expected is None else np.degrees(expected[k]),
-                "told": None if told is None else bool(told[k]),
+                "told": None if known is None else _told(known.certificate, k, last.status),
             }
             for k, joint in enumerate(session.scene.moving_joints)
         ],

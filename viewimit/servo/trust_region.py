@@ -139,9 +139,11 @@ def _outcome(state: TrustState, moment: Moment) -> str:
 def _identified(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Conflict]:
     """Now and then, while E stays too large: with what seems to be exchanged of the demonstrator's points, and the
     conflict that is left then."""
-    small = max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
     asked = state.asked < len(ASKED_AT) and len(state.known) >= ASKED_AT[state.asked] + len(seen.displacement)
-    if state.exchanged or not asked or not seen.E > small:
+    if state.exchanged or not asked or not np.isfinite(seen.E):
+        return state, conflict
+    small = max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
+    if seen.E <= small:
         return state, conflict
     model = learn(list(state.known), len(state.known) - 1, seen.noise_px)
     pairs = likely_exchange(model.predict, conflict, seen.lower, seen.upper, small)

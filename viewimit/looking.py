@@ -3,6 +3,8 @@
 With equal seeds it sees the same to the last bit. Every look has a stream of the seed for itself.
 """
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +25,8 @@ Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4
 
 class Observer:
     """Looks with `eyes`. theta_rest: (m,) rad, the learner's start, where it measures the noise of its images."""
+
+    anywhere: ClassVar[bool] = True
 
     def __init__(self, eyes: SimulatedEyes, theta_rest: NDArray):
         self._eyes, self._theta_rest = eyes, theta_rest

@@ -146,7 +146,7 @@ class Session:
             return False
         state, displacement = self._ask(now)  # residual e → E → servo
         if exchanged(state) != exchanged(now.servo_state):
-            now = self.observe(now.theta, now, servo_state=state)
+            now = self._observed(now.theta, now, servo_state=state)
         if not np.any(displacement):
             self.log.note(now.motion, Stepped(1))
             self.history.replace(_resting(now, state))
@@ -159,8 +159,15 @@ class Session:
     def observe(self, theta: NDArray, like: Snapshot, **changes) -> Snapshot:
         """What would be seen, recovered and evaluated at `theta`, (m,) rad: nothing moves, nothing is kept.
 
-        like: what it is in all else but `changes`, fields by name.
+        like: what it is in all else but `changes`, fields by name. Raises ValueError for a posture other than the
+        present one with eyes of one's own, which see the arm only where it stands.
         """
+        if not self.observer.anywhere and not np.array_equal(theta, self.snapshot.theta):
+            raise ValueError("eyes of your own see the arm only where it stands: let it move there, and look()")
+        return self._observed(theta, like, **changes)
+
+    def _observed(self, theta: NDArray, like: Snapshot, **changes) -> Snapshot:
+        """As `observe`; with eyes of one's own where the arm now stands."""
         settings, demo = changes.get("settings", like.settings), changes.get("theta_demo", like.theta_demo)
         look, before = changes.get("look", like.look), self.history.recent(POOLED)
         views = self.observer.four_views(settings, theta, demo, look)  # posture → four views
@@ -176,7 +183,7 @@ class Session:
         """Look again where the arm stands → whether the demonstrator is seen elsewhere, for which a servo at rest wakes
         up. A demonstrator of one's own may have moved; in a scene `pose` moves it."""
         now = self.snapshot
-        after = self._followed(now, self.observe(now.theta, now, look=now.look + 1))
+        after = self._followed(now, self._observed(now.theta, now, look=now.look + 1))
         moved = not _same_demonstrator(now, after)
         self.log.note(now.motion, Looked(1))
         wakes = after.transfer is not None and (moved or now.transfer is None)
@@ -307,14 +314,14 @@ class Session:
             status="ready", servo_state=None, lag=None, frozen=None, body=body,
         )  # fmt: skip
         self.history = History([blank], dense=self._dense)
-        self.history.replace(self.observe(theta, blank))
+        self.history.replace(self._observed(theta, blank))
         self.log = log
 
     def _with_points(self) -> Snapshot:
         """The present; looked at again, with the arm held still, if too few points were seen."""
         now = self.snapshot
         if now.transfer is None:
-            again = self.observe(now.theta, now, look=now.look + 1, status=_awake(now))
+            again = self._observed(now.theta, now, look=now.look + 1, status=_awake(now))
             now = self._followed(now, again)
             self.history.replace(now)
         return now
@@ -334,7 +341,7 @@ class Session:
         """The moment after a motion, (m,) rad, that changes these fields as well."""
         commanded, theta = self._drive(now, displacement)  # → next posture
         waited, lag = self.observer.wait(now, theta)
-        after = self.observe(  # → four views → transfer → recovered points → e → E
+        after = self._observed(  # → four views → transfer → recovered points → e → E
             theta, now, motion=now.motion + 1, look=now.look + 1 + waited, lag=lag, commanded=commanded,
             moved=theta - now.theta, **changes,
         )  # fmt: skip
@@ -368,7 +375,7 @@ class Session:
             theta_demo = told(theta_demo, self.embodiment.require_posture, "demonstrator's")
             settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
         theta_demo = self.embodiment.pose(theta_demo)
-        now = self.observe(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))
+        now = self._observed(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))
         if now.servo_state is not None:
             state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)

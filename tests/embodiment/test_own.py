@@ -182,6 +182,25 @@ def test_points_that_are_not_seen_hold_the_arm_and_more_points_of_the_demonstrat
     assert one.run(60).status == "converged"
 
 
+def test_what_would_be_seen_elsewhere_nobody_knows():
+    robot = Robot()
+    one = session(robot)
+    one.run(3)
+    assert one.observe(one.snapshot.theta, one.snapshot).E == one.snapshot.E
+    with pytest.raises(ValueError, match="only where it stands"):
+        one.observe(one.snapshot.theta + 0.1, one.snapshot)
+
+
+@pytest.mark.filterwarnings("error")
+def test_all_own_points_may_be_lost_in_mid_run():
+    for after in range(1, 6):
+        robot = Robot()
+        one = session(robot)
+        one.run(after)
+        robot.hidden = range(10)
+        assert np.isnan(one.run(20).E) and not one.snapshot.status == "converged"
+
+
 def test_it_rehearses_without_a_demonstrator_and_begins_with_that(tmp_path):
     robot = Robot(demo=DEMO)
     one = session(robot, name="mine")

@@ -1,5 +1,7 @@
 """How eyes of one's own are used: so many pictures at each posture, and a demonstrator that may move by itself."""
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,8 @@ Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4
 
 class OwnLooks:
     """See `protocol.Looks`. The demonstrator's images stay the same ones until it moves, or more of it is seen."""
+
+    anywhere: ClassVar[bool] = False
 
     def __init__(self, eyes: Eyes, points: int):
         self._eyes, self._points = eyes, points

@@ -1,7 +1,7 @@
 """What a session needs of a learner and its demonstrator, whatever is behind them: no scene, no world, no truth."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from numpy.typing import ArrayLike, NDArray
 
@@ -12,7 +12,10 @@ from ..views import FourViews
 
 
 class Looks(Protocol):
-    """How both bodies are looked at. m joints; N points, matched by index."""
+    """How both bodies are looked at. m joints; N points, matched by index. anywhere: at any posture, not only where the
+    arm stands."""
+
+    anywhere: ClassVar[bool]
 
     def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
         """theta, theta_demo: (m,) rad, where the arms stand; look: which one it is, of the own body."""

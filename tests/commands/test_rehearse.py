@@ -60,6 +60,11 @@ def test_files_that_are_none_are_named(ask, tmp_path):
     assert ask("rehearse")[0] == 2
 
 
+def test_a_rehearsal_that_shows_nothing_is_no_success(ask, tmp_path):
+    status, out, err = ask("rehearse", "--out", tmp_path / "body.npz", "--missing", 1, "--postures", 4)
+    assert status == 1 and "imitate with" not in out and "no posture shows 5 points" in err
+
+
 def test_bench_counts_the_motions_after_a_rehearsal(ask, ask_json):
     words = "bench", "success", "--transfer", "projective", "--runs", 4, "--seed", 3
     (with_it,) = ask_json(*words, "--servo", "trust-region", "--rehearsed", 12)[1]["success"]

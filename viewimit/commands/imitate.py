@@ -68,7 +68,9 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f"demonstrator  {posture(result['demonstrator_deg'])}")
         if result.get("rehearsal_holds") is False:
-            print("rehearsal     does not hold any more: it has probed anew; rehearse again")
+            print(
+                "rehearsal     foretold too little: it has probed anew; rehearse again, more postures if nothing moved"
+            )
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
         expected = result["expected_error_deg"]
         reckoned = f"; it expects {_at_least(expected, 0.1, '.2g')}°" if np.isfinite(expected or np.inf) else ""

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..body_image import FEWEST
 from ..disturbances import ImageDisturbance
+from ..geometry.affine import MIN_POINTS
 from ..rehearsal import POSTURES, rehearse
 from ..session import Session
 from ..settings import BEST
@@ -16,6 +17,7 @@ from . import BadInput
 from .json_output import print_json
 from .options import (
     DONE,
+    MISSED,
     add_arm_options,
     add_camera_option,
     add_image_options,
@@ -61,5 +63,9 @@ def run(args: argparse.Namespace) -> int:
         print_json(args, told | {"noise_px": body.noise_px, "body": msgspec.to_builtins(body.body)}, settings)
     else:
         print(f"rehearsed     {len(body)} postures of {body.body.robot}, {min(usable)} points or more seen in each")
-        print(f"imitate with  viewimit imitate --body {args.out}")
+        if max(usable) >= MIN_POINTS:
+            print(f"imitate with  viewimit imitate --body {args.out}")
+    if max(usable) < MIN_POINTS:
+        print(f"viewimit rehearse: no posture shows {MIN_POINTS} points, which is what it takes", file=sys.stderr)
+        return MISSED
     return DONE

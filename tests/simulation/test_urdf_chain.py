@@ -107,6 +107,22 @@ def test_a_joint_without_limits_or_range_does_not_move_by_itself(tmp_path):
     assert Robot.from_urdf(path, tip="four").free == (1, 2)
 
 
+def test_who_follows_a_follower_follows_its_leader(tmp_path):
+    """Written in any order: c = 2 b + 0.1 where b = -2 a + 0.3."""
+    follows = '<limit lower="-3" upper="3"/><mimic joint="{}" multiplier="{}" offset="{}"/>'
+    path = write(
+        tmp_path,
+        joint("c", "two", "three", xyz="0.2 0 0", more=follows.format("b", 2, 0.1)),
+        joint("a", "base", "one", axis="0 0 1", xyz="0 0 0.1"),
+        joint("b", "one", "two", xyz="0.2 0 0", more=follows.format("a", -2, 0.3)),
+        joint("d", "three", "four", xyz="0.2 0 0"),
+        joint("e", "four", "five", xyz="0.2 0 0", more=follows.format("e", 1, 0)),
+    )
+    robot = Robot.from_urdf(path, tip="five")
+    assert robot.free == (1, 4)
+    np.testing.assert_allclose(robot.coupled(np.array([0.4, 9.0, 9.0, -0.2])), [0.4, -0.5, -0.9, -0.2])
+
+
 def test_a_mimic_joint_follows_its_leader_alone_and_in_the_chain(tmp_path):
     path = write(
         tmp_path,

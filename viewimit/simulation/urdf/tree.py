@@ -3,7 +3,7 @@
 import hashlib
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -132,7 +132,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
     count = len(root.findall("joint"))
     if count > MOST_JOINTS:
         raise ValueError(f"{path}: it has {count} joints, more than {MOST_JOINTS}: leave out what is no robot")
-    joints = tuple(_read_joint(path, element) for element in root.findall("joint"))
+    joints = _with_leaders(tuple(_read_joint(path, element) for element in root.findall("joint")))
     _require_tree(path, joints)
     links = root.findall("link")
     shapes: dict[str, tuple[Shape, ...]] = {}
@@ -145,6 +145,20 @@ def _parsed(path: Path, content: bytes) -> Tree:
         if any(shapes.values()):
             break
     return Tree(path, joints, shapes, tuple(faults), hashlib.sha256(content).hexdigest())
+
+
+def _with_leaders(joints: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
+    """Who follows a joint that follows another one, follows that one itself."""
+    mimics = {joint.name: joint.mimic for joint in joints}
+
+    def leader(mimic: Mimic, *passed: str) -> Mimic:
+        there = mimics.get(mimic.of)
+        if there is None or mimic.of in passed:  # one in a circle follows nobody
+            return mimic
+        gain, offset = mimic.multiplier * there.multiplier, mimic.multiplier * there.offset + mimic.offset
+        return leader(Mimic(there.of, gain, offset), *passed, mimic.of)
+
+    return tuple(joint if joint.mimic is None else replace(joint, mimic=leader(joint.mimic)) for joint in joints)
 
 
 def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:

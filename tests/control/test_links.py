@@ -48,11 +48,8 @@ def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_
         play(script, session)
 
     monkeypatch.setattr(undoable, "play", slow)
-    sent, pages = (
-        QuietPage(Settings(transfer="linear")),
-        [QuietPage(Settings(), address="/touch/0.x") for _ in range(4)],
-    )
-    text = written(sent.page.model.linked())
+    text = written(QuietPage(Settings(transfer="linear")).page.model.linked())
+    pages = [QuietPage(Settings(), address="/touch/0.x") for _ in range(4)]
     for page in pages:
         for deed in below:
             page.page.touch("lesson", deed)

@@ -1,7 +1,6 @@
 """One page: a model, what is shown of it, and the loop that carries out what its visitor does."""
 
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -21,6 +20,7 @@ from .control.page_model import PageModel
 from .control.queue import CommandQueue
 from .control.redraw import Redraw
 from .control.services import Services
+from .control.shedding import TimeBudget
 from .control.state import WINDOW, PageState
 from .panels import PANELS
 from .panels.panel import NOWHERE, Layout, Reach
@@ -54,11 +54,12 @@ class Page:
         reach: Reach = NOWHERE,
     ):
         self._client, self._shedding, self._keep, self.address = client, services.shedding, keep, reach.address
-        self.queue, self._redraw = CommandQueue(), Redraw()
+        self._clock, self.queue, self._redraw = services.clock, CommandQueue(services.clock), Redraw()
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         self._attendance = Attendance(services.classroom, reach.of_class, self.model, self.queue)
-        self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures)
+        budget = TimeBudget(services.clock)
+        self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures, budget)
         try:
             if resumed is not None:
                 self._resume(resumed)
@@ -105,7 +106,7 @@ class Page:
 
     def say(self, text: str) -> None:
         """To its visitor, for a while."""
-        self.model.say(text, time.monotonic() + SAID_FOR)
+        self.model.say(text, self._clock() + SAID_FOR)
 
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
@@ -187,7 +188,7 @@ class Page:
         self._show_state(replace(self.model.state(now), message="starting the camera images …"), now)
 
     def _send(self, name: str, data: bytes) -> None:
-        now = time.monotonic()
+        now = self._clock()
         if now - self._sent_at.get(name, -SEND_EVERY) >= SEND_EVERY:
             self._sent_at[name] = now
             self._client.send_file_download(name, data, save_immediately=True)

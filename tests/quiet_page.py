@@ -84,10 +84,10 @@ class QuietPage:
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
-        services = Services(*workers, shedding, lambda robot, arm: None, classroom=classroom)
+        clock = lambda: self.now
+        services = Services(*workers, shedding, lambda robot, arm: None, classroom=classroom, clock=clock)
         reach = Reach(address, shared=shared, of_class=of_class)
         self.page = Page(self.client, services, settings or Settings(), keep, resumed, reach)
-        self.page.queue._clock = lambda: self.now
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if widget.label == label)

@@ -1,5 +1,6 @@
 """What all pages of a process share."""
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -16,7 +17,7 @@ from .shedding import LoadShedding
 @dataclass(frozen=True, eq=False)
 class Services:
     """share(robot, arm): puts its meshes on the server's scene, before they are first shown; lessons: by name, in
-    their order; classroom: where there is a lecturer."""
+    their order; classroom: where there is a lecturer; clock: s, that of the ticks."""
 
     landscapes: LandscapeWorker
     experiments: ExperimentWorker
@@ -27,3 +28,4 @@ class Services:
     basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(basin_child.work))
     files: LandscapeWorker = field(default_factory=LandscapeWorker)  # which pictures and replays are made in
     classroom: Classroom | None = None
+    clock: Callable[[], float] = time.monotonic

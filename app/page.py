@@ -179,7 +179,7 @@ class Page:
             period = panel.period(state) * self._shedding.plots
             if period and not self._redraw.due(type(panel), now, period):
                 continue
-            if self._redraw.changed((type(panel), "shown"), *panel.depends_on(state)):
+            if self._redraw.changed(type(panel), *panel.depends_on(state)):
                 panel.show(state)
 
     def _announce_pictures(self, now: float) -> None:

@@ -8,7 +8,7 @@ from viewimit.settings import given
 
 from ..control.commands.session import StartJoint
 from ..control.state import PageState
-from .panel import Layout, Panel
+from .panel import SLOW, Layout, Panel
 from .rehearsal import RehearsalButton
 from .widgets import JointSliders, put_html
 
@@ -26,6 +26,10 @@ class LearnerPanel(Panel):
         own = _stands(state).tobytes()
         shown = own, state.seen.theta_demo.tobytes(), state.present.status, state.imitated is None
         return state.generation, *shown, state.settings.start_deg, state.rehearsal, state.refusals
+
+    def period(self, state: PageState) -> float:
+        """Its own position moves along with the arm; numbers that change with every motion nobody reads faster."""
+        return 0.0 if state.on_its_way is not None else SLOW
 
     def show(self, state: PageState) -> None:
         arms = _stands(state), state.seen.theta_demo

@@ -11,7 +11,7 @@ from viewimit.drawing.over.postures import describe_see_through
 from viewimit.drawing.status import Said, describe, describe_truth, draw_status
 
 from ..control.state import PageState
-from .panel import Layout, Panel
+from .panel import SLOW, Layout, Panel
 from .widgets import put_html
 
 LOOKS_BACK = 5  # motions
@@ -37,6 +37,10 @@ class StatusPanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         moments = state.present, state.see_through, state.imitated, state.points
         return state.message, state.unsaved, *moments, state.playing, _busy(state)
+
+    def period(self, state: PageState) -> float:
+        """Nobody reads faster what changes with every motion."""
+        return SLOW if state.playing else 0.0
 
     def show(self, state: PageState) -> None:
         said, self._truth = _said(state), _truth(state)

@@ -75,14 +75,17 @@ def filled(form: str, values: NDArray) -> str:
     return form % tuple(map(_tenths, np.rint(values * 10).ravel().tolist()))
 
 
+SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # forms of what the next functions draw
+
+
 def segments(start: NDArray, end: NDArray) -> str:
     """start, end: (k, 2) px → k separate lines."""
-    return filled("M%s %sL%s %s" * len(start), np.concatenate([start, end], 1))
+    return filled(SEGMENT * len(start), np.concatenate([start, end], 1))
 
 
 def dots(points: NDArray) -> str:
     """points: (k, 2) px → filled circles, as wide as the stroke."""
-    return filled("M%s %sh0" * len(points), points)
+    return filled(DOT * len(points), points)
 
 
 def circles(points: NDArray, radius: float) -> str:
@@ -91,20 +94,29 @@ def circles(points: NDArray, radius: float) -> str:
     return filled(f"M%s %sm-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0" * len(points), points)
 
 
+def diamond(radius: float) -> str:
+    """The form of one, to be filled with its centre."""
+    r = f"{radius:g}"
+    return f"M%s %sm0-{r}l{r} {r}-{r} {r}-{r}-{r}z"
+
+
 def diamonds(points: NDArray, radius: float) -> str:
     """points: (k, 2) px, their centres."""
-    r = f"{radius:g}"
-    return filled(f"M%s %sm0-{r}l{r} {r}-{r} {r}-{r}-{r}z" * len(points), points)
+    return filled(diamond(radius) * len(points), points)
 
 
 def arrow_tips(start: NDArray, end: NDArray, size: float) -> list[str]:
     """Filled heads of arrows from start to end, (views, k, 2) px → a path a view. Short arrows have shorter heads."""
+    return [filled(TIP * end.shape[1], view) for view in arrow_corners(start, end, size)]
+
+
+def arrow_corners(start: NDArray, end: NDArray, size: float) -> NDArray:
+    """Of these heads: (views, k, 6) px, their points first."""
     along = end - start
     length = np.sqrt((along * along).sum(2, keepdims=True))
     along *= np.minimum(size, length) / np.maximum(length, 1e-9)
     back, across = end - along, 0.42 * along[..., ::-1] * (-1, 1)
-    corners = np.concatenate([end, back + across, back - across], 2)
-    return [filled("M%s %sL%s %s %s %sz" * end.shape[1], view) for view in corners]
+    return np.concatenate([end, back + across, back - across], 2)
 
 
 def polygons(corners: NDArray) -> list[str]:

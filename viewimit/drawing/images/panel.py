@@ -1,6 +1,7 @@
 """The panel Images: the learner's four image planes and what the transfer says about them."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -115,33 +116,48 @@ def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
     drawn = {}
     for k, view in enumerate("lr"):
         used, idle = _used_and_idle(snapshot, k)
-        drawn[view] = f'<path class="vi-seen" d="{svg.diamonds(points[k, used], OBSERVED)}"/>'
+        drawn[view] = f'<path class="vi-seen" d="{_observed(points[k, used].tobytes())}"/>'
         if idle.any():
-            drawn[view] += f'<path class="vi-seen vi-idle" d="{svg.diamonds(points[k, idle], OBSERVED)}"/>'
+            drawn[view] += f'<path class="vi-seen vi-idle" d="{_observed(points[k, idle].tobytes())}"/>'
     return drawn
+
+
+@lru_cache(256)  # the demonstrator mostly rests while the learner moves
+def _observed(points: bytes) -> str:
+    return svg.diamonds(np.frombuffer(points).reshape(-1, 2), OBSERVED)
 
 
 def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
     """Own points, recovered points and the residuals from these to those, in L and R."""
-    drawn = {}
-    e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * windows["L"].scale  # (L R, k, 2)
-    recovered = points[:, snapshot.usable] - e
-    tips = recovered + gain * e
-    heads = svg.arrow_tips(recovered, tips, HEAD)
+    drawn, own = {}, points[:, snapshot.usable]
+    residuals = None if snapshot.transfer is None else _residuals(snapshot, own, windows["L"].scale, gain)
     for k, view in enumerate("LR"):
-        used, idle = _used_and_idle(snapshot, k + 2)
-        own = points[k, used]
-        marks = [f'<path class="vi-own" d="{svg.dots(own)}"/>']
+        _, idle = _used_and_idle(snapshot, k + 2)
+        drawn[view] = f'<path class="vi-own" d="{svg.dots(own[k])}"/>'
         if idle.any():
-            marks.append(f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>')
-        if snapshot.transfer is not None:
-            marks.append(
-                f'<path class="vi-found" d="{svg.diamonds(recovered[k], RECOVERED)}"/>'
-                f'<path class="vi-e" d="{svg.segments(recovered[k], tips[k])}"/>'
-                f'<path class="vi-tip" d="{heads[k]}"/>'
-            )
-        drawn[view] = "".join(marks)
+            drawn[view] += f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>'
+        if residuals is not None:
+            drawn[view] += svg.filled(_form(own.shape[1]), residuals[k])
     return drawn
+
+
+def _residuals(snapshot: Snapshot, own: NDArray, scale: float, gain: float) -> NDArray:
+    """(2, 12 k) px: what `_form` is filled with, in L and in R. own: (2, k, 2) px."""
+    e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * scale  # (L R, k, 2)
+    recovered = own - e
+    tips = recovered + gain * e
+    lines, heads = np.concatenate([recovered, tips], 2), svg.arrow_corners(recovered, tips, HEAD)
+    return np.concatenate([numbers.reshape(2, -1) for numbers in (recovered, lines, heads)], 1)
+
+
+@lru_cache(64)
+def _form(count: int) -> str:
+    """Of so many recovered points and the residuals that begin there. One format is faster than three."""
+    return (
+        f'<path class="vi-found" d="{svg.diamond(RECOVERED) * count}"/>'
+        f'<path class="vi-e" d="{svg.SEGMENT * count}"/>'
+        f'<path class="vi-tip" d="{svg.TIP * count}"/>'
+    )
 
 
 def _used_and_idle(snapshot: Snapshot, k: int) -> tuple[NDArray, NDArray]:

@@ -86,7 +86,7 @@ def _free_corners(places: dict[str, NDArray]) -> tuple[bool, bool]:
     )
 
 
-def placed(images: NDArray, windows: dict[str, Window], views: str) -> NDArray:
+def placed(images: NDArray, windows: Mapping[str, Window], views: str) -> NDArray:
     """images: (views, ..., 2) px → the same in px of each view's box."""
     corner, scale = _corners_and_scales(tuple([windows[view] for view in views]))
     shape = (len(views),) + (1,) * (images.ndim - 2)

@@ -1,6 +1,7 @@
 """Links on the points of the four images: one element that stays, so that a click survives a moving arm, and a style
 that says where each point is."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...views import FourViews
 from .. import svg
-from ..images.planes import SIZES, Windows, placed
+from ..images.planes import SIZES, Window, Windows, placed
 from ..metrics import LEGEND_SIZE, METRICS_SIZE
 from .links import link, sink
 
@@ -74,27 +75,42 @@ def _link(address: str, view: str, i: int, kind: str, stop: bool = False) -> str
 
 def point_places(demo: NDArray, own: NDArray, visible: NDArray, windows: Windows, whole: bool) -> str:
     """A style. demo, own, visible: (N, 4), as `FourViews` has them; what is not visible, cannot be touched."""
-    images = np.concatenate([demo, own], 1).reshape(-1, 4, 2).transpose(1, 0, 2)
-    points = placed(images, windows[whole], "lrLR")
-    inside = ((points >= 0) & (points <= _SIZES[whole])).all(-1) & visible.T
+    shown = windows[whole]
+    rules = _resting_rules(demo.tobytes(), visible[:, :2].tobytes(), (shown["l"], shown["r"]), whole)
+    return f"<style>{rules}{_rules(own, visible[:, 2:], shown, whole, 'LR')}</style>"
+
+
+@lru_cache(64)  # the demonstrator mostly rests while the learner moves
+def _resting_rules(demo: bytes, visible: bytes, windows: tuple[Window, Window], whole: bool) -> str:
+    points, seen = np.frombuffer(demo).reshape(-1, 4), np.frombuffer(visible, bool).reshape(-1, 2)
+    return _rules(points, seen, dict(zip("lr", windows)), whole, "lr")
+
+
+def _rules(images: NDArray, visible: NDArray, windows: Mapping[str, Window], whole: bool, pair: str) -> str:
+    """Of a body's points, (N, 4) px, of which visible, (N, 2), are seen, in a pair of views."""
+    points = placed(images.reshape(-1, 2, 2).transpose(1, 0, 2), windows, pair)
+    inside = ((points >= 0) & (points <= _SIZES[whole, pair])).all(-1) & visible.T
     numbers = np.concatenate([points, _free_radii(points, inside)[..., None]], -1)
-    hidden = [f".vi-at-{'lrLR'[k]}{i}{{display:none}}" for k, i in np.argwhere(~inside).tolist()]
-    rules = svg.filled(_form(len(demo)), np.where(inside[..., None], numbers, 0))
-    return f"<style>{rules}{''.join(hidden)}</style>"
+    rules = svg.filled(_form(len(images), pair), np.where(inside[..., None], numbers, 0))
+    return rules + "".join([f".vi-at-{pair[k]}{i}{{display:none}}" for k, i in np.argwhere(~inside).tolist()])
 
 
-_SIZES = {whole: np.array([sizes[view] for view in "lrLR"])[:, None] for whole, sizes in SIZES.items()}
+_SIZES = {
+    (whole, pair): np.array([sizes[view] for view in pair])[:, None]
+    for whole, sizes in SIZES.items()
+    for pair in ("lr", "LR")
+}
 
 
 @lru_cache(16)
-def _form(count: int) -> str:
-    """Of the rules of so many points: x, y and r of each in l, r, L and R. One format is faster than many."""
+def _form(count: int, pair: str) -> str:
+    """Of the rules of so many points: x, y and r of each in both views. One format is faster than many."""
     rule = ".vi-at-{0}{1}{{transform:translate(%spx,%spx)}}.vi-at-{0}{1} .vi-nearest{{r:%spx}}"
-    return "".join(rule.format(view, i) for view in "lrLR" for i in range(count))
+    return "".join(rule.format(view, i) for view in pair for i in range(count))
 
 
 def _free_radii(points: NDArray, there: NDArray) -> NDArray:
-    """(4, N, 2) px → (4, N) px: half the way to the nearest other point that is there, so that no two circles meet."""
+    """(2, N, 2) px → (2, N) px: half the way to the nearest other point that is there, so that no two circles meet."""
     way = points[:, :, None] - points[:, None]
     square = np.where(there[:, None] & ~np.eye(points.shape[1], dtype=bool), (way * way).sum(-1), np.inf)
     return np.clip(np.sqrt(square.min(-1, initial=np.inf)) / 2, LEAST, HIT)

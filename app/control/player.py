@@ -75,10 +75,11 @@ class Player:
     nothing is stepped.
 
     runners: the visitor's own first; all are stepped motion for motion, and one that rests waits for the others.
+    clock: s, by which a budget is kept.
     """
 
-    def __init__(self, session: Session):
-        self.runners = [Runner(session)]
+    def __init__(self, session: Session, clock: Callable[[], float] = time.monotonic):
+        self.runners, self._clock = [Runner(session)], clock
         self.speed = 2.0
         self.playing = self.still = False
         self._next = 0.0
@@ -136,8 +137,8 @@ class Player:
         if not self.due(now):
             return
         if self.speed == 0:
-            until = time.monotonic() + budget()
-            while self.playing and self._awake and time.monotonic() < until:
+            until = self._clock() + budget()
+            while self.playing and self._awake and self._clock() < until:
                 for runner in self._awake:
                     runner.step()
         else:

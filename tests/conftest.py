@@ -8,7 +8,12 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import threading
+
+if sys.dont_write_bytecode:  # as in many containers, where each process would compile Hypothesis and the tests anew
+    sys.dont_write_bytecode = False
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # for those that are begun
 
 import browser as chromium
 import hypothesis

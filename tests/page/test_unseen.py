@@ -1,9 +1,12 @@
-"""Tabs that are not open, and windows that another hides, are not drawn; once they are seen they show what is."""
+"""Tabs that are not open, and windows that another hides, are not drawn; once they are seen they show what is. What is
+drawn leaves the style of all else as it is."""
 
+import json
 import re
+import statistics
 
 import pytest
-from browsing import CURVES, open_page, posture, press, wait
+from browsing import CURVES, open_page, posture, press, wait, wait_for_status
 from page_fakes import QuietLandscapes
 from quiet_page import QuietPage
 from viewimit.app.panels import PANELS
@@ -98,10 +101,38 @@ def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
     assert not page.gui.widgets[card].visible
 
 
+@pytest.fixture(scope="module")
+def visited(browser, server):
+    page = open_page(browser, server, "small")
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+@pytest.fixture
+def at_the_start(visited):
+    """A page on which others have been, with its learner where it begins."""
+    press(visited, "r")
+    wait_for_status(visited, "Ready")
+    return visited
+
+
 @pytest.mark.browser
-def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_what_is(browser, server):
-    page = open_page(browser, server)
-    told = []
+def test_while_the_loop_runs_little_of_the_page_is_styled_anew(browser, at_the_start):
+    page = at_the_start
+    press(page, " ")
+    wait_for_status(page, "Moving")
+    browser.start_tracing(page=page, categories=["devtools.timeline"])
+    page.wait_for_timeout(1500)
+    trace = json.loads(browser.stop_tracing())["traceEvents"]
+    styled = [event["args"]["elementCount"] for event in trace if "elementCount" in event.get("args", {})]
+    elements = page.evaluate("document.querySelectorAll('*').length")
+    assert len(styled) > 5 and statistics.median(styled) < elements / 4
+
+
+@pytest.mark.browser
+def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_what_is(at_the_start):
+    page, told = at_the_start, []
     page.on("request", lambda request: told.append(request.url.rpartition("/")[2]) if "/unseen/" in request.url else 0)
     cursor = lambda: page.locator(CURVES).first.evaluate("e => e.closest('svg').parentElement.innerHTML")
     page.get_by_role("tab", name="Curves").click()
@@ -121,14 +152,11 @@ def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_
     press(page, "ArrowRight")
     page.evaluate(f"{HIDDEN % 'false'}; {TELL}")
     wait(page, lambda: posture(page) != shown[0] and cursor() != shown[1])
-    page.close()
-    assert page.problems == []
 
 
 @pytest.mark.browser
-def test_what_did_not_reach_the_server_is_told_again(browser, server):
-    page = open_page(browser, server)
-    asked = []
+def test_what_did_not_reach_the_server_is_told_again(at_the_start):
+    page, asked = at_the_start, []
 
     def lose_the_first(route):
         asked.append(route.request.url)
@@ -138,4 +166,5 @@ def test_what_did_not_reach_the_server_is_told_again(browser, server):
     page.get_by_role("tab", name="Equations").click()
     wait_until(lambda: page.wait_for_timeout(100) or len(asked) >= 2, 10)
     assert asked[0] == asked[1]
-    page.close()
+    page.unroute("**/unseen/**")
+    page.problems.clear()  # what was lost

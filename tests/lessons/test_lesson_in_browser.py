@@ -218,9 +218,8 @@ def test_a_lesson_is_shown_to_a_class_and_sent_to_it(browser, server):
     assert page.problems == []
 
 
-def test_the_offer_covers_neither_what_is_said_nor_the_curves(browser, server):
-    """In as many lines as the strip may have."""
-    page = open_page(browser, server, "small")
+def assert_the_offer_covers_nothing(page):
+    """Neither what is said, in as many lines as the strip may have, nor the curves."""
     for size in ((1280, 720), (1024, 640), (1920, 1080), (2560, 1440)):
         page.set_viewport_size({"width": size[0], "height": size[1]})
         wait_for_count(page, CARD, int(size[0] > 1600), exactly=True)
@@ -230,13 +229,15 @@ def test_the_offer_covers_neither_what_is_said_nor_the_curves(browser, server):
         wait(page, lambda beneath=beneath, bottom=bottom: bottom() <= beneath.first.bounding_box()["y"], 10)
         offer, scene = page.locator(OFFER).bounding_box(), page.locator("canvas[data-engine]").bounding_box()
         assert scene["x"] <= offer["x"] and offer["x"] + offer["width"] <= scene["x"] + scene["width"]
-    page.close()
+    page.set_viewport_size({"width": 1280, "height": 720})
+    wait_for_count(page, CARD, 0, exactly=True)
 
 
-def test_escape_leaves_and_what_is_offered_is_offered_once(browser, server):
+def test_the_offer_covers_nothing_escape_leaves_and_what_is_offered_is_offered_once(browser, server):
     page = open_page(browser, server, "small")
     wait_for(page, OFFER)
     at_first = page.evaluate(INPUTS)
+    assert_the_offer_covers_nothing(page)
     press(page, "Escape")
     wait_for_count(page, OFFER, 0, exactly=True)
     page.reload()

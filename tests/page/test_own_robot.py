@@ -1,5 +1,5 @@
 """A robot of a person's own on the page, from its URDF alone: drawn in 3-D and in the images, its joints where they are
-in truth, one that mimics another too."""
+in truth, one that mimics another too. Its server is its own: once that is no more, the page says so."""
 
 import numpy as np
 import pytest
@@ -17,6 +17,7 @@ LIMIT = '<limit lower="-2" upper="2"/>'
 MIMIC = f'{LIMIT}<mimic joint="elbow" multiplier="-1.5"/>'
 FRAMES = """() => Object.fromEntries(Object.entries(window.__viserMutable.nodeRefFromName)
   .filter(([name, node]) => node).map(([name, node]) => [name, node.matrixWorld.elements]))"""
+SAID = "getComputedStyle(document.querySelector('.vi-status'), '::before').content"
 SILHOUETTES = '[aria-label="The four images"] path, [aria-label="The four images"] polygon'
 
 
@@ -42,7 +43,7 @@ def urdf(tmp_path_factory):
     return path
 
 
-def test_it_is_drawn_and_its_joints_are_where_they_are_in_truth_in_light_and_dark(browser, urdf):
+def test_it_is_drawn_in_light_and_dark_with_its_joints_where_they_are_until_the_connection_is_lost(browser, urdf):
     served = Server("--robot", str(urdf), "--joints", "2,3")
     page = open_page(browser, served.url, "small", color_scheme="light")
     scene = load_scene(urdf, joints=(2, 3))
@@ -67,5 +68,7 @@ def test_it_is_drawn_and_its_joints_are_where_they_are_in_truth_in_light_and_dar
         press(page, "ArrowRight")
         wait(page, lambda: not agree(scene.start_deg))
         press(page, "r")
+    assert page.problems == [] and page.evaluate(SAID) == "none"
+    assert served.stop() == 0
+    wait(page, lambda: page.evaluate(SAID) == '"Connection lost, reconnecting …"')
     page.close()
-    assert page.problems == [] and served.stop() == 0

@@ -20,10 +20,25 @@ def touch(page, what):
     page.locator(f"a[href$='class/{what}']").first.click()
 
 
-def test_a_lecturer_shows_how_to_join_until_the_next_click(browser):
-    server = Server("--lecturer", "--host", "0.0.0.0", "--workers", "1")
+@pytest.fixture(scope="module")
+def server():
+    """Of a class in a network, if there is one."""
+    served = Server("--lecturer", "--host", "0.0.0.0")
+    yield served
+    assert served.stop() == 0
+
+
+@pytest.fixture(scope="module")
+def lecturer(browser, server):
+    page = open_page(browser, wait_until(lambda: re.search(r"the lecturer opens (\S+)\n", server.log))[1], "small")
+    assert "lecturer" not in page.url
+    yield page
+    page.close()
+    assert page.problems == []
+
+
+def test_a_lecturer_shows_how_to_join_until_the_next_click(server, lecturer):
     others = wait_until(lambda: re.search(r"others open (\S+),|no network", server.log))[1]
-    lecturer = open_page(browser, wait_until(lambda: re.search(r"the lecturer opens (\S+)\n", server.log))[1], "small")
     lecturer.get_by_role("tab", name="Class").click()
     wait_for_text(lecturer, f"Students open {others}" if others else "Nobody else reaches this page")
     if others:
@@ -35,17 +50,10 @@ def test_a_lecturer_shows_how_to_join_until_the_next_click(browser):
             assert lecturer.evaluate("document.elementFromPoint(1200, 700).closest('a')?.className") == JOIN[1:]
             hide()
             wait_for_count(lecturer, JOIN, 0, exactly=True)
-    assert lecturer.problems == []
-    lecturer.close()
-    assert server.stop() == 0
 
 
-def test_a_lecturer_sees_leads_and_asks_a_student(browser):
-    server = Server("--lecturer")
-    address = wait_until(lambda: re.search(r"the lecturer opens (\S+)\n", server.log))[1]
+def test_a_lecturer_sees_leads_and_asks_a_student(browser, server, lecturer):
     student, alone = open_page(browser, server.url, "small"), Session(Settings())
-    lecturer = open_page(browser, address, "small")
-    assert "lecturer" not in lecturer.url
     assert not student.get_by_role("tab", name="Class").count()
     name = student.locator("div.mantine-Flex-root").filter(has=student.get_by_text("Your name", exact=True)).last
     name.locator("input").fill("<i>Mira</i>")
@@ -91,7 +99,5 @@ def test_a_lecturer_sees_leads_and_asks_a_student(browser):
     wait_for_text(student, "1 of 1 are right")
     touch(lecturer, "close")
     wait_for_count(student, ".vi-guide", 0, exactly=True)
-    for page in (lecturer, student):
-        assert page.problems == []
-        page.close()
-    assert server.stop() == 0
+    student.close()
+    assert student.problems == []

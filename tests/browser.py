@@ -11,6 +11,7 @@ ELSEWHERE = ("/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",)
 OFF = (
     "WebUIOmniboxPopup",  # the address bar's lists, which nobody sees: each window would have a process for them
     "WebUIOmniboxAimPopup",
+    "SpareRendererForSitePerProcess",  # a process made ready for a next page, of which there is mostly none
     # As Playwright has it, whose own list this takes the place of
     "DestroyProfileOnBrowserClose",
     "HttpsUpgrades",

@@ -27,6 +27,7 @@ from viewimit.settings import Settings
 SHORT = Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 20})
 LONG = Request("fig9", Settings(), {"starts": (9, 9)})
 PATIENCE = 60.0  # s, on a busy machine
+LEAST_PRIORITY = 19  # no process can be more polite
 
 
 @pytest.fixture
@@ -214,7 +215,7 @@ def test_the_process_is_polite_and_loads_nothing_of_the_page(worker):
     worker.ask(1, LONG, told)
     pid = running_pid(told)
     if hasattr(os, "getpriority"):
-        assert os.getpriority(os.PRIO_PROCESS, pid) >= os.getpriority(os.PRIO_PROCESS, 0) + 10
+        assert os.getpriority(os.PRIO_PROCESS, pid) >= min(os.getpriority(os.PRIO_PROCESS, 0) + 10, LEAST_PRIORITY)
     code = "import {}, sys; print(*sys.modules)"
     modules = {
         "viewimit.app.jobs.experiment_child": {"numpy", "viser"},

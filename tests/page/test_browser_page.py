@@ -415,7 +415,8 @@ def laboratory(session):
 def test_an_experiment_is_run_judged_and_downloaded(laboratory):
     page = laboratory
     choose(page, "Experiment", "Fig. 10: trajectory imitation")
-    assert "frozen" in page.text_content(EXPERIMENT) and page.get_by_text("Download figure and data").is_disabled()
+    wait(page, lambda: "frozen" in page.text_content(EXPERIMENT))
+    assert page.get_by_text("Download figure and data").is_disabled()
     click(page, "Run")
     seen = set()
     wait(page, lambda: seen.add(progress(page)) or "done" in progress(page), 60)

@@ -75,19 +75,22 @@ def plain(demo, own, steps, prior):
         p = p * min(1, projective.LARGEST_P / max(np.linalg.norm(p), 1e-300))
 
 
-def test_a_batch_is_the_plain_loop_posture_by_posture():
+@pytest.mark.parametrize("postures", [40, 60])
+def test_a_batch_is_the_plain_loop_posture_by_posture(postures):
+    """A short one by LAPACK, and a long one by array operations."""
     world, rng = World(load_scene("iiwa")), np.random.default_rng(3)
     demo, _ = world.demo_images(np.radians([40, -70]))
-    own, _ = world.own_images(rng.uniform(world.scene.lower, world.scene.upper, (40, 2)).T)
+    own, _ = world.own_images(rng.uniform(world.scene.lower, world.scene.upper, (postures, 2)).T)
+    assert (own[..., 0].size > projective.FEW) == (postures == 60)
     recovered = projective.fit(seen(demo, own)).recover(demo[:, :2], demo[:, 2:])
     expected = [plain(demo, each, projective.STEPS, projective.PRIOR) for each in own]
     np.testing.assert_allclose(recovered, expected, atol=1e-8)
     one = projective.fit(seen(demo, own[7])).recover(demo[:, :2], demo[:, 2:])
     np.testing.assert_allclose(one, recovered[7], atol=1e-9)
-    both = np.stack([demo, demo + np.random.default_rng(1).normal(size=demo.shape)])
-    batched = projective.fit(seen(both, own[:2])).recover(both[..., :2], both[..., 2:])
-    for k in range(2):
-        np.testing.assert_allclose(batched[k], plain(both[k], own[k], projective.STEPS, projective.PRIOR), atol=1e-8)
+    demos = demo + np.random.default_rng(1).normal(size=own.shape)
+    batched = projective.fit(seen(demos, own)).recover(demos[..., :2], demos[..., 2:])
+    expected = [plain(*each, projective.STEPS, projective.PRIOR) for each in zip(demos, own)]
+    np.testing.assert_allclose(batched, expected, atol=1e-8)
 
 
 def test_it_recovers_points_that_it_was_not_fitted_to():
@@ -120,9 +123,10 @@ def test_coplanar_points_have_no_condition_and_still_a_transfer():
 @pytest.mark.parametrize("seed", range(4))
 def test_one_posture_alone_is_fitted_as_in_a_batch(seed):
     views = heads_views(np.random.default_rng(seed))
-    other = views.own + np.random.default_rng(seed).standard_normal(views.own.shape)
-    batch = projective.fit(seen(views.demo, np.stack([views.own, other])))
-    for k, own in enumerate((views.own, other)):
+    postures = views.own + np.random.default_rng(seed).standard_normal((1 + projective.FEW // 12, *views.own.shape))
+    postures[0] = views.own
+    batch = projective.fit(seen(views.demo, postures))
+    for k, own in enumerate(postures):
         alone = projective.fit(seen(views.demo, own))
         np.testing.assert_allclose(alone.p, batch.p[k], atol=1e-12)
         np.testing.assert_allclose(alone.coefficients, batch.coefficients[k], atol=1e-9)

@@ -9,7 +9,6 @@ scales with the images.
 Component axes come first here, the batch (G) last. h = [1; u] is one of 4, n a point, k one of 4 own coordinates.
 """
 
-import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -27,6 +26,9 @@ from .weighted import Weighted
 STEPS = 3
 PRIOR = 3e-4  # weight of |p|² beside the squared residuals, relative to the mean square of the centred own points
 LARGEST_P, NEAREST = 0.6, 0.15  # bounds of |p| and of ρ: no point is at infinity or behind the camera
+FEW = 500  # points in all postures, up to which LAPACK, one by one, is sooner than array operations all at once
+LEAST_SQUARE = 1e-12  # px²: of own points that are all in one place
+UNIT = np.eye(3)
 UPPER = np.triu_indices(4)
 SYMMETRIC = np.zeros((4, 4), int)  # where of the products of h that of a and b is
 SYMMETRIC[UPPER] = SYMMETRIC[UPPER[::-1]] = np.arange(10)
@@ -63,8 +65,8 @@ def fit(views: FourViews) -> ProjectiveTransfer:
     body = _body_of(views.demo) if views.demo.ndim > 2 else _body(np.ascontiguousarray(views.demo, float).tobytes())
     own_mean, own = centred(views.own)
     batch = own.shape[:-2]
-    if math.prod(batch) == 1:
-        p, coefficients = _fit_one(body.h.reshape(4, count).T, own.reshape(count, 4))
+    if own.size <= 4 * FEW:
+        p, coefficients = _fit_few(body.h.T.reshape(views.demo.shape), own)
     else:
         p, coefficients = _fit(body, np.ascontiguousarray(own.reshape(-1, count, 4).transpose(1, 2, 0)))
     return ProjectiveTransfer(
@@ -105,26 +107,29 @@ def _body_of(demo: NDArray) -> Body:
     return Body(h, h[UPPER[0]] * h[UPPER[1]], mean, basis, flat)
 
 
-def _fit_one(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
-    """As the batch is fitted, for a single posture in less than half its time: p (3,), coefficients (4, 4).
+def _fit_few(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
+    """As a long batch is fitted; LAPACK and few calls of numpy serve a short one, or one posture, sooner: p (..., 3),
+    coefficients (..., 4, 4).
 
-    h: (N, 4), Y: (N, 4) px. With H = h/ρ and Ŷ its combination that is nearest to Y, the Jacobian is what H cannot
-    make of -A, A = [Ŷ u_j/ρ].
+    h: (N, 4) or (..., N, 4), Y: (..., N, 4) px, centred. With H = h/ρ and Ŷ its combination that is nearest to Y, the
+    Jacobian is what H cannot make of -A, A = [Ŷ u_j/ρ].
     """
-    prior = PRIOR * (np.vdot(Y, Y) / len(Y) or 1.0) * np.eye(3)  # 1: all in one place
-    p: NDArray = np.zeros(3)
-    H, inverse = h, np.eye(4) / len(h)  # where p = 0 its columns are orthogonal, of length √N
+    *batch, count, _ = Y.shape
+    flat = Y.reshape(*batch, 4 * count, 1)
+    prior = PRIOR / count * np.maximum(flat.swapaxes(-1, -2) @ flat, LEAST_SQUARE)
+    u, p = h[..., 1:], np.zeros((*batch, 3, 1))
+    H, inverse = h, h.swapaxes(-1, -2) / count  # where p = 0 the columns of H are orthogonal, of length √N
     for _ in range(STEPS):
-        found = H @ (inverse @ (H.T @ Y))
-        A = found[:, :, None] * H[:, None, 1:]
-        inside = H @ (inverse @ (H.T @ A.reshape(-1, 12)))
-        A = A.reshape(-1, 3)
-        normal = A.T @ (A - inside.reshape(-1, 3)) + prior
-        p = p - np.linalg.solve(normal, (Y - found).ravel() @ A + prior @ p)
-        p *= min(1.0, LARGEST_P / max(math.sqrt(p @ p), 1e-300))
-        H = h / np.maximum(1 + h[:, 1:] @ p, NEAREST)[:, None]
-        inverse = np.linalg.inv(H.T @ H)
-    return p, inverse @ (H.T @ Y)
+        found = H @ (inverse @ Y)
+        A = found[..., None] * H[..., None, 1:]
+        left = A.reshape(*batch, count, 12)
+        left = (left - H @ (inverse @ left)).reshape(*batch, 4 * count, 3)
+        A = A.reshape(left.shape).swapaxes(-1, -2)
+        p = p - np.linalg.solve(A @ left + prior * UNIT, A @ (Y - found).reshape(flat.shape) + prior * p)
+        p *= LARGEST_P / np.maximum(np.sqrt(p.swapaxes(-1, -2) @ p), LARGEST_P)
+        H = h / np.maximum(1 + u @ p, NEAREST)
+        inverse = np.linalg.inv(H.swapaxes(-1, -2) @ H) @ H.swapaxes(-1, -2)
+    return p[..., 0], inverse @ Y
 
 
 def _fit(body: Body, Y: NDArray) -> tuple[NDArray, NDArray]:

@@ -134,3 +134,12 @@ def test_predicted_images_are_the_sums_of_those_visited_that_it_says(linear):
         assert weights.sum() == pytest.approx(1)
         told = np.tensordot(weights, [visit.own for visit in visits], 1)
         np.testing.assert_allclose(told, model.predict(theta), atol=1e-6)
+
+
+def test_slopes_are_what_differences_of_predicted_images_come_to(linear):
+    images, rng = linear
+    places = rng.uniform(-0.5, 0.5, (5, 2))
+    curved = lambda theta: images(theta) + 20 * np.sin(3 * theta[0]) * theta[1]
+    model, theta, step = learn(visits_of(curved, places), 2, 0.5), np.array([0.2, -0.3]), 1e-4 * np.eye(2)
+    expected = (model.predict(theta + step) - model.predict(theta - step)) / 2e-4
+    np.testing.assert_allclose(model.slopes(theta), expected, atol=1e-5)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..evaluation import conflict as evaluate
 
 ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # rad
+SAME = np.radians(1.0)  # starts that head for places nearer than this come to one minimum
 WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
 DAMPINGS = np.array([0.0, 1.0])
 
@@ -17,60 +18,85 @@ ResidualAt = Callable[[NDArray], NDArray]
 
 @dataclass(frozen=True)
 class Minimum:
-    """theta: (m,) rad; E there and at the first start, px²; hessian: (m, m) px²/rad², Gauss and Newton's; points: N."""
+    """theta: (m,) rad; E there and at the first start, px²; hessian: (m, m) px²/rad², Gauss and Newton's; points: N;
+    left: (m,) rad, from there to where the linear model has the least E, if that is too near to be worth a round."""
 
     theta: NDArray
     E: float
     E_first: float
     hessian: NDArray
     points: int
+    left: NDArray
 
 
-def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArray, rounds: int = ROUNDS) -> Minimum:
+def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArray) -> Minimum:
     """Over the box [low, high], of E of residual_at(θ): (..., m) rad → (..., N, C) px. starts: (s, m) rad.
 
-    Each round asks for the damped candidates of all starts and their difference quotients in one batch.
+    Each round asks for the damped candidates of all starts that still gain and their difference quotients in one batch.
+    A start that heads for where another has come to with a smaller E is given up.
     """
     s, m = starts.shape
-    joints, each = np.arange(m), np.arange(s)
-    candidates = starts[:, None]
-    best, best_E, hessians, E_first = starts, np.full(s, np.inf), np.zeros((s, m, m)), np.nan
-    count = 0  # points
-    for _ in range(rounds):
-        inward = np.where(candidates + DIFFERENCE > high, -DIFFERENCE, DIFFERENCE)
-        asked = np.repeat(candidates[:, :, None], m + 1, axis=2)
-        asked[:, :, joints + 1, joints] += inward
-        e = residual_at(asked)
+    best, best_E, hessians = starts.copy(), np.full(s, np.inf), np.zeros((s, m, m))
+    heading = starts.copy()  # where each start goes next, undamped
+    aside = np.eye(1 + m, m, -1)  # here, and a little on by each joint
+    live, candidates = np.arange(s), starts[:, None]
+    E_first, count = np.nan, 0  # count: points
+    for _ in range(ROUNDS):
+        inward = np.where(candidates > high - DIFFERENCE, -DIFFERENCE, DIFFERENCE)
+        e = residual_at(candidates[:, :, None] + inward[:, :, None] * aside)
         count = e.shape[-2]
         E = evaluate(e[:, :, 0])
         E_first = E[0, 0] if E_first is np.nan else E_first
-        k = E.argmin(1)
-        better = E[each, k] < best_E * (1 - WORTHWHILE)
-        if not better.any():
+        (better,) = (E.min(1) < best_E[live] * (1 - WORTHWHILE)).nonzero()
+        if not len(better):
             break
-        best = np.where(better[:, None], candidates[each, k], best)
-        best_E = np.where(better, E[each, k], best_E)
-        flat = e[each, k].reshape(s, m + 1, -1)
-        J = (flat[:, 1:] - flat[:, :1]) / inward[each, k][:, :, None]
-        gradient, normal = (J @ flat[:, 0, :, None])[..., 0], J @ J.swapaxes(1, 2)
-        hessians = np.where(better[:, None, None], normal / e.shape[-2], hessians)
-        free = ~(((best <= low) & (gradient > 0)) | ((best >= high) & (gradient < 0)))
-        steps = _damped_steps(np.where(free, gradient, 0.0), normal, free)
-        gained = np.einsum("si,si->s", np.where(free, gradient, 0.0), steps[:, 0])
-        squared = np.einsum("sk,sk->s", flat[:, 0], flat[:, 0])
-        on = better & (gained >= WORTHWHILE * squared) & (np.abs(steps).max((1, 2)) >= SHORT)
+        live, k = live[better], E.argmin(1)[better]
+        best[live], best_E[live] = candidates[better, k], E[better, k]
+        normal, steps, gains = _linear(e[better, k], inward[better, k], best[live], low, high)
+        hessians[live] = normal / count
+        candidates = np.minimum(np.maximum(best[live, None] - steps, low), high)
+        heading[live] = candidates[:, 0]
+        on = gains & _apart(heading, best_E)[live]
         if not on.any():
             break  # by its own linear model nothing is left to gain
-        candidates = np.clip(best[:, None] - steps, low, high)
-    least = int(np.argmin(best_E))
-    return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count)
+        live, candidates = live[on], candidates[on]
+    least = int(best_E.argmin())
+    left = heading[least] - best[least]
+    left = left if np.abs(left).max() < SHORT else np.zeros(m)
+    return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count, left)
+
+
+def _apart(heading: NDArray, E: NDArray) -> NDArray:
+    """(s,) bool: which starts head elsewhere than that with the least E, and this one. heading: (s, m) rad."""
+    least = E.argmin()
+    apart = np.abs(heading - heading[least]).max(1) > SAME
+    apart[least] = True
+    return apart
+
+
+def _linear(
+    e: NDArray, inward: NDArray, theta: NDArray, low: NDArray, high: NDArray
+) -> tuple[NDArray, NDArray, NDArray]:
+    """By the linear model at theta (l, m): its normal equations (l, m, m), damped steps (l, len(DAMPINGS), m) rad to
+    take off theta, and whether the first of them gains anything, (l,) bool. e: (l, 1 + m, N, C) px, there and a little
+    on by each joint, inward: (l, m) rad."""
+    e = e.reshape(*e.shape[:2], -1)
+    J = (e[:, 1:] - e[:, :1]) / inward[:, :, None]
+    gradient, normal = (J @ e[:, 0, :, None])[..., 0], J @ J.swapaxes(1, 2)
+    free = ~(((theta <= low) & (gradient > 0)) | ((theta >= high) & (gradient < 0)))
+    gradient = np.where(free, gradient, 0.0)
+    steps = _damped_steps(gradient, normal, free)
+    gained, squared = np.einsum("li,li->l", gradient, steps[:, 0]), np.einsum("lk,lk->l", e[:, 0], e[:, 0])
+    longest = np.abs(steps).reshape(len(steps), -1).max(1)
+    return normal, steps, (gained >= WORTHWHILE * squared) & (longest >= SHORT)
 
 
 def _damped_steps(gradient: NDArray, normal: NDArray, free: NDArray) -> NDArray:
     """(H + λ diag H)⁻¹ g over the free joints, for every damping λ → (s, len(DAMPINGS), m)."""
-    own = np.diagonal(normal, axis1=1, axis2=2)
-    own = own + 1e-12 * np.maximum(own.sum(1, keepdims=True), 1e-300)
-    damped = normal[:, None] + (DAMPINGS[:, None, None] + 1e-9) * (own[:, None, :, None] * np.eye(own.shape[1]))
-    both = free[:, None, :, None] & free[:, None, None, :]
-    damped = np.where(both, damped, np.eye(own.shape[1]))
-    return np.linalg.solve(damped, np.broadcast_to(gradient[:, None, :, None], damped.shape[:3] + (1,)))[..., 0]
+    unit = np.eye(normal.shape[1])
+    own = normal * unit
+    own += 1e-12 * np.maximum(np.trace(own, axis1=1, axis2=2), 1e-300)[:, None, None] * unit
+    damped = normal[:, None] + (DAMPINGS[:, None, None] + 1e-9) * own[:, None]
+    if not free.all():
+        damped = np.where(free[:, None, :, None] & free[:, None, None, :], damped, unit)
+    return np.linalg.solve(damped, gradient[:, None, :, None])[..., 0]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,7 +82,8 @@ def look_out(
     E = float(measured.E[best])
     if by is not None:
         return Outlook(E, model, found, None)
-    known = Known(visits, best, E, measured.points[best], model, seen, lambda own: conflict(own, None, like))
+    by_own = measured.E if like is None else None
+    known = Known(visits, best, E, measured.points[best], model, seen, lambda own: conflict(own, None, like), by_own)
     return Outlook(E, model, found, lambda place: certify(survey(known, found, place)))
 
 
@@ -134,10 +136,18 @@ def _search(model: Surrogate, radius: float, seen: Observation, residual_at) -> 
     low, high = np.maximum(seen.lower, model.centre - radius), np.minimum(seen.upper, model.centre + radius)
     m = len(low)
     if m <= 2:
-        axes = [np.linspace(a, b, GRID) for a, b in zip(low, high)]
-        scattered = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, m)
+        share = _grid(m)
+        scattered = (1 - share) * low + share * high
     else:
         scattered = np.random.default_rng(seen.motion).uniform(low, high, (SCATTERED, m))
     E = evaluate(residual_at(scattered))
     starts = np.concatenate([model.centre[None], scattered[np.argsort(E)[:POLISHED]]])
-    return minimise(residual_at, starts, low, high)
+    found = minimise(residual_at, starts, low, high)
+    return replace(found, theta=found.theta + found.left)  # what is claimed to be left of errors rests on the place
+
+
+@cache
+def _grid(joints: int) -> NDArray:
+    """(GRID**m, m): shares of each joint's range, evenly from 0 to 1."""
+    axes = np.meshgrid(*[np.linspace(0, 1, GRID)] * joints, indexing="ij")
+    return np.stack(axes, -1).reshape(-1, joints)

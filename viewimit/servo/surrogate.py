@@ -32,7 +32,13 @@ class Surrogate:
     def predict(self, displacement: NDArray) -> NDArray:
         """(..., m) rad → (..., N, 4) px, NaN for points never seen, or too rarely to tell how they move."""
         k = kernel(displacement - self.centre, self.away)
-        return self.at_centre + np.tensordot(k, self.weight, 1)
+        rise = k.reshape(-1, len(self.away)) @ self.weight.reshape(len(self.away), -1)  # of the whole batch at once
+        return self.at_centre + rise.reshape(*k.shape[:-1], *self.at_centre.shape)
+
+    def slopes(self, displacement: NDArray) -> NDArray:
+        """(m,) rad → (m, N, 4) px/rad: the derivatives of the predicted images."""
+        weight = self.weight.reshape(len(self.away), -1)
+        return (self._with_slopes(displacement).T @ weight).reshape(-1, *self.at_centre.shape)
 
     def spread(self, displacement: NDArray) -> NDArray:
         """(k, m) rad → (k, N) px: standard deviations of what is predicted, inf for points never seen."""
@@ -62,6 +68,8 @@ class Surrogate:
     def unlearned_slopes(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (N,) px/rad, standard deviations: what is not known of how a point's images move there, in the
         direction of which the least is known, but is of a point that was seen at every visit, for which it is 0."""
+        if self.seen.all():
+            return np.zeros(self.seen.shape[1])
         K, with_slopes = gram(self.away, self.noise_px), self._with_slopes(displacement)
         explained = lambda told: with_slopes[told].T @ np.linalg.solve(K[np.ix_(told, told)], with_slopes[told])
         patterns, of = np.unique(self.seen, axis=1, return_inverse=True)
@@ -83,19 +91,26 @@ def learn(visits: list[Visit], centre: int, noise_px: float) -> Surrogate:
     """Around one of the visits. noise_px: of an image coordinate, standard deviation."""
     displacement = np.array([visit.displacement for visit in visits])
     own = np.array([visit.own for visit in visits])
-    seen = by_coordinate(np.array([visit.seen for visit in visits]))
+    seen = np.array([visit.seen for visit in visits])
     away = displacement - displacement[centre]
-    at_centre = _nearest_seen(own, seen, np.abs(away).max(1))
-    at_centre[_rarely_seen(seen, away.shape[1] + 1)] = np.nan
-    K = gram(away, noise_px)
-    rise = np.where(seen, own - at_centre, 0.0).reshape(len(visits), -1)
+    distance, K = np.abs(away).max(1), gram(away, noise_px)
     if seen.all():
-        weight = np.linalg.solve(K, rise)
-    else:  # what was not seen has no part: its rows and columns are those of the identity
-        told = seen.reshape(len(visits), -1).T
-        each = np.where(told[:, :, None] & told[:, None, :], K, np.eye(len(visits)))
-        weight = np.linalg.solve(each, rise.T[:, :, None])[:, :, 0].T
+        at_centre = own[distance.argmin()]
+        weight = np.linalg.solve(K, (own - at_centre).reshape(len(visits), -1))
+    else:
+        at_centre, weight = _of_seen(own, by_coordinate(seen), distance, K, away.shape[1] + 1)
     return Surrogate(displacement[centre], at_centre, away, weight.reshape(own.shape), noise_px, np.all(seen, -1))
+
+
+def _of_seen(own: NDArray, seen: NDArray, distance: NDArray, K: NDArray, times: int) -> tuple[NDArray, NDArray]:
+    """Of images (n, N, 4) px of which those coordinates were seen: at the centre, (N, 4) px, and weights (n, 4N).
+    distance: (n,) rad, from there; times: that a point must have been seen."""
+    at_centre = _nearest_seen(own, seen, distance)
+    at_centre[_rarely_seen(seen, times)] = np.nan
+    rise = np.where(seen, own - at_centre, 0.0).reshape(len(own), -1)
+    told = seen.reshape(len(own), -1).T  # what was not seen has no part: its rows and columns are those of the identity
+    each = np.where(told[:, :, None] & told[:, None, :], K, np.eye(len(own)))
+    return at_centre, np.linalg.solve(each, rise.T[:, :, None])[:, :, 0].T
 
 
 def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:
@@ -115,7 +130,7 @@ def _rarely_seen(seen: NDArray, times: int) -> NDArray:
 def kernel(a: NDArray, b: NDArray) -> NDArray:
     """a: (..., m), b: (n, m) rad → (..., n) px²"""
     along = a @ b.T
-    apart = (a * a).sum(-1)[..., None] + (b * b).sum(-1) - 2 * along
+    apart = np.einsum("...i,...i->...", a, a)[..., None] + np.einsum("ni,ni->n", b, b) - 2 * along
     return OFFSET**2 + SLOPE**2 * along + BEND**2 * np.exp(apart / (-2 * LENGTH**2))
 
 

@@ -64,7 +64,8 @@ class Surroundings:
 class Known:
     """visits; best: index of the one with the smallest E; E: px², there; points: (N,) bool, by which it was measured
     there; model: learned from the visits; seen: at the last; residual_of: own images (..., N, 4) px → (..., n, C) px,
-    by the transfer chosen, points NaN in them left out."""
+    by the transfer chosen, points NaN in them left out; measured: (n,) px², E of each visit by its own images, None
+    where it was not by these."""
 
     visits: tuple[Visit, ...]
     best: int
@@ -73,6 +74,7 @@ class Known:
     model: Surrogate
     seen: Observation
     residual_of: Callable[[NDArray], NDArray]
+    measured: NDArray | None = None
 
 
 def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
@@ -131,7 +133,7 @@ def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> 
     seen = np.array([visit.seen.all(-1) for visit in known.visits])
     hessians = np.repeat(hessian[None], len(own), 0)
     if seen.all():
-        E = evaluate(known.residual_of(own))
+        E = evaluate(known.residual_of(own)) if known.measured is None else known.measured
         with np.errstate(invalid="ignore"):  # two that nothing tells
             return E - E[known.best], hessians
     rises = np.full(len(own), np.nan)
@@ -156,9 +158,7 @@ def _really_seen(known: Known, points: int) -> int:
 
 def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:
     """(m, m) px²/rad², as `Surroundings.slopes`, of the points that the model knows."""
-    aside = DIFFERENCE * np.eye(len(place))
-    images = model.predict(np.concatenate([place + aside, place - aside]))
-    images = images[:, np.isfinite(images).all((0, 2))]
-    points = max(images.shape[1], 1)
-    slopes = (images[: len(place)] - images[len(place) :]).reshape(len(place), -1) / (2 * DIFFERENCE)
+    slopes = model.slopes(place)[:, np.isfinite(model.at_centre).all(-1)]
+    points = max(slopes.shape[1], 1)
+    slopes = slopes.reshape(len(place), -1)
     return slopes @ slopes.T / points

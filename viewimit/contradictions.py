@@ -21,7 +21,7 @@ POOLED = 10  # moments
 def believed(views: FourViews, moments: Sequence[Snapshot], noise_px: float, look: int) -> FourViews:
     """The views with points unseen where left and right contradict each other. moments: those before; look: by which
     draws are seeded."""
-    now = [images[visible.all(-1)] for images, visible in views.bodies]
+    now = views.matches
     matches, rectification = np.concatenate(now), moments[-1].rectification
     if agree(*sides(matches, rectification), noise_px):
         return views

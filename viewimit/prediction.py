@@ -68,10 +68,12 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
         return noise_weight(alike(like, known))
 
     def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
-        known = demo_seen & np.isfinite(own).all(-1).reshape(-1, len(demo_seen)).all(0)
-        if known.sum() < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
+        told = np.isfinite(own)
+        known = demo_seen if told.all() else demo_seen & told.all(-1).reshape(-1, len(demo_seen)).all(0)
+        if np.count_nonzero(known) < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
             return np.full((*own.shape[:-2], 1, 4), np.inf)
-        imagined = FourViews(demo[known], own[..., known, :], now.views.visible[known])
+        imagined = FourViews(demo, own, now.views.visible)
+        imagined = imagined if np.count_nonzero(known) == len(known) else imagined.select(known)
         one = None if like is None else (np.asarray(like, float).tobytes(), known.tobytes())
         if one and not by and frozen is None:
             weighed = near(*one)

@@ -34,7 +34,6 @@ def pooled(seen: Iterable[FourViews]) -> NDArray:
     """All different pairs of views of both bodies: matches (M, 4) px of the left and the right camera."""
     pairs: dict[bytes, NDArray] = {}
     for views in seen:
-        for images, visible in views.bodies:
-            matched = images[visible.all(-1)]
+        for matched in views.matches:
             pairs.setdefault(matched.tobytes(), matched)
     return np.concatenate(list(pairs.values()))

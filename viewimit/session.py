@@ -402,7 +402,8 @@ def _resting(now: Snapshot, state: Any) -> Snapshot:
 
 
 def _same_demonstrator(now: Snapshot, after: Snapshot) -> bool:
-    return np.array_equal(now.views.demo, after.views.demo, equal_nan=True)
+    before, demo = now.views.demo, after.views.demo
+    return before is demo or np.array_equal(before, demo, equal_nan=True)
 
 
 def _awake(now: Snapshot) -> str:

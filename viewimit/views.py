@@ -70,6 +70,12 @@ class FourViews:
         return (self.demo, self.visible[..., :2]), (self.own, self.visible[..., 2:])
 
     @cached_property
+    def matches(self) -> tuple[NDArray, NDArray]:
+        """Of the demonstrator and of the learner, the points that both cameras see: (M, 4) px each, of one posture."""
+        demo, own = (images if visible.all() else images[visible.all(-1)] for images, visible in self.bodies)
+        return demo, own
+
+    @cached_property
     def usable(self) -> NDArray:
         """(..., N) bool: seen in all four views, as every transfer needs it."""
         return np.asarray(self.visible.all(-1))

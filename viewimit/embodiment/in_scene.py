@@ -22,14 +22,7 @@ class InScene:
 
     def __init__(self, eyes: SimulatedEyes, scene: Scene):
         self.eyes, self._scene = eyes, scene
-
-    @property
-    def lower(self) -> NDArray:
-        return self._scene.lower
-
-    @property
-    def upper(self) -> NDArray:
-        return self._scene.upper
+        self.lower, self.upper = scene.lower, scene.upper  # asked for at every motion
 
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
         return self._scene.require_posture(theta, whose)

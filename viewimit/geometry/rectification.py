@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from .affine import centred
 from .consensus import affine_distance, fundamental_distance
 from .fundamental import epipoles, fit_fundamental, homogeneous
 
@@ -73,11 +74,11 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     Cameras with parallel optical axes, also unlike ones, have an affine geometry: both epipoles are at infinity. What
     no affine geometry fits, but F does, asks for rectification; noise and wrong matches are fitted by neither.
     """
-    if len(left) < FEWEST or _squares(affine_distance(left, right)) < len(left) * LEAST_PX**2:
+    if len(left) < FEWEST or _affine_squares(left, right) < len(left) * LEAST_PX**2:
         return None
     for distance in (affine_distance, fundamental_distance):
         left, right = _most(distance, left, right)
-    affine, left_over = _squares(affine_distance(left, right)), _squares(fundamental_distance(left, right))
+    affine, left_over = _affine_squares(left, right), _squares(fundamental_distance(left, right))
     count = len(left)
     if affine < count * LEAST_PX**2 or left_over > count * MOST_PX**2:
         return None
@@ -94,6 +95,12 @@ def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, N
             break
         left, right = left[near], right[near]
     return left, right
+
+
+def _affine_squares(left: NDArray, right: NDArray) -> float:
+    """px², of all distances from the nearest affine geometry: the least eigenvalue of the matches' scatter, Eq. (2)."""
+    _, matches = centred(np.concatenate([left, right], 1))
+    return float(np.linalg.eigvalsh(matches.T @ matches)[0])
 
 
 def _squares(distance: NDArray) -> float:

@@ -18,6 +18,7 @@ from .observation import Conflict
 
 GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
 PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
+TOGETHER = 2  # exchanges that are asked about in one batch
 DECISIVE = 0.1  # of the conflict without an exchange
 
 
@@ -51,7 +52,9 @@ def likely_exchange(
     def over(postures: NDArray, hypotheses: Sequence[Pairs]) -> NDArray:
         """(hypotheses, postures) px²"""
         images = predict(postures)
-        return np.array([evaluate(conflict(exchanged(images, pairs))) for pairs in hypotheses])
+        blocks = [hypotheses[k : k + TOGETHER] for k in range(0, len(hypotheses), TOGETHER)]
+        ask = lambda block: evaluate(conflict(np.stack([exchanged(images, pairs) for pairs in block])))
+        return np.concatenate([ask(block) for block in blocks])
 
     postures = _postures(low, high, GRID)
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()

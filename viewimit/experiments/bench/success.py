@@ -135,14 +135,15 @@ def run_pair(
     settings: Settings, servos: Sequence[str], max_motions: int, rehearsed: int = 0, seed: int = 0
 ) -> list[Run]:
     """A run of each servo, from the settings' start to their demonstrator. seed: of the postures rehearsed."""
-    session = Session(settings)
+    session = Session(msgspec.structs.replace(settings, servo=servos[0]))
     if rehearsed:
         rehearse(session, rehearsed, seed)
     targets = dict(zip(TARGETS, (own_minimum(session), session.snapshot.theta_demo)))
     bias = _error_deg(*targets.values())
     runs = []
     for servo in servos:
-        session.begin(msgspec.structs.replace(settings, servo=servo))
+        if rehearsed or servo != session.settings.servo:  # else it has just begun
+            session.begin(msgspec.structs.replace(settings, servo=servo))
         last = session.run(max_motions, patience=1)
         visited = np.array([snapshot.theta for snapshot in session.history])
         errors = {name: _error_deg(visited, target) for name, target in targets.items()}

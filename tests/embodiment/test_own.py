@@ -1,5 +1,7 @@
 """A session with an arm and eyes of one's own: it needs postures and looks, and nothing else."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
@@ -256,7 +258,14 @@ def test_what_is_found_cannot_be_asked_to_be_other(fields):
         ("lower", np.radians((95.0, -180.0)), "joint 1: limits 95° … 90° are empty"),
         ("start", np.radians((25.0, 10.0)), "the start joint 2 at 10° is outside its limits -180° … 0°"),
         ("start", np.zeros(3), "the start posture needs 2 angles, got 3"),
-        ("move", lambda theta: None, r"move\(\) must return where the arm stands, 2 finite angles"),
+        ("lower", ["a", "b"], "limits must be finite angles in rad"),
+        ("start", "home", "the start posture needs 2 angles, got home"),
+        ("move", lambda theta: None, r"move\(\) must return where the arm stands, 2 finite angles in rad, got None"),
+        ("move", lambda theta: [0.4, [0.1]], r"move\(\) must return where the arm stands, 2 finite angles"),
+        ("move", np.degrees, r"move\(\) must return where the arm stands, in rad: .* is beyond its limits by a turn"),
+        ("noise_px", np.nan, "noise_px must be a finite number of pixels from 0, got nan"),
+        ("noise_px", -0.1, "noise_px must be a finite number of pixels from 0, got -0.1"),
+        ("noise_px", None, "noise_px must be a finite number of pixels from 0, got None"),
         ("look", lambda: None, r"look\(\) must return FourViews of N points"),
     ],
 )
@@ -265,6 +274,27 @@ def test_an_arm_or_eyes_that_cannot_be_are_told_so(field, value, says):
     setattr(robot, field, value)
     with pytest.raises(ValueError, match=says):
         session(robot)
+
+
+@pytest.mark.parametrize(
+    "field, wrong, says",
+    [
+        ("own", lambda own: own[:-1], r"its own is of shape \(9, 4\), float64"),
+        ("demo", lambda demo: demo[:, :3], r"its demo is of shape \(10, 3\), float64"),
+        ("demo", np.ndarray.tolist, "its demo is a list"),
+        ("own", lambda own: own + 0j, r"its own is of shape \(10, 4\), complex128"),
+        ("visible", lambda visible: visible[:, 0], r"its visible is of shape \(10,\), bool"),
+        ("visible", lambda visible: 0.3 * visible, r"its visible is of shape \(10, 4\), float64"),
+        ("visible", lambda visible: visible.astype(int), r"its visible is of shape \(10, 4\), int64"),
+    ],
+)
+def test_looks_of_another_shape_or_kind_are_told_so(field, wrong, says):
+    robot = Robot()
+    seen = robot.look
+    robot.look = lambda: replace(views := seen(), **{field: wrong(getattr(views, field))})
+    with pytest.raises(ValueError, match=rf"look\(\) must return FourViews of N points, .*: {says}"):
+        session(robot)
+    assert not robot.sent
 
 
 def test_looks_that_do_not_match_the_first_are_told_so():

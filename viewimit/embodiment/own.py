@@ -56,12 +56,14 @@ class Own:
         return OwnLooks(self.eyes, self.points)
 
     def move(self, theta: NDArray) -> NDArray:
-        """theta: (m,) rad → where it then stands. Raises ValueError if the arm says that of no posture."""
-        stands = np.array(self.arm.move(theta.copy()), float)
+        """theta: (m,) rad → where it then stands. Raises ValueError if the arm says that of no posture, or of one that
+        is a turn or more beyond its limits, as degrees would be."""
+        told = self.arm.move(theta.copy())
+        stands = _numbers(told)
         if stands.shape != theta.shape or not np.isfinite(stands).all():
-            raise ValueError(
-                f"move() must return where the arm stands, {len(theta)} finite angles in rad, got {stands}"
-            )
+            raise ValueError(f"move() must return where the arm stands, {len(theta)} finite angles in rad, got {told}")
+        if (np.maximum(self.lower - stands, stands - self.upper) >= 2 * np.pi).any():
+            raise ValueError(f"move() must return where the arm stands, in rad: {told} is beyond its limits by a turn")
         return stands
 
 
@@ -85,8 +87,16 @@ class OwnOpener:
         return Beginning(settings, own, start, standing, own.demonstrator(settings))
 
 
+def _numbers(values: ArrayLike) -> NDArray:
+    """A copy, as floats; NaN of no shape for what is not numbers."""
+    try:
+        return np.array(values, float)
+    except (TypeError, ValueError):
+        return np.array(np.nan)
+
+
 def _limits(arm: Arm) -> tuple[NDArray, NDArray]:
-    lower, upper = np.array(arm.lower, float), np.array(arm.upper, float)
+    lower, upper = _numbers(arm.lower), _numbers(arm.upper)
     if lower.ndim != 1 or lower.shape != upper.shape or len(lower) == 0 or not np.isfinite([lower, upper]).all():
         raise ValueError(f"the arm's limits must be finite angles in rad, one a joint, got {arm.lower} and {arm.upper}")
     for k, (low, high) in enumerate(zip(np.degrees(lower), np.degrees(upper)), 1):
@@ -96,13 +106,14 @@ def _limits(arm: Arm) -> tuple[NDArray, NDArray]:
 
 
 def _within(theta: ArrayLike, lower: NDArray, upper: NDArray, whose: str) -> NDArray:
-    theta = np.array(theta, float)
-    if theta.shape != lower.shape:
-        raise ValueError(f"{whose} posture needs {len(lower)} angles, got {theta.size}")
-    for k, (angle, low, high) in enumerate(zip(*map(np.degrees, (theta, lower, upper))), 1):
+    angles = _numbers(theta)
+    if angles.shape != lower.shape:
+        got = angles.size if angles.ndim == 1 else theta
+        raise ValueError(f"{whose} posture needs {len(lower)} angles, got {got}")
+    for k, (angle, low, high) in enumerate(zip(*map(np.degrees, (angles, lower, upper))), 1):
         if not low - ROUNDING_DEG <= angle <= high + ROUNDING_DEG:  # NaN fails too
             raise ValueError(f"{whose} joint {k} at {angle:g}° is outside its limits {low:g}° … {high:g}°")
-    return np.clip(theta, lower, upper)
+    return np.clip(angles, lower, upper)
 
 
 def _require(settings: Settings) -> None:

@@ -1,5 +1,6 @@
 """How eyes of one's own are used: so many pictures at each posture, and a demonstrator that may move by itself."""
 
+from numbers import Real
 from typing import ClassVar
 
 import numpy as np
@@ -17,6 +18,7 @@ from .interface import Eyes
 REST_LOOKS = 8  # pictures of the own body at rest, from which the learner knows their noise
 LEAST_PX, SURELY = 0.01, 5.0  # a coordinate; standard deviations: what a demonstrator must have moved by
 WRONG = 0.1  # of the points: those that have moved the most may be found at wrong places
+KINDS = {"demo": "iuf", "own": "iuf", "visible": "b"}  # of NumPy's; a share is no bool, and would be taken for seen
 
 Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4) px, visible (N, 2) bool
 
@@ -65,15 +67,14 @@ class OwnLooks:
         if self._noise_px is None:
             points, visible = zip(*(self._own() for _ in range(REST_LOOKS)))
             measured = frames.noise(np.array(points), np.array(visible))
-            self._noise_px = float(np.hypot(measured, self._eyes.noise_px))
+            self._noise_px = float(np.hypot(measured, _unmeasured(self._eyes)))
         return self._noise_px
 
 
 def look_with(eyes: Eyes, points: int | None = None) -> FourViews:
     """One look. Raises ValueError if it is no look, or not at so many points."""
     views = eyes.look()
-    if not isinstance(views, FourViews) or views.demo.ndim != 2:
-        raise ValueError("look() must return FourViews of N points, such as FourViews.from_images makes of (N, 2) each")
+    _require_images(views)
     if points is not None and len(views.demo) != points:
         raise ValueError(
             f"look() gave {len(views.demo)} points, at first {points}: they are matched by index, so give "
@@ -83,6 +84,27 @@ def look_with(eyes: Eyes, points: int | None = None) -> FourViews:
     if not np.isfinite(shown).all():
         raise ValueError("look() gave a point as visible whose coordinates are not finite")
     return _without_lost(views)
+
+
+def _unmeasured(eyes: Eyes) -> float:
+    """Noise that their pictures do not show, px. Raises ValueError for what is no amount."""
+    amount = eyes.noise_px
+    if not isinstance(amount, Real) or not 0 <= amount < np.inf:
+        raise ValueError(f"noise_px must be a finite number of pixels from 0, got {amount!r}")
+    return float(amount)
+
+
+def _require_images(views: FourViews) -> None:
+    """Raises ValueError for what is no FourViews, or holds arrays of another shape or kind than it should."""
+    wanted = "look() must return FourViews of N points, such as FourViews.from_images makes of (N, 2) each"
+    if not isinstance(views, FourViews):
+        raise ValueError(wanted)
+    for name, kinds in KINDS.items():
+        array = getattr(views, name)
+        if not isinstance(array, np.ndarray):
+            raise ValueError(f"{wanted}: its {name} is a {type(array).__name__}")
+        if array.shape != (*views.demo.shape[:1], 4) or array.dtype.kind not in kinds:
+            raise ValueError(f"{wanted}: its {name} is of shape {array.shape}, {array.dtype}")
 
 
 def _without_lost(views: FourViews) -> FourViews:

@@ -42,6 +42,14 @@ def test_given_joints_are_those_of_the_file(ask, ask_json, urdf, joints):
     assert len(made["joints"]) == (2 if joints == "1,3" else 3)
 
 
+@pytest.mark.parametrize("words", ["scene small.urdf", "imitate --max-motions 0 --robot small.urdf"])
+@pytest.mark.parametrize("joints, moving", [("1,3", "yaw elbow"), ("2", "lift"), ("all", "yaw lift elbow")])
+def test_the_joints_that_it_says_move_do(ask, urdf, words, joints, moving):
+    _, _, err = ask(*words.split(), "--joints", joints)
+    (said,) = re.findall(r"^small.urdf: moving (.*)$", err, re.MULTILINE)
+    assert re.findall(r"\((\w+)\)", said) == moving.split()
+
+
 def test_it_says_above_each_line_what_it_means(ask, urdf):
     status, out, _ = ask("scene", urdf)
     assert status == 0 and out.startswith("# Made from a URDF by `viewimit scene`")

@@ -5,6 +5,7 @@ import contextlib
 import dataclasses
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -20,6 +21,9 @@ from ..simulation.urdf.formats import require_urdf
 from ..simulation.urdf.reference import is_reference, parse_reference
 from ..transfer import TRANSFERS
 from . import BadInput
+
+if TYPE_CHECKING:
+    from ..simulation.derived.scene import Derived  # it loads trimesh
 
 DONE, MISSED = 0, 1
 PAPER = Settings()
@@ -175,7 +179,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     with naming("--camera"):
         require_eyes(settings.camera, scene)
     if is_reference(args.scene):
-        _tell_choices(args.scene, freed)
+        tell_choices(made_scene(args.scene, freed), scene)
     points = layout(args, scene)
     postures = {name: vars(args).get(name) for name in ("demonstrator", "start")}
     for name, posture in postures.items():
@@ -212,10 +216,14 @@ def all_joints(robot: str) -> tuple[int, ...]:
     return load_robot(robot).free
 
 
-def _tell_choices(name: str, joints: tuple[int, ...] | None) -> None:
-    """What was chosen for a URDF, and what of it is not drawn."""
-    chosen = made_scene(name, joints)
-    for line in (*chosen.said, *chosen.faults):
+def tell_choices(chosen: "Derived", scene: Scene) -> None:
+    """What was chosen for a URDF, which joints of the scene then move, and what of it is not drawn."""
+    path, robot = parse_reference(scene.robot).path, load_robot(scene.robot)
+    moving = [
+        f"{joint} ({robot.joints[joint - 1].name}) {low:g}° … {high:g}°"
+        for joint, (low, high) in zip(scene.moving_joints, scene.range_deg)
+    ]
+    for line in (*chosen.said, f"{path}: moving {', '.join(moving)}", *chosen.faults):
         print(line, file=sys.stderr)
 
 

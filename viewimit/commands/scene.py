@@ -12,7 +12,17 @@ from ..simulation.scene import SCENE_JOINTS, load_robot, load_scene, made_scene
 from ..simulation.urdf.reference import is_reference, parse_reference
 from . import BadInput
 from .json_output import print_json
-from .options import ALL, DONE, add_chain_options, add_json_option, all_joints, joints, naming, robot_reference
+from .options import (
+    ALL,
+    DONE,
+    add_chain_options,
+    add_json_option,
+    all_joints,
+    joints,
+    naming,
+    robot_reference,
+    tell_choices,
+)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -41,8 +51,7 @@ def run(args: argparse.Namespace) -> int:
         moving = all_joints(name) if args.joints == ALL else args.joints
         chosen = made_scene(name, moving) if moving and len(moving) <= SCENE_JOINTS else chosen
         scene = load_scene(name, joints=moving)
-    for line in (*chosen.said, *chosen.faults):
-        print(line, file=sys.stderr)
+    tell_choices(chosen, scene)
     fields = msgspec.to_builtins(scene)
     for eye in ("left", "right"):
         del fields["head"][eye]

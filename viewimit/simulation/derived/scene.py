@@ -81,7 +81,7 @@ def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int
         str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]
         for count, chosen in layouts.items()
     }
-    return Derived(fields, tuple(_said(tree, arm, robot, moving, ranges)), shapes.faults)
+    return Derived(fields, tuple(_said(tree, arm, robot)), shapes.faults)
 
 
 def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joints: tuple[int, ...] | None) -> None:
@@ -206,9 +206,7 @@ def _rounded(values: NDArray) -> list[float]:
     return [float(value) for value in np.asarray(values).round(4) + 0.0]
 
 
-def _said(
-    tree: Tree, arm: Chain, robot: Robot, moving: Sequence[int], ranges: Sequence[tuple[float, float]]
-) -> list[str]:
+def _said(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
     lines = [f"{tree.path}: {arm.base} to {arm.tip}, {len(robot.joints)} joints: {_numbered(robot)}"]
     for joint in arm.joints:
         if joint.kind in SLIDING:
@@ -216,10 +214,6 @@ def _said(
     for one in robot.joints:
         if one.leader is not None:
             lines.append(f"{tree.path}: {one.name} follows {robot.joints[one.leader.joint].name}")
-    names = [
-        f"{joint} ({robot.joints[joint - 1].name}) {low:g}° … {high:g}°" for joint, (low, high) in zip(moving, ranges)
-    ]
-    lines.append(f"{tree.path}: moving {', '.join(names)}")
     return lines
 
 

@@ -1,11 +1,12 @@
 """What is chosen for a robot of which only the URDF is known: within its limits, in sight, spread, and enough."""
 
 import importlib.util
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from urdfs import arm, gripper, joint, link, write
+from urdfs import LIMIT, arm, gripper, joint, link, write
 
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
@@ -309,6 +310,29 @@ def test_what_slides_and_what_follows_is_said(tmp_path):
     said = "\n".join(derive(Reference(write(tmp_path, *mobile()))).said)
     assert "torso slides, and is held at 0.08 m" in said and "1 yaw, 2 lift, 3 elbow" in said
     assert "tilt follows elbow" in "\n".join(derive(Reference(write(tmp_path, *coupled()))).said)
+
+
+@pytest.mark.parametrize(
+    "more, says",
+    [
+        ({"kind": "floating"}, "perch is floating, and is held"),
+        ({"kind": "planar"}, "perch is planar, and is held"),
+        ({"kind": "Revolute"}, "held, as type 'Revolute' is none of revolute, continuous, .*, fixed: perch"),
+        ({"more": LIMIT + '<mimic joint="nobody"/>'}, "perch follows nobody, which does not turn in this arm, and is"),
+        ({"more": LIMIT + '<mimic joint="perch"/>'}, "perch follows perch, which does not turn in this arm"),
+    ],
+)
+def test_what_is_held_though_it_might_move_is_said(tmp_path, more, says):
+    arm_on = [link("floor"), joint("perch", "floor", "base", **more), *arm()]
+    said = "\n".join(derive(Reference(write(tmp_path, *arm_on))).said)
+    assert re.search(says, said) and "1 yaw, 2 lift, 3 elbow" in said
+
+
+def test_a_wrist_of_no_type_does_not_vanish_without_a_word(tmp_path):
+    wrist = joint("roll", "lower", "hand", kind="", axis="0 0 1", xyz="0 0 0.3"), link("hand", "0.1 0.1 0.1")
+    said = "\n".join(derive(Reference(write(tmp_path, *arm(*wrist)))).said)
+    assert "held, as type '' is none of" in said and said.endswith(": roll")
+    assert "held" not in "\n".join(derive(Reference(write(tmp_path, *arm()))).said)
 
 
 def test_an_edited_file_is_read_anew(tmp_path):

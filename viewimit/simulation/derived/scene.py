@@ -4,7 +4,7 @@ The chain is `urdf.chain`'s; here its posture, the joints that move and their ra
 where arms and head stand.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -16,7 +16,7 @@ from ..robot import Robot
 from ..urdf.chain import Chain, arm_of
 from ..urdf.reference import Reference
 from ..urdf.shapes import Shapes, shapes_of
-from ..urdf.tree import MARGIN, SLIDING, Tree, read_tree
+from ..urdf.tree import FREE, KINDS, MARGIN, SLIDING, Tree, read_tree
 from . import body_points
 from .motion import image_jacobian, movable, resting, turning_range, two_that_move_most
 from .placing import CENTRE, FOCAL, IMAGE, Placing, parted, placed
@@ -214,7 +214,22 @@ def _said(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
     for one in robot.joints:
         if one.leader is not None:
             lines.append(f"{tree.path}: {one.name} follows {robot.joints[one.leader.joint].name}")
-    return lines
+    return lines + [f"{tree.path}: {said}" for said in _held(tree, arm, robot)]
+
+
+def _held(tree: Tree, arm: Chain, robot: Robot) -> Iterator[str]:
+    """Which joints of the arm neither turn nor slide, though their type may; and of no type at all, which of the file:
+    such a one may end the arm."""
+    unknown = sorted({joint.kind for joint in tree.joints} - set(KINDS))
+    for kind in unknown:
+        names = ", ".join(joint.name for joint in tree.joints if joint.kind == kind)
+        yield f"held, as type {kind!r} is none of {', '.join(KINDS)}: {names}"
+    turning = {joint.name for joint in robot.joints}
+    for joint in arm.joints:
+        if joint.kind in FREE:
+            yield f"{joint.name} is {joint.kind}, and is held"
+        elif joint.turns and joint.mimic is not None and joint.name not in turning:
+            yield f"{joint.name} follows {joint.mimic.of}, which does not turn in this arm, and is held"
 
 
 def _numbered(robot: Robot) -> str:

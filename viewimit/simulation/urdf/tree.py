@@ -14,7 +14,8 @@ from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_fro
 from ...reading import read_bytes
 from .formats import MOST_BYTES, require_urdf_content
 
-TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)
+TURNING, SLIDING, FREE = ("revolute", "continuous"), ("prismatic",), ("planar", "floating")
+KINDS = (*TURNING, *SLIDING, *FREE, "fixed")
 SHAPES = {  # attributes that say their size, and what they are where they are not said
     "mesh": {"scale": "1 1 1"},
     "box": {"size": "0 0 0"},

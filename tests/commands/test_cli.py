@@ -330,6 +330,8 @@ def files(tmp_path, monkeypatch):
         ("imitate --max-motions -1", "--max-motions: must be between 0 and 100000, got -1"),
         ("imitate --colour red", "unrecognized arguments: --colour red"),
         ("landscape --step-deg nan", "--step-deg: must be between 0.1 and 45, got nan"),
+        ("landscape --joints 1,2,3", "--scene, --joints: a landscape needs two moving joints, this scene has 3"),
+        ("reproduce fig7 --joints 2", "--joints, .*: a landscape needs two moving joints, this scene has 1"),
         ("landscape --out a.pdf", "--out: a.pdf: unknown extension '.pdf'; there are .npz, .csv, .png, .svg"),
         ("landscape --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
         ("landscape --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),

@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     session = Session(settings)
     now, eyes = session.snapshot, session.eyes
     demo, seen = now.views.demo, now.views.visible[:, :2]
-    with naming("--scene"):
+    with naming("--scene, --joints"):
         axes = grid_axes(session.world, args.step_deg or STEP_DEG[session.settings.camera])
     found = landscape(eyes, now.fit, demo, seen, axes)
     there = landscape(eyes, now.fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))

@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
     for name in names:
         experiment = experiments[name]
         options = {option: offered[option] for option in experiment.options}
-        with naming("--scene, --points, --missing"):
+        with naming("--scene, --joints, --points, --missing"):
             result = _with_bar(name, lambda tell: experiment.run(settings, tell, **options))  # noqa: B023
         said += result.claims
         written = []

@@ -303,6 +303,8 @@ def files(tmp_path, monkeypatch):
         ("imitate --scene panda --robot stiff.urdf", "--robot: .*joint 2: range_deg 0 … 90 is more than stiff turns"),
         ("imitate --scene panda --robot iiwa", "--robot: .*joint 4: range_deg -180 … 0 is more than iiwa turns"),
         ("imitate --scene moon", "--scene: no scene 'moon'; there are .*panda"),
+        ("imitate --scene=", "--scene: no scene ''; there are iiwa"),
+        ("imitate --robot six.urdf --tip=", "--robot: six.urdf: #tip is not read: say six.urdf#base=LINK&tip=LINK"),
         ("imitate --scene broken.toml", "--scene: broken.toml: .*line 1"),
         ("imitate --scene nan.toml", "--scene: nan.toml: head.baseline is nan"),
         (

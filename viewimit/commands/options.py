@@ -18,7 +18,7 @@ from ..simulation.robots import robot_names
 from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
 from ..simulation.urdf.descriptions import description_path, is_description
 from ..simulation.urdf.formats import require_urdf
-from ..simulation.urdf.reference import is_reference, parse_reference
+from ..simulation.urdf.reference import PARTS, is_reference, parse_reference
 from ..transfer import TRANSFERS
 from . import BadInput
 
@@ -163,23 +163,24 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         if value is not None:
             with naming(option(name)):
                 settings = msgspec.structs.replace(settings, **{name: value})
+    chosen = settings.scene if args.scene is None else args.scene
     with naming(asked):
         try:
-            scene = load_scene(args.scene or settings.scene)
+            scene = load_scene(chosen)
         except NoRobotThere:
             if args.robot is None:
                 raise
     with naming("--robot"):
-        scene = load_scene(args.scene or settings.scene, args.robot)
+        scene = load_scene(chosen, args.robot)
     freed = all_joints(scene.robot) if args.joints == ALL else args.joints
     with naming("--joints"):
-        scene = load_scene(args.scene or settings.scene, args.robot, freed)
+        scene = load_scene(chosen, args.robot, freed)
     with naming("--undistort"):
-        scene = load_scene(args.scene or settings.scene, args.robot, freed, settings.undistort)
+        scene = load_scene(chosen, args.robot, freed, settings.undistort)
     with naming("--camera"):
         require_eyes(settings.camera, scene)
-    if is_reference(args.scene):
-        tell_choices(made_scene(args.scene, freed), scene)
+    if is_reference(chosen):
+        tell_choices(made_scene(chosen, freed), scene)
     points = layout(args, scene)
     postures = {name: vars(args).get(name) for name in ("demonstrator", "start")}
     for name, posture in postures.items():
@@ -188,7 +189,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
                 scene.require_posture(np.radians(posture), "its")
     return msgspec.structs.replace(
         settings,
-        scene=args.scene or settings.scene,
+        scene=chosen,
         robot=args.robot,
         joints=freed,
         points=points,
@@ -208,7 +209,8 @@ def robot_reference(args: argparse.Namespace) -> str | None:
     if not is_reference(name):
         raise ValueError("--base and --tip are of a .urdf file: give its path")
     found = parse_reference(name)
-    return str(dataclasses.replace(found, base=args.base or found.base, tip=args.tip or found.tip))
+    given = {part: vars(args)[part] for part in PARTS if vars(args)[part] is not None}
+    return str(dataclasses.replace(found, **given))
 
 
 def all_joints(robot: str) -> tuple[int, ...]:

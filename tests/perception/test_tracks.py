@@ -194,6 +194,7 @@ def test_too_few_points_are_no_success(ask, tidy):
     "line, column, text, says",
     [
         (1, 3, "u", "line 1: no column x"),
+        (1, 5, "x", "line 1: two columns are named x: keep one of them"),
         (5, 3, "abc", "line 5, column x: 'abc' is not a finite number"),
         (5, 4, "inf", "line 5, column y: 'inf'"),
         (5, 5, "high", "line 5, column confidence: 'high'"),
@@ -212,6 +213,13 @@ def test_faults_are_named_by_line_and_column(ask, tidy, line, column, text, says
     tidy.write_text("\n".join(lines))
     status, _, err = ask("evaluate", tidy)
     assert status == 2 and "points.csv" in err and says in err
+
+
+def test_spaces_after_commas_are_no_part_of_a_heading_nor_of_a_cell(tidy, tmp_path):
+    (tmp_path / "spaced.csv").write_text(tidy.read_text().replace(",", ", "))
+    read, spaced = read_tidy(tidy), read_tidy(tmp_path / "spaced.csv")
+    assert spaced.points == read.points
+    np.testing.assert_array_equal(spaced.views().demo, read.views().demo)
 
 
 def test_faults_of_deeplabcut_files_are_named(ask, deeplabcut):

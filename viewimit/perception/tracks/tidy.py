@@ -28,7 +28,8 @@ def read_tidy(path: Path) -> TrackedPoints:
     """Raises ValueError that names the file, and the line and column of what is wrong; OSError."""
     table = Table(path)
     lines = table.lines()
-    at, heading = next(lines)
+    at, cells = next(lines)
+    heading = [name.strip() for name in cells]
     missing = [name for name in COLUMNS[:-1] if name not in heading]
     if kind := colmap_kind(",".join(heading)):
         raise ValueError(f"{path}: {converting(path, kind)}")
@@ -36,6 +37,9 @@ def read_tidy(path: Path) -> TrackedPoints:
         one = ". Files of one view are given by --l, --r, --L and --R" if "view" in missing else ""
         said = f"no column {', '.join(missing)}; the first line is {','.join(COLUMNS)}{one}"
         raise ValueError(f"{path}: line {at}: {said}")
+    twice = [name for name in COLUMNS if heading.count(name) > 1]
+    if twice:
+        raise ValueError(f"{path}: line {at}: two columns are named {twice[0]}: keep one of them")
     frame_at, view_at, point_at, x_at, y_at = (heading.index(name) for name in COLUMNS[:-1])
     sure_at = heading.index(COLUMNS[-1]) if COLUMNS[-1] in heading else None
     names: dict[str, int] = {}

@@ -215,6 +215,12 @@ def test_faults_are_named_by_line_and_column(ask, tidy, line, column, text, says
     assert status == 2 and "points.csv" in err and says in err
 
 
+@pytest.mark.parametrize("option", ["--demonstrator", "--learner"])
+def test_nobody_is_named_in_a_table_of_all_four_views(ask, tidy, option):
+    status, out, err = ask("evaluate", tidy, option, "m1")
+    assert status == 2 and out == "" and f"{option}: {tidy} is a table of all four views" in err
+
+
 def test_spaces_after_commas_are_no_part_of_a_heading_nor_of_a_cell(tidy, tmp_path):
     (tmp_path / "spaced.csv").write_text(tidy.read_text().replace(",", ", "))
     read, spaced = read_tidy(tidy), read_tidy(tmp_path / "spaced.csv")

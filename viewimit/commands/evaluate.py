@@ -210,6 +210,9 @@ def _read(args: argparse.Namespace) -> TrackedPoints:
     given = {view: vars(args)[view] for view in VIEWS if vars(args)[view]}
     if args.points and not given and args.points.suffix.lower() not in (".csv", ".tsv", ".txt", ""):
         raise BadInput(f"{args.points}: POINTS.csv is a table of all four views; give others by --l, --r, --L and --R")
+    named = [body for body in BODIES if vars(args)[body] is not None]
+    if args.points and not given and named:
+        raise BadInput(f"--{named[0]}: {args.points} is a table of all four views, which say whose points are whose")
     if args.points and not given:
         with naming("POINTS.csv"):
             return read_tidy(args.points)

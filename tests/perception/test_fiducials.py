@@ -69,3 +69,18 @@ def test_detect_finds_them_and_evaluate_takes_what_it_wrote(ask, ask_json, tmp_p
     rows = [line.split(",") for line in out.read_text().splitlines()[1:]]
     for _, view, number, x, y, _ in rows:
         np.testing.assert_allclose((float(x), float(y)), seen[view][int(number)], atol=0.3)
+
+
+def test_a_view_without_markers_is_named_and_hues_are_not_looked_for_unasked(ask, tmp_path):
+    dictionary, out = Fiducials("4x4_50").dictionary, tmp_path / "points.csv"
+    empty, full = tmp_path / "empty_l.png", tmp_path / "full_r.png"
+    cv2.imwrite(str(empty), np.full((200, 300, 3), 90, np.uint8))
+    cv2.imwrite(str(full), picture_of(dictionary, {3: (200, 200)}, shape=(400, 600)))
+    status, out_text, err = ask("detect", empty, full, "--aruco", "4X4_50", "--out", out)
+    assert status == 1 and "r  1 frames, 1.0 of 1 points" in out_text
+    assert err == "viewimit detect: no marker of 4X4_50 in any frame of view l\n"
+    assert "no marker of panda in any frame of view l, r" in ask("detect", empty, full, "--out", out)[2]
+    status, _, err = ask("detect", full, "--aruco", "", "--out", out)
+    assert status == 2 and "--aruco: no dictionary ''; there are" in err
+    status, _, err = ask("detect", full, "--aruco", "4X4_50", "--markers", "iiwa", "--out", out)
+    assert status == 2 and "--markers: not allowed with argument --aruco" in err

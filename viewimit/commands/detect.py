@@ -3,6 +3,7 @@
 import argparse
 import importlib.util
 import re
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -40,13 +41,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
             f"--{view}", nargs="+", type=Path, default=[], metavar="FILE", help=f"of view {view}: {WHAT[view]}"
         )
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="write them as .csv")
-    parser.add_argument(
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument(
         "--markers",
         default="panda",
         metavar="NAME",
         help=f"whose hues to look for: {', '.join(marker_names())}, or the path of a .toml file (%(default)s)",
     )
-    parser.add_argument(
+    kind.add_argument(
         "--aruco",
         metavar="DICT",
         help="look for square markers instead, of this dictionary of OpenCV's: 4X4_50, APRILTAG_36H11, …; points are "
@@ -68,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     if args.out.suffix.lower() != ".csv":
         raise BadInput(f"--out: {args.out}: its name must end in .csv")
     files = _by_view(args)
-    names, detect = _square_markers(args) if args.aruco else _balls(args)
+    names, detect = _balls(args) if args.aruco is None else _square_markers(args)
     from ..perception.detection import pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
@@ -89,7 +91,11 @@ def run(args: argparse.Namespace) -> int:
         for view, each in told.items():
             print(f"{view}  {each['frames']} frames, {each['points_a_frame']:.1f} of {markers} points in each")
         print(f"written to {args.out}")
-    return DONE if all(rows.values()) else MISSED
+    empty = [view for view in files if not rows[view]]
+    if empty:
+        kind = args.markers if args.aruco is None else args.aruco
+        print(f"viewimit detect: no marker of {kind} in any frame of view {', '.join(empty)}", file=sys.stderr)
+    return MISSED if empty else DONE
 
 
 def _balls(args: argparse.Namespace) -> tuple[list[str], Detect]:

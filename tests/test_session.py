@@ -1,7 +1,9 @@
 """The loop: it repeats itself, can be walked back and forth, follows the demonstrator, and survives bad input."""
 
 import dataclasses
+from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from viewimit.assets import ROOT
@@ -390,3 +392,12 @@ def test_settings_of_lists_and_numpys_numbers_are_those_of_tuples_and_pythons():
     assert loose == plain and repr(loose) == repr(plain) and hash(loose) == hash(plain)
     with pytest.raises(ValueError, match="seed must be a whole number"):
         Settings(seed=np.float64(3.5))
+
+
+def test_settings_of_paths_are_those_of_their_text_and_of_nothing_else():
+    loose = Settings(scene=Path("mine.toml"), robot=Path("arm.urdf"))
+    assert loose == Settings(scene="mine.toml", robot="arm.urdf")
+    assert msgspec.convert(msgspec.to_builtins(loose), Settings) == loose
+    for name, wrong in (("scene", None), ("scene", 5), ("robot", b"panda"), ("transfer", ["linear"]), ("servo", None)):
+        with pytest.raises(ValueError, match=f"{name} must be text, got"):
+            Settings(**{name: wrong})

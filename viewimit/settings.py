@@ -3,6 +3,7 @@
 import reprlib
 from collections.abc import Collection, Mapping
 from numbers import Integral, Real
+from pathlib import PurePath
 from typing import Annotated, TypeVar, get_type_hints
 
 import msgspec
@@ -87,6 +88,12 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             value = getattr(self, name)
             if isinstance(value, (list, tuple, np.ndarray, np.generic)):
                 msgspec.structs.force_setattr(self, name, _plain(value))
+        for name in _TEXTS:
+            value = getattr(self, name)
+            if isinstance(value, PurePath):
+                msgspec.structs.force_setattr(self, name, value := str(value))
+            if not isinstance(value, _HINTS[name]):
+                raise ValueError(f"{name} must be text, got {reprlib.repr(value)}")
         for name, numbers in _NUMBERS.items():
             value = getattr(self, name)
             if not isinstance(value, numbers) or isinstance(value, bool):
@@ -131,6 +138,7 @@ _SEQUENCES = {
 }
 _HINTS = get_type_hints(Settings)
 _NUMBERS = {name: {int: Integral, float: Real}[hint] for name, hint in _HINTS.items() if hint in (int, float)}
+_TEXTS = [name for name, hint in _HINTS.items() if hint in (str, str | None)]
 DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
     name: mark
     for name, hint in get_type_hints(Settings, include_extras=True).items()

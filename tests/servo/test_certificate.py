@@ -74,6 +74,18 @@ def test_without_a_visit_along_it_a_direction_is_asked_by_a_motion_the_flattest_
     assert np.abs(found.check).argmax() == asked
 
 
+def test_a_visit_is_no_evidence_of_one_direction_whose_rise_by_the_points_seen_there_another_makes_half_of():
+    """By fewer points the directions are no eigenvectors: what they share makes the sum small, and either one large."""
+    here = surroundings([(1, 3), (0, 2)])
+    fewer = np.array([[540.0, -90.0], [-90.0, 60.0]])
+    one, three = np.radians((1, 3))
+    alone = 0.5 * 540 * one**2
+    assert alone == pytest.approx(0.5 * 60 * three**2) == pytest.approx(0.5 * here.away[0] @ fewer @ here.away[0])
+    hessians, rise = np.stack([fewer, here.hessians[1]]), np.array([alone, here.rise[1]])
+    found = certify(replace(here, hessians=hessians, rise=rise))
+    assert found.claim == "rests" and np.abs(found.check).argmax() == 0
+
+
 @pytest.mark.parametrize("far_deg", [0.9, np.degrees(NEAR) + 0.1])
 def test_what_is_too_near_or_too_far_is_no_evidence(far_deg):
     assert not certify(surroundings([(far_deg, 0), (0, 2)])).shown

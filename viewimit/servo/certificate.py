@@ -128,7 +128,9 @@ def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
     along = here.away @ v
     predicted = 0.5 * np.einsum("ka,kab,kb->k", here.away, here.hessians, here.away)
     own = 0.5 * along**2 * (here.hessians @ v @ v)
-    mostly = own >= OWN_SHARE * predicted
+    across = here.away - along[:, None] * v
+    apart = own + 0.5 * np.einsum("ka,kab,kb->k", across, here.hessians, across)  # of fewer points v is no eigenvector
+    mostly = own >= OWN_SHARE * np.maximum(predicted, apart)
     fully = own >= 0.5 * (0.5 * along**2 * (v @ here.hessian @ v))  # by as many points, nearly, as there are
     aligned = np.abs(along) >= ALIGNED * np.linalg.norm(here.away, axis=-1)
     least, most = (LEAST, NEAR) if here.noise_px == 0 else (NOISY_LEAST, NOISY_NEAR)

@@ -71,6 +71,8 @@ class Replay:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
     path, robot = sys.argv[1], FakeRobot(demonstrator_deg=(30, -45, 80))
     recorder = Recorder(robot, robot)
     Session.of(recorder, recorder).run()

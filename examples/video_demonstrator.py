@@ -52,5 +52,7 @@ def main(arm, eyes, left, right):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
     robot = FakeRobot(demonstrator_deg=(0, 0, 60))
     main(robot, robot, *sys.argv[1:3])

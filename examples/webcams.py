@@ -58,4 +58,6 @@ def main(arm, left, right):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
     main(ArmByHand(), *(cv2.VideoCapture(int(number)) for number in sys.argv[1:3]))

@@ -1,6 +1,7 @@
 """The examples run as they stand, cameras and robots in them replaced by pictures and numbers."""
 
 import re
+import runpy
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -28,6 +29,15 @@ def error_deg(last, demonstrator_deg):
 
 def test_every_example_is_tested_here():
     assert {path.stem for path in EXAMPLES.glob("*.py")} == RUN_HERE
+
+
+@pytest.mark.parametrize("name", ["webcams", "recorded_run", "video_demonstrator"])
+def test_an_example_without_its_arguments_says_how_it_is_started(name, monkeypatch):
+    if name == "webcams":
+        pytest.importorskip("cv2")
+    monkeypatch.setattr(sys, "argv", [f"{name}.py"])
+    with pytest.raises(SystemExit, match=f"python examples/{name}.py "):
+        runpy.run_path(str(EXAMPLES / f"{name}.py"), run_name="__main__")
 
 
 def test_the_fake_robot_arrives_from_anywhere_in_thirty_lines():

@@ -205,6 +205,13 @@ def test_too_few_points_exit_with_1_and_null(ask):
     assert status == 1 and json.loads(out)["minimum_deg"] == [None, None] and "too few points" in err
 
 
+def test_what_is_not_known_is_a_dash_for_people(ask):
+    _, out, _ = ask("imitate", "--missing", 1)
+    assert out.endswith("E             –\n") and "nan" not in out
+    _, out, _ = ask("landscape", "--missing", 1, "--step-deg", 30)
+    assert "minimum       – at (–, –)\ndemonstrator  – at (45°, -90°)\nlargest       –\n" in out and "nan" not in out
+
+
 def test_points_lost_at_one_look_may_be_found_at_the_next(ask_json):
     seed, held = next(found for found in map(held_up, range(50)) if found[1] > 0)
     paper = "--transfer", "epipolar", "--servo", "broyden", "--frames", 1

@@ -24,6 +24,7 @@ from .options import (
     add_setting_options,
     add_undistort_option,
     between,
+    figure,
     naming,
     posture,
     settings_from,
@@ -73,15 +74,15 @@ def run(args: argparse.Namespace) -> int:
             )
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
         expected = result["expected_error_deg"]
-        reckoned = f"; it expects {_at_least(expected, 0.1, '.2g')}°" if np.isfinite(expected or np.inf) else ""
-        print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g')}° at most{reckoned}")
+        reckoned = f"; it expects {_at_least(expected, 0.1, '.2g', '°')}" if np.isfinite(expected or np.inf) else ""
+        print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g', '°')} at most{reckoned}")
         untold = [joint["name"] for joint in result["joints"] if joint["told"] is False]
         if untold:
             print(f"not told      {', '.join(untold)}: its points do not say where that is")
         if result["exchanged"]:
             named = " and ".join(f"{i} with {j}" for i, j in result["exchanged"])
             print(f"exchanged     points {named} of the demonstrator, as it seems")
-        print(f"E             {_at_least(result['E'], 0.001, '.4g')} px²")
+        print(f"E             {_at_least(result['E'], 0.001, '.4g', ' px²')}")
     if result["converged"]:
         return DONE
     why = "too few points are seen in all four images" if session.snapshot.transfer is None else WHY[result["status"]]
@@ -123,9 +124,9 @@ WHY = {
 }
 
 
-def _at_least(value: float, least: float, form: str) -> str:
+def _at_least(value: float, least: float, form: str, unit: str) -> str:
     """Digits below `least` are the machine's, not the method's."""
-    return f"below {least:g}" if value < least else f"{value:{form}}"
+    return f"below {least:g}{unit}" if value < least else figure(value, form, unit)
 
 
 def _told(certificate: Certificate, joint: int, status: str) -> bool | None:

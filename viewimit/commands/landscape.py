@@ -17,6 +17,7 @@ from .options import (
     add_json_option,
     add_setting_options,
     between,
+    figure,
     naming,
     posture,
     settings_from,
@@ -74,7 +75,8 @@ def _report(result: dict) -> None:
     rows, columns = result["grid"]
     minima, basin = len(result["local_minima"]), result["basin_fraction"]
     print(f"E of {result['transfer']} over {rows} x {columns} postures")
-    print(f"minimum       {result['E_min']:.4g} px² at {posture(result['minimum_deg'])}")
-    print(f"demonstrator  {result['E_at_demonstrator']:.4g} px² at {posture(result['demonstrator_deg'])}")
-    print(f"largest       {result['E_max']:.4g} px²")
+    least, there, most = (figure(result[name], ".4g", " px²") for name in ("E_min", "E_at_demonstrator", "E_max"))
+    print(f"minimum       {least} at {posture(result['minimum_deg'])}")
+    print(f"demonstrator  {there} at {posture(result['demonstrator_deg'])}")
+    print(f"largest       {most}")
     print(f"local minima  {minima}; steepest descent ends at the lowest from {basin:.1%} of the postures")

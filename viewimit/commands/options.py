@@ -280,4 +280,9 @@ def angles(text: str) -> tuple[float, ...]:
 
 
 def posture(theta_deg: Iterable[float]) -> str:
-    return f"({', '.join(f'{angle:.4g}°' for angle in theta_deg)})"
+    return f"({', '.join(figure(angle, '.4g', '°') for angle in theta_deg)})"
+
+
+def figure(value: float, form: str, unit: str = "") -> str:
+    """A dash for what is not known."""
+    return "–" if np.isnan(value) else f"{value:{form}}{unit}"

@@ -21,6 +21,16 @@ def test_imitate_makes_few_motions_of_its_own_and_tells_how_many_were_rehearsed(
     assert alone["motions"] > told["motions"] and "rehearsed" not in alone
 
 
+def test_a_history_is_not_written_over_the_rehearsal_that_it_began_with(ask, body, tmp_path):
+    before, linked = body.read_bytes(), tmp_path / "linked.npz"
+    linked.symlink_to(body)
+    for out in (body, linked):
+        status, said, err = ask("imitate", "--body", body, "--out", out)
+        assert status == 2 and said == "" and "--out: " in err and "is the rehearsal that --body reads" in err
+    assert body.read_bytes() == before
+    assert ask("imitate", "--body", body, "--out", tmp_path / "history.npz")[0] == 0
+
+
 def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body):
     status, told = ask_json("rehearse", "--postures", 12, "--out", tmp_path / "again.npz")
     assert status == 0 and told["rehearsed"] == 12 == len(told["points_seen"])

@@ -54,6 +54,8 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             history_file.require_format(args.out, PAGES)
+            if args.body and args.out.exists() and args.body.exists() and args.out.samefile(args.body):
+                raise ValueError(f"{args.out} is the rehearsal that --body reads: name another file")
     settings = settings_from(args, BEST)
     session = Session(settings)
     if args.body:

@@ -8,6 +8,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import msgspec
@@ -72,7 +73,7 @@ def parse_toml(content: bytes, kind: type = dict):
     if LONG_NAME.search(content):
         raise ValueError(f"a name of more than {MOST_PARTS} parts")
     try:
-        return msgspec.toml.decode(content, type=kind)
+        return msgspec.toml.decode(content.removeprefix(BOM_UTF8), type=kind)  # some editors begin a file with it
     except RecursionError:
         raise ValueError("it nests too deeply") from None
 

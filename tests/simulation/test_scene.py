@@ -42,6 +42,11 @@ def test_extends_takes_over_what_is_not_repeated(scene_file):
     assert scene.head.focal == parent.head.focal and scene.points == parent.points
 
 
+def test_an_editors_mark_of_utf_8_is_no_part_of_a_file(scene_file):
+    plain, marked = (load_scene(scene_file(f'{mark}extends = "panda"\ntitle = "ü"\n')) for mark in ("", "\ufeff"))
+    assert plain == marked and marked.title == "ü"
+
+
 def test_each_eye_may_have_a_lens_of_its_own_and_takes_the_heads_for_what_it_does_not_say(scene_file):
     text = 'extends = "panda"\n[head]\ntoe_in_deg = 5\n[head.left]\nfocal = [250, 260]\ndistortion = [-0.1, 0.01]\n'
     head = load_scene(scene_file(text)).stereo_head()

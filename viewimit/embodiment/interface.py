@@ -27,7 +27,8 @@ class Arm(Protocol):
 
     def move(self, theta: NDArray) -> NDArray:
         """Go to theta, (m,) rad, and return when at rest: (m,) rad, where it stands by its encoders, or theta if it has
-        none. That is for viewers: the learner goes by where it sent the arm."""
+        none. That is for viewers: the learner goes by where it sent the arm. A turn or more beyond the limits is
+        refused, as what degrees would be."""
         ...
 
 
@@ -36,7 +37,7 @@ class Eyes(Protocol):
 
     @property
     def noise_px(self) -> float:
-        """Standard deviation of a coordinate beyond what can be measured with an arm at rest, px; mostly 0."""
+        """Standard deviation of a coordinate beyond what can be measured with an arm at rest, px, from 0; mostly 0."""
         ...
 
     def look(self) -> FourViews:

@@ -46,6 +46,13 @@ def test_along_a_valley_without_evidence_no_run_goes_on_for_ever(k):
     assert ending.ended and not ending.claimed
 
 
+@pytest.mark.parametrize("k", [88, 115])
+def test_a_valley_that_hardly_sinks_is_not_followed_from_end_to_end(k):
+    """Motions of 0.3° each kept their promise, of 0.3 % of an E of 10⁻⁶ px²: 124 and 84 of them, and 300 elsewhere."""
+    ending = claims.run_once(NAMED["5 points"], [41, k])
+    assert ending.status == "untold" and ending.motions < 30
+
+
 def test_a_promise_that_is_broken_makes_no_region_larger():
     """Where two postures were the best by turns, each motion from one seemed as long as the way from the other, and the
     region about both grew with every failure, for 300 motions."""

@@ -42,6 +42,7 @@ SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
 MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
+SLIGHT, MOST_SLIGHT = 0.01, 8  # share of E; motions that may gain less, though they keep what they promise
 ASKED_AT = 5, 10, 16, 24  # visits and as many as joints, after which E must be small, or points may be exchanged
 SUSPECT, SURE = 1e-3, 25.0  # of the mean square of the own image; times the noise's square: E that is small
 
@@ -79,7 +80,7 @@ class TrustRegion:
         state, conflict = _identified(state, seen, conflict)
         by = PHASES[state.phase][0]
         measured = measure(state.known, seen.noise_px, conflict, by, state.needed)
-        state = _judge(state, measured.E)
+        state = _judge(state, measured.E, NOISE_FLOOR * seen.noise_px**2)
         ahead = look_out(state.known, measured, state.radius, seen, conflict, by)
         if _worthwhile(state, seen, ahead):
             return _onwards(state, seen, ahead, weighted=measured.like is not None, chasing=chasing)
@@ -182,28 +183,36 @@ def _otherwise(state: TrustState, seen: Observation, conflict: Conflict) -> tupl
     what few points tell must do."""
     last = state.phase + 1 == len(PHASES)
     phase = 0 if state.exchanged or last else state.phase + 1
-    begun = replace(state, exchanged=(), phase=phase, radius=float(PHASES[phase][1]), failures=0)
+    begun = replace(state, exchanged=(), phase=phase, radius=float(PHASES[phase][1]), failures=0, slight=0)
     begun = replace(begun, needed=0 if last else state.needed)
     return begun, seen, with_exchanged(conflict, state.exchanged)
 
 
-def _judge(state: TrustState, E: NDArray) -> TrustState:
-    """Size the region by how true the promise of the last motion was. E: of all visits, px²."""
+def _judge(state: TrustState, E: NDArray, noise_E: float) -> TrustState:
+    """Size the region by how true the promise of the last motion was. E: of all visits, px²; noise_E: up to which that
+    is noise."""
     if state.promised is None or len(E) < 2:
         return replace(state, promised=None)
     before = int(np.argmin(E[:-1]))
     if np.isinf(E[before]):  # nothing was told of any posture before: nothing could be promised
         return replace(state, promised=None)
-    ratio = (E[before] - E[-1]) / max(state.promised, 1e-12)
+    gained = float(E[before] - E[-1])
+    ratio = gained / max(state.promised, 1e-12)
     step = np.max(np.abs(state.known[-1].displacement - state.known[before].displacement))
     step = min(step, state.radius)  # farther, if what was best then is not any more, by what has been seen since
-    radius, failures = state.radius, 0
+    radius, failures, slight = state.radius, 0, state.slight
+    if gained >= SLIGHT * E[before]:
+        slight = 0
+    elif gained > 0 and E[before] > noise_E:
+        slight += 1
     if ratio < SHRINK_BELOW:
         radius = max(0.4 * step, MIN_RADIUS)
         failures = state.failures + 1 if ratio <= 0 and step < 2 * MIN_RADIUS else 0
     elif ratio > GROW_ABOVE and step > 0.8 * radius:
         radius = max(radius, min(2 * radius, MAX_RADIUS))
-    return replace(state, radius=float(radius), failures=failures, promised=None)
+    if slight > MOST_SLIGHT:  # along a valley that hardly sinks, as of points that tell next to nothing
+        failures = MOST_FAILURES
+    return replace(state, radius=float(radius), failures=failures, slight=slight, promised=None)
 
 
 def _settle(
@@ -254,4 +263,4 @@ def _where_more_is_seen(
 
 
 def _anew(state: TrustState) -> TrustState:
-    return replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0)
+    return replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0, slight=0)

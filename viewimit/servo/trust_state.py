@@ -20,12 +20,13 @@ class TrustState:
     """visits: the last of them is where the arm is. goal: (m,) rad, on the way to a restart or back to the best, where
     the status becomes `ending`.
 
-    promised: decrease of E predicted for the motion just made, None if it was not made for that. certificate: of the
-    best posture, None before E was small anywhere. moved: the demonstrator has, since the last motion; chasing: and
-    before that one as well, so that a motion aside would only leave the learner behind. exchanged: of the
-    demonstrator's points, as it seems; asked: how often that was asked. rehearsed: what was seen before, as long as it
-    holds: it takes the place of probes, and with it the whole range is the first region. needed: points by which E must
-    be told at a posture for that to be the best, as those of another did not tell all joints.
+    promised: decrease of E predicted for the motion just made, None if it was not made for that. slight: motions that
+    kept such a promise, but lowered E by next to nothing, since one that did not. certificate: of the best posture,
+    None before E was small anywhere. moved: the demonstrator has, since the last motion; chasing: and before that one
+    as well, so that a motion aside would only leave the learner behind. exchanged: of the demonstrator's points, as it
+    seems; asked: how often that was asked. rehearsed: what was seen before, as long as it holds: it takes the place of
+    probes, and with it the whole range is the first region. needed: points by which E must be told at a posture for
+    that to be the best, as those of another did not tell all joints.
     """
 
     visits: tuple[Visit, ...]
@@ -38,6 +39,7 @@ class TrustState:
     restarts: int = 0
     checks: int = 0
     failures: int = 0
+    slight: int = 0
     status: str = "moving"
     probe: bool = False
     certificate: Certificate | None = None

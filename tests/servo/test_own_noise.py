@@ -72,3 +72,15 @@ def test_of_a_curvature_is_left_what_surely_is_not_noise(body):
     both = noise.taken_off(np.stack([steep, noise.hessian]))
     np.testing.assert_allclose(both[0], noise.taken_off(steep))
     assert (np.linalg.eigvalsh(both) > 0).all()
+
+
+def test_where_the_demonstrators_noise_leaves_residuals_noisy_slopes_move_the_gradient_too(body):
+    """Visits near each other tell e there, but not how it changes."""
+    model, residual_of = body
+    place = np.radians((2.0, 1.0))
+    left = residual_of(np.random.default_rng(7).normal(0, 20 * NOISE, (POINTS, 4)))
+    with_left = lambda own: residual_of(own) + left
+    gradients = lambda J, e: J @ e / POINTS
+    made = np.array([gradients(*slopes(model(k), with_left, place)) for k in range(DRAWS)])
+    said = np.concatenate([own_noise(model(k), with_left, place, NOISE, 20, k).gradients for k in range(60)])
+    np.testing.assert_allclose(np.sqrt((said**2).mean(0)), made.std(0), rtol=0.25)

@@ -1,7 +1,8 @@
 """What the noise of the own images does to a landscape that is predicted from them.
 
-Slopes that are learned from noisy images are noisy, which adds curvature to E where there is none; and the images
-predicted at one posture are wrong by an average of the visits' noise, which moves the place where E is least.
+Slopes that are learned from noisy images are noisy, which adds curvature to E where there is none. The gradient Jᵀe of
+E is wrong by both factors, which moves the place where E is least: e by an average of the visits' noise, and J by
+differences of it, so that visits that are all near each other tell e well, and next to nothing of J.
 """
 
 from collections.abc import Callable
@@ -49,8 +50,16 @@ def own_noise(
     noise = np.random.default_rng(seed).standard_normal((DRAWS, *about[0].shape))
     e = residual_of(np.concatenate([about, about[0] + noise_px * noise]))
     points = e.shape[-2]
-    e = e.reshape(len(e), -1) - e[0].ravel()
-    J, of_noise = e[1 : len(about)] / DIFFERENCE, e[len(about) :]
+    e = e.reshape(len(e), -1)
+    J, of_noise = (e[1 : len(about)] - e[0]) / DIFFERENCE, e[len(about) :] - e[0]
     left = float((of_noise**2).sum()) / (DRAWS * points)  # px², that noise of one image makes
     slopes, images = model.slope_weights(place), model.image_weights(place)
-    return OwnNoise(left * slopes.T @ slopes, np.linalg.norm(images) * of_noise @ J.T / points, freedom)
+    gradients = np.linalg.norm(images) * of_noise @ J.T + _by_slopes(slopes, of_noise @ e[0])
+    return OwnNoise(left * slopes.T @ slopes, gradients / points, freedom)
+
+
+def _by_slopes(slopes: NDArray, along: NDArray) -> NDArray:
+    """(DRAWS, m) px²/rad: draws of the slopes' noise times e. slopes: (n, m) /rad, their weights; along: (DRAWS,) px²,
+    draws of what one image's noise makes of e, times e."""
+    root = np.linalg.qr(slopes, mode="r")  # as far as their squares go, the slopes' noise is that of so many images
+    return np.stack([np.roll(along, k + 1) for k in range(len(root))], -1) @ root

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stereo_heads import UNLIKE, fundamental_of, head, matches, up_to_scale
 
-from viewimit.geometry.fundamental import epipoles, fit_fundamental, sampson_distance
+from viewimit.geometry.fundamental import epipoles, fit_fundamental, neighbours, sampson_distance
 
 
 @pytest.mark.parametrize("stereo", [head(0), head(12), head(3, *UNLIKE), head(20, *UNLIKE)])
@@ -28,6 +28,38 @@ def test_with_noise_matches_are_as_far_from_it_as_the_noise_is_large():
     F = fit_fundamental(left, right)
     assert np.sqrt(np.mean(sampson_distance(F, left, right) ** 2)) == pytest.approx(0.25, rel=0.05)
     assert np.abs(up_to_scale(F) - up_to_scale(fundamental_of(cameras))).max() < 2e-3
+
+
+def flat_matches(rng, noise_px=0.25):
+    """Of points at nearly equal depth, which tell F badly."""
+    left, right, _ = matches(head(12, *UNLIKE), np.random.default_rng(8), 200)
+    near = np.abs(right[:, 0] - left[:, 0] - np.median(right[:, 0] - left[:, 0])) < 15
+    return (images[near] + noise_px * rng.standard_normal((near.sum(), 2)) for images in (left, right))
+
+
+def test_among_all_of_rank_2_it_is_the_one_nearest_to_the_matches():
+    """Their distances rise alike to all sides of it; not so of the one that is nearest to a matrix of rank 3."""
+    rng = np.random.default_rng(9)
+    for _ in range(5):
+        left, right = flat_matches(rng)
+        F = fit_fundamental(left, right)
+        for way in neighbours(F, left, right) - F:
+            moved = [F, F + way, F - way]
+            here, ahead, behind = ((sampson_distance(matrix, left, right) ** 2).sum() for matrix in moved)
+            curvature = ahead + behind - 2 * here
+            assert curvature > 0 and abs(ahead - behind) < 0.2 * curvature
+
+
+def test_its_neighbours_are_as_far_away_as_noise_moves_it():
+    rng = np.random.default_rng(10)
+    where = lambda F: np.concatenate([e[:2] / e[2] for e in epipoles(F)])
+    found, said = [], []
+    for _ in range(300):
+        left, right = flat_matches(rng)
+        F = fit_fundamental(left, right)
+        found.append(where(F))
+        said.append(((np.array([where(near) for near in neighbours(F, left, right)]) - where(F)) ** 2).sum(0))
+    np.testing.assert_allclose(np.sqrt(np.median(said, 0)), np.std(found, 0), rtol=0.15)
 
 
 def test_a_match_that_is_moved_across_its_epipolar_line_is_as_far_as_it_was_moved():

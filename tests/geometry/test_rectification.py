@@ -66,6 +66,18 @@ def test_toed_in_cameras_ask_for_it_through_noise_and_wrong_matches():
     assert rectification_of(left[:10], right[:10]) is None  # too few to tell
 
 
+def test_what_noise_leaves_open_are_seven_others_that_make_rows_equal_as_well_as_noise_allows():
+    rng = np.random.default_rng(7)
+    assert rectification_of(*matches(head(12), rng)[:2]).others == ()
+    left, right, _ = matches(head(12), rng, 60, 0.25)
+    found = rectification_of(left, right)
+    off = lambda by: np.diff(by.apply(np.concatenate([left, right], 1))[:, 1::2]).ravel() / np.sqrt(2)
+    assert len(found.others) == 7
+    for other in found.others:
+        apart = ((off(other) - off(found)) ** 2).sum()  # one standard deviation of one parameter
+        assert apart == pytest.approx(0.25**2, rel=0.5)
+
+
 def test_a_batch_is_mapped_as_each_of_it():
     left, right, _ = matches(head(8, EQUAL, UNLIKE[1]), np.random.default_rng(6))
     found, images = rectification_of(left, right), np.concatenate([left, right], 1)

@@ -1,39 +1,58 @@
 """The fundamental matrix F of a stereo head, from all matches that it has seen: r̃ᵀ F l̃ = 0 with x̃ = (x, y, 1).
 
 One head makes both pairs of views, so [l] and [r] share their F with [L] and [R], at every posture: matches of all of
-them are pooled. Hartley's eight-point algorithm (1997), weighted in a few rounds as Sampson's distance wants it.
+them are pooled. Hartley's eight-point algorithm (1997), weighted in a few rounds as Sampson's distance wants it, then
+steps of Gauss and Newton among matrices of rank 2: the one nearest to a full one may be far from the matches.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 MIN_MATCHES = 8
-ROUNDS = 4
+ROUNDS, STEPS = 4, 3
+TINY = 1e-300  # keeps quotients finite
+FREE = 7  # of the nine elements: not the scale, and the rank is 2
 
 
 def fit_fundamental(left: NDArray, right: NDArray, rounds: int = ROUNDS) -> NDArray:
     """left, right: (M, 2) px → F (3, 3) of rank 2 and norm 1 in centred and scaled coordinates, returned for px.
 
-    Raises ValueError with fewer than 8 matches.
+    rounds: of weights, after which steps follow; 0 for the eight-point algorithm alone. Raises ValueError with fewer
+    than 8 matches.
     """
     if len(left) < MIN_MATCHES:
         raise ValueError(f"need at least {MIN_MATCHES} matches for a fundamental matrix, got {len(left)}")
-    centres = left.mean(0), right.mean(0)
-    scale = 1 / max(float(np.sqrt(np.mean([points.var(0).sum() for points in (left, right)]) / 2)), 1e-300)
-    T_left, T_right = (_normalising(centre, scale) for centre in centres)
-    l, r = (homogeneous(scale * (points - centre)) for points, centre in zip((left, right), centres))
+    T_left, T_right = _normalising(left, right)
+    l, r = homogeneous(left) @ T_left.T, homogeneous(right) @ T_right.T
     rows = (r[:, :, None] * l[:, None, :]).reshape(-1, 9)
     weight = np.ones(len(l))
     for _ in range(1 + rounds):
         F = _of_rank_2(np.linalg.eigh((rows * weight[:, None]).T @ rows)[1][:, 0].reshape(3, 3))
-        weight = 1 / np.maximum(_squared_gradient(F, l, r), 1e-300)
+        weight = 1 / np.maximum(_squared_gradient(F, l, r), TINY)
+    if rounds:
+        F = _nearest_to_matches(F, l, r)
     return T_right.T @ F @ T_left
+
+
+def neighbours(F: NDArray, left: NDArray, right: NDArray) -> NDArray:
+    """(7, 3, 3): F of `fit_fundamental` moved by one standard deviation along each of its independent directions, as
+    the matches' distances from it tell their noise: s²(JᵀJ)⁻¹ (Hartley and Zisserman, Sec. 5.2). left, right: (M, 2)
+    px."""
+    T_left, T_right = _normalising(left, right)
+    l, r = homogeneous(left) @ T_left.T, homogeneous(right) @ T_right.T
+    F = np.linalg.inv(T_right).T @ F @ np.linalg.inv(T_left)
+    F = F / np.linalg.norm(F)
+    tangent, e, J = _linearised(F, l, r)
+    _, sigma, Vt = np.linalg.svd(J, full_matrices=False)
+    deviation = np.sqrt(e @ e / max(len(e) - FREE, 1)) / np.maximum(sigma, TINY)
+    away = (tangent @ (Vt.T * np.minimum(deviation, 1.0))).T.reshape(-1, 3, 3)
+    return np.array([T_right.T @ _of_rank_2(F + step) @ T_left for step in away])
 
 
 def sampson_distance(F: NDArray, left: NDArray, right: NDArray) -> NDArray:
     """How far matches are from obeying F, to first order, with the sign of r̃ᵀ F l̃. left, right: (M, 2) → (M,) px."""
     l, r = homogeneous(left), homogeneous(right)
-    return np.einsum("mi,ij,mj->m", r, F, l) / np.sqrt(np.maximum(_squared_gradient(F, l, r), 1e-300))
+    return np.einsum("mi,ij,mj->m", r, F, l) / np.sqrt(np.maximum(_squared_gradient(F, l, r), TINY))
 
 
 def epipoles(F: NDArray) -> tuple[NDArray, NDArray]:
@@ -57,5 +76,33 @@ def _of_rank_2(F: NDArray) -> NDArray:
     return (U[:, :2] * sigma[:2]) @ Vt[:2]
 
 
-def _normalising(centre: NDArray, scale: float) -> NDArray:
-    return np.array([[scale, 0, -scale * centre[0]], [0, scale, -scale * centre[1]], [0, 0, 1]])
+def _nearest_to_matches(F: NDArray, l: NDArray, r: NDArray) -> NDArray:
+    """Of rank 2 and norm 1, with the least squares of Sampson's distances; l, r: (M, 3)."""
+    tangent, e, J = _linearised(F, l, r)
+    for _ in range(STEPS):
+        stepped = _of_rank_2(F - (tangent @ np.linalg.lstsq(J, e, rcond=None)[0]).reshape(3, 3))
+        stepped = stepped / np.linalg.norm(stepped)
+        tangent, e_stepped, J = _linearised(stepped, l, r)
+        if not e_stepped @ e_stepped < e @ e:
+            break
+        F, e = stepped, e_stepped
+    return F
+
+
+def _linearised(F: NDArray, l: NDArray, r: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Directions (9, 7) in which F stays of rank 2 and norm 1, Sampson's distances (M,) and their derivatives (M, 7),
+    their weights held."""
+    U, _, Vt = np.linalg.svd(F)
+    barred = np.stack([F.ravel(), np.outer(U[:, 2], Vt[2]).ravel()], 1)
+    tangent = np.linalg.svd(barred)[0][:, 2:]
+    weight = 1 / np.sqrt(np.maximum(_squared_gradient(F, l, r), TINY))
+    rows = (r[:, :, None] * l[:, None, :]).reshape(-1, 9) * weight[:, None]
+    return tangent, rows @ F.ravel(), rows @ tangent
+
+
+def _normalising(left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:
+    """(3, 3) each, from px to coordinates that are centred, and scaled alike."""
+    scale = 1 / max(float(np.sqrt(np.mean([points.var(0).sum() for points in (left, right)]) / 2)), TINY)
+    to_left, to_right = np.diag((scale, scale, 1.0)), np.diag((scale, scale, 1.0))
+    to_left[:2, 2], to_right[:2, 2] = -scale * left.mean(0), -scale * right.mean(0)
+    return to_left, to_right

@@ -6,7 +6,7 @@ of the matches; the left one makes its rows the same, and the disparities least.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .affine import centred
 from .consensus import affine_distance, fundamental_distance
-from .fundamental import epipoles, fit_fundamental, homogeneous
+from .fundamental import epipoles, fit_fundamental, homogeneous, neighbours
 
 NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
 LEAST_PX = 1e-3  # rms distance from any affine geometry below which nothing is to be mended
@@ -26,10 +26,12 @@ MOST_PX = 3.0  # rms distance from F beyond which matches are wrong, and tell no
 
 @dataclass(frozen=True)
 class Rectification:
-    """left, right: (3, 3), of image points (x, y, 1) px."""
+    """left, right: (3, 3), of image points (x, y, 1) px; others: what it would be if F were one standard deviation
+    elsewhere, along each of its independent directions, () of matches without noise."""
 
     left: NDArray
     right: NDArray
+    others: tuple["Rectification", ...] = ()
 
     def apply(self, images: NDArray) -> NDArray:
         """(..., N, 4) px in [l, r] or [L, R] → rectified px, which are those of the right image in its middle."""
@@ -83,7 +85,13 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     if affine < count * LEAST_PX**2 or left_over > count * MOST_PX**2:
         return None
     told = (affine - left_over) / 3 > TELLING * left_over / (count - 7)
-    return rectify(fit_fundamental(left, right), left, right) if told else None
+    if not told:
+        return None
+    F = fit_fundamental(left, right)
+    found = rectify(F, left, right)
+    if left_over < count * LEAST_PX**2:
+        return found
+    return replace(found, others=tuple(rectify(other, left, right) for other in neighbours(F, left, right)))
 
 
 def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:

@@ -48,9 +48,10 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
 
     Of the n points that are known in all of them; by the transfer chosen or by another one's name; weighed, if own
     images (N, 4) px are given as `like`, as the noise of the demonstrator's would spread over those, or that of all
-    images if these are rectified and `like` is near. With fewer points than a transfer needs they are infinite. Behind
-    a moving demonstrator seen with noise, noise_px > 0, the transfer of the last convergence serves (Section 5.4):
-    fitted anew at postures apart it would add its own noise to theirs.
+    images if these are rectified and `like` is near; rectified as for another `head`, if one is named. With fewer
+    points than a transfer needs they are infinite. Behind a moving demonstrator seen with noise, noise_px > 0, the
+    transfer of the last convergence serves (Section 5.4): fitted anew at postures apart it would add its own noise to
+    theirs.
     """
     demo, demo_seen = now.views.demo + drift, np.asarray(now.views.visible[:, :2].all(-1))
     frozen = now.frozen if drift.any() and noise_px > 0 else None
@@ -67,7 +68,15 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
     def weight(like: bytes, known: bytes) -> NDArray:
         return noise_weight(alike(like, known))
 
-    def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
+    @cache
+    def of_head(head: int) -> Conflict:
+        assert now.rectification is not None
+        other = now.with_fields(rectification=now.rectification.others[head - 1])
+        return predicted_conflict(other, drift, noise_px)
+
+    def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
+        if head:
+            return of_head(head)(own, by, like)
         told = np.isfinite(own)
         known = demo_seen if told.all() else demo_seen & told.all(-1).reshape(-1, len(demo_seen)).all(0)
         if np.count_nonzero(known) < MIN_POINTS:  # nothing can be told of such images: they are to be avoided

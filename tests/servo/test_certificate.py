@@ -24,6 +24,7 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
         seen=POINTS,
         left=np.zeros(2),
         gradients=np.zeros((1, 2)),
+        head=np.zeros((0, 2)),
         slopes=np.diag([2e4, 2e4]),
         away=away,
         rise=rise,
@@ -50,6 +51,7 @@ def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allo
         foreseen=hessian,
         left=np.zeros(joints),
         gradients=np.zeros((1, joints)),
+        head=np.zeros((0, joints)),
         slopes=2e4 * np.eye(joints),
         away=away,
         rise=0.5 * np.einsum("ka,ab,kb->k", away, hessian, away),
@@ -189,3 +191,11 @@ class TestOwnNoise:
 
     def test_without_noise_no_direction_is_asked_again(self):
         assert certify(surroundings(BOTH, gradients=np.array([[1e3, 0.0]]))).shown
+
+
+def test_what_other_heads_would_move_the_least_by_is_expected_as_well():
+    here = surroundings(BOTH)
+    away = np.radians(((0.3, 0.0), (0.4, 0.2)))  # by each of two
+    told = certify(replace(here, head=away * (FLAT, STEEP)))
+    without = certify(here).expected
+    np.testing.assert_allclose(told.expected, np.sqrt(without**2 + np.radians((0.5, 0.2)) ** 2))

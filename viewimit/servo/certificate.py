@@ -9,7 +9,8 @@ Of too few points E is next to 0 and rises all around at wrong postures as well:
 a part in H that was seen too rarely to tell how its images move: what is not known of that looks like a curvature.
 
 How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more, and
-by H⁻¹g, g the gradients that the noise of the own images makes. Of H is taken off what such noise adds to it.
+by H⁻¹g, g the gradients that the noise of the own images makes, and those that another head would, as far as matches
+do not tell its fundamental matrix. Of H is taken off what such noise adds to it.
 """
 
 from dataclasses import dataclass
@@ -82,7 +83,8 @@ def certify(here: Surroundings) -> Certificate:
             check = _length(here, direction) * direction
     noise = max(here.noise_px, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
-    expected = np.where(told, np.sqrt((noise * spread) ** 2 + here.left**2 + _of_own_noise(here)), np.inf)
+    variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here) + _of_the_head(here)
+    expected = np.where(told, np.sqrt(variance), np.inf)
     learnable = not told.all() and bool((deviations(here.foreseen, here.points) < UNTOLD).all())
     return Certificate(spread, expected, told, shown, check, bool(spent), learnable)
 
@@ -97,6 +99,11 @@ def _inverse(hessian: NDArray) -> NDArray:
     curvatures, directions = np.linalg.eigh(hessian)
     least = max(1e-12 * curvatures[-1], LEAST_CURVATURE)
     return (directions / np.maximum(curvatures, least)) @ directions.T
+
+
+def _of_the_head(here: Surroundings) -> NDArray:
+    """(m,) rad², variances: how far what is not known of the head moves it."""
+    return ((here.head @ _inverse(here.hessian)) ** 2).sum(0)
 
 
 def _of_own_noise(here: Surroundings) -> NDArray:

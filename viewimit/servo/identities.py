@@ -32,8 +32,8 @@ def with_exchanged(conflict: Conflict, pairs: Pairs) -> Conflict:
     if not pairs:
         return conflict
 
-    def changed(own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray:
-        return conflict(exchanged(own, pairs), by, None if like is None else exchanged(like, pairs))
+    def changed(own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
+        return conflict(exchanged(own, pairs), by, None if like is None else exchanged(like, pairs), head)
 
     return changed
 

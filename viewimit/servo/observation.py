@@ -12,11 +12,12 @@ class Conflict(Protocol):
     """Asks what the residual would be of images that a servo predicts; that needs no motion.
 
     own: (..., N, 4) px in [L, R], NaN for points that it knows nothing of; by: the name of a transfer in place of the
-    chosen one; like: (N, 4) px, own images as whose the noise of the demonstrator's is to be weighed, None not to
-    weigh it. → e: (..., n, C) px of the n points that are known in all of them; where those are too few it is inf.
+    chosen one; like: (N, 4) px, own images as whose the noise of the demonstrator's is to be weighed, None not to weigh
+    it; head: 0 for the head as it seems to be, or 1 to `heads`. → e: (..., n, C) px of the n points that are known in
+    all of them; where those are too few it is inf.
     """
 
-    def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None) -> NDArray: ...
+    def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray: ...
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,8 @@ class Observation:
     displacement: (m,) rad, made since the start; lower, upper: (m,) rad, what the joint limits leave of it.
     motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
     rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed. shown: how
-    many of the demonstrator's points are in sight.
+    many of the demonstrator's points are in sight. heads: how many other heads than it seems to be might be in its
+    place, each one standard deviation off in another respect.
     """
 
     own: NDArray
@@ -39,3 +41,4 @@ class Observation:
     noise_px: float = 0.0
     rehearsed: tuple[Visit, ...] = ()
     shown: int = 0
+    heads: int = 0

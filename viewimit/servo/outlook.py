@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,8 +82,10 @@ def look_out(
     E = float(measured.E[best])
     if by is not None:
         return Outlook(E, model, found, None)
+    residual_of = partial(conflict, by=None, like=like)
+    others = tuple(partial(residual_of, head=k) for k in range(1, seen.heads + 1))
     by_own = measured.E if like is None else None
-    known = Known(visits, best, E, measured.points[best], model, seen, lambda own: conflict(own, None, like), by_own)
+    known = Known(visits, best, E, measured.points[best], model, seen, residual_of, by_own, others)
     return Outlook(E, model, found, lambda place: certify(survey(known, found, place)))
 
 

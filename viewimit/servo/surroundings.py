@@ -32,13 +32,13 @@ def freedom_of(points: int, joints: int) -> int:
 @dataclass(frozen=True)
 class Surroundings:
     """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E, the mean over `points`; foreseen: if
-    those that were seen rarely moved as predicted, too, and the own images had no noise, the sum over all, by
-    `points`; E: px², there; seen: how many of them really were, at the best visit; left: (m,) rad, from there to
-    where E should be least; gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them;
-    slopes: (m, m) px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad,
-    the visits from there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points
-    whose hessian is hessians: (n, m, m); low, high: (m,) rad, what the limits leave; noise_px: of residuals,
-    standard deviation."""
+    those that were seen rarely moved as predicted, too, and the own images had no noise, the sum over all, by `points`;
+    E: px², there; seen: how many of them really were, at the best visit; left: (m,) rad, from there to where E should
+    be least; gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them; head: (k, m) px²/rad,
+    by how much more it would be with each other head; slopes: (m, m) px²/rad², by which E would rise if all motion of
+    the own images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the E measured at them,
+    NaN where it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,) rad, what the
+    limits leave; noise_px: of residuals, standard deviation."""
 
     hessian: NDArray
     foreseen: NDArray
@@ -47,6 +47,7 @@ class Surroundings:
     seen: int
     left: NDArray
     gradients: NDArray
+    head: NDArray
     slopes: NDArray
     away: NDArray
     rise: NDArray
@@ -65,7 +66,7 @@ class Known:
     """visits; best: index of the one with the smallest E; E: px², there; points: (N,) bool, by which it was measured
     there; model: learned from the visits; seen: at the last; residual_of: own images (..., N, 4) px → (..., n, C) px,
     by the transfer chosen, points NaN in them left out; measured: (n,) px², E of each visit by its own images, None
-    where it was not by these."""
+    where it was not by these; others: as residual_of, of each other head that may be."""
 
     visits: tuple[Visit, ...]
     best: int
@@ -75,6 +76,7 @@ class Known:
     seen: Observation
     residual_of: Callable[[NDArray], NDArray]
     measured: NDArray | None = None
+    others: tuple[Callable[[NDArray], NDArray], ...] = ()
 
 
 def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
@@ -98,6 +100,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         seen=_really_seen(known, points),
         left=found.theta - place,
         gradients=gradients,
+        head=_head_gradients(known, place),
         slopes=_image_slopes(known.model, place),
         away=np.array([visit.displacement for visit in known.visits]) - place,
         rise=rise,
@@ -118,6 +121,18 @@ def _hessian_by(known: Known, points: NDArray, place: NDArray) -> tuple[NDArray,
 def _images_about(model: Surrogate, place: NDArray) -> NDArray:
     """(1 + m, N, 4) px, predicted at a place and a little aside by each joint."""
     return model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
+
+
+def _head_gradients(known: Known, place: NDArray) -> NDArray:
+    """(k, m) px²/rad, as `Surroundings.head`."""
+    about = _images_about(known.model, place)
+    here = _gradient(known.residual_of(about)) if known.others else np.zeros(len(place))
+    return np.array([_gradient(of_other(about)) - here for of_other in known.others]).reshape(-1, len(place))
+
+
+def _gradient(e: NDArray) -> NDArray:
+    """(m,) px²/rad, of E, as `_hessian`."""
+    return (e[1:] - e[0]).reshape(len(e) - 1, -1) @ e[0].ravel() / (DIFFERENCE * e.shape[-2])
 
 
 def _hessian(e: NDArray) -> NDArray:

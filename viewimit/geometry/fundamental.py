@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 MIN_MATCHES = 8
 ROUNDS, STEPS = 4, 3
+WORTHWHILE = 1e-6  # share of the squares that a step lowers, below which another is not made
 TINY = 1e-300  # keeps quotients finite
 FREE = 7  # of the nine elements: not the scale, and the rank is 2
 
@@ -43,9 +44,9 @@ def neighbours(F: NDArray, left: NDArray, right: NDArray) -> NDArray:
     F = np.linalg.inv(T_right).T @ F @ np.linalg.inv(T_left)
     F = F / np.linalg.norm(F)
     tangent, e, J = _linearised(F, l, r)
-    _, sigma, Vt = np.linalg.svd(J, full_matrices=False)
-    deviation = np.sqrt(e @ e / max(len(e) - FREE, 1)) / np.maximum(sigma, TINY)
-    away = (tangent @ (Vt.T * np.minimum(deviation, 1.0))).T.reshape(-1, 3, 3)
+    squared, ways = np.linalg.eigh(J.T @ J)
+    deviation = np.sqrt(e @ e / max(len(e) - FREE, 1) / np.maximum(squared, TINY))
+    away = (tangent @ (ways * np.minimum(deviation, 1.0))).T.reshape(-1, 3, 3)
     return np.array([T_right.T @ _of_rank_2(F + step) @ T_left for step in away])
 
 
@@ -80,12 +81,14 @@ def _nearest_to_matches(F: NDArray, l: NDArray, r: NDArray) -> NDArray:
     """Of rank 2 and norm 1, with the least squares of Sampson's distances; l, r: (M, 3)."""
     tangent, e, J = _linearised(F, l, r)
     for _ in range(STEPS):
-        stepped = _of_rank_2(F - (tangent @ np.linalg.lstsq(J, e, rcond=None)[0]).reshape(3, 3))
+        stepped = _of_rank_2(F - (tangent @ np.linalg.lstsq(J.T @ J, J.T @ e, rcond=None)[0]).reshape(3, 3))
         stepped = stepped / np.linalg.norm(stepped)
         tangent, e_stepped, J = _linearised(stepped, l, r)
-        if not e_stepped @ e_stepped < e @ e:
+        gained = e @ e - e_stepped @ e_stepped
+        if gained > 0:
+            F, e = stepped, e_stepped
+        if not gained > WORTHWHILE * (e @ e):
             break
-        F, e = stepped, e_stepped
     return F
 
 

@@ -1,11 +1,14 @@
 """A session rectifies where its cameras ask for it, and only there; it repeats itself, comes back and goes on."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
 from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.rectifying import POOLED
+from viewimit.servo import TrustRegion
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
 
@@ -42,6 +45,25 @@ def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
     left = [moment.rectification.left.tolist() for moment in session.history]
     assert len({str(H) for H in left[: POOLED + 1]}) == POOLED + 1
     assert left[POOLED] == left[POOLED + 1] == left[POOLED + 4]
+
+
+def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
+    session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
+    now = session.run(6)
+    seen, conflict, others = session.observation(now), session.predicted_conflict(now), now.rectification.others
+    assert seen.heads == len(others) == 7
+    for head, other in enumerate(others, 1):
+        e = conflict(now.views.own, head=head)
+        of_other = now.with_fields(rectification=other).transfer.residual(now.views.used)
+        np.testing.assert_array_equal(e, of_other)
+        assert 0 < np.abs(e - conflict(now.views.own)).max() < 2.0
+    last = session.run()
+    seen, conflict = session.observation(last), session.predicted_conflict(last)
+    of_heads = [
+        TrustRegion().step(last.servo_state, replace(seen, heads=heads), conflict)[0].certificate.expected
+        for heads in (0, 7)
+    ]
+    assert (of_heads[1] > of_heads[0]).all()
 
 
 def test_an_older_moment_keeps_its_own():

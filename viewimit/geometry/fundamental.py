@@ -99,8 +99,8 @@ def _linearised(F: NDArray, l: NDArray, r: NDArray) -> tuple[NDArray, NDArray, N
     barred = np.stack([F.ravel(), np.outer(U[:, 2], Vt[2]).ravel()], 1)
     tangent = np.linalg.svd(barred)[0][:, 2:]
     weight = 1 / np.sqrt(np.maximum(_squared_gradient(F, l, r), TINY))
-    rows = (r[:, :, None] * l[:, None, :]).reshape(-1, 9) * weight[:, None]
-    return tangent, rows @ F.ravel(), rows @ tangent
+    rows = (r[:, :, None] * l[:, None, :]).reshape(-1, 9)
+    return tangent, weight * (rows @ F.ravel()), weight[:, None] * (rows @ tangent)
 
 
 def _normalising(left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:

@@ -26,6 +26,8 @@ LEAST_AREA_PX = 6.0
 HUE_SHARE = 0.5  # of the way to the next marker's hue, at most
 ROUND = 0.87  # shorter axis over longer, at least: else something hides a part of it
 SMALL = 0.45  # of the picture's median blob: a round remainder of a hidden one
+ALIKE, UNLIKE = 0.1, 2.5  # share of the area; standard deviations of that share, by which one may differ
+TO_NORMAL = 1.4826  # from the median of |x| to the standard deviation
 HUES_A_DEGREE = 4
 PIXEL_VARIANCE = 1 / 12  # px², of a pixel's own width
 NEIGHBOURS = np.ones((3, 3), np.uint8)
@@ -33,15 +35,25 @@ NEIGHBOURS = np.ones((3, 3), np.uint8)
 
 @dataclass(frozen=True)
 class Detections:
-    """points: (N, 2) px, NaN where not found; confidence: (N,) in 0 … 1, how round it is, 0 where not found."""
+    """points: (N, 2) px, NaN where not found; confidence: (N,) in 0 … 1, how round it is, 0 where not found; area: (N,)
+    px², of what is seen of it, NaN where not found."""
 
     points: NDArray
     confidence: NDArray
+    area: NDArray
 
     @property
     def found(self) -> NDArray:
         """(N,) bool"""
         return self.confidence > 0
+
+    def without(self, those: NDArray) -> "Detections":
+        """those: (N,) bool."""
+        return Detections(
+            np.where(those[:, None], np.nan, self.points),
+            np.where(those, 0.0, self.confidence),
+            np.where(those, np.nan, self.area),
+        )
 
 
 def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0) -> Detections:
@@ -53,7 +65,7 @@ def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
     """
     hue_deg = np.asarray(hue_deg, float)
     points, confidence = np.full((len(hue_deg), 2), np.nan), np.zeros(len(hue_deg))
-    area = np.zeros(len(hue_deg))
+    count_px, covered = np.zeros(len(hue_deg)), np.full(len(hue_deg), np.nan)
     (left, top), (a, b) = _coloured_part(picture, middle)
     chroma = np.hypot(a, b)
     which = _marker_by_hue(hue_deg)[np.round(np.degrees(np.arctan2(b, a)) * HUES_A_DEGREE).astype(int)]
@@ -62,17 +74,29 @@ def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
         count, labels, parts, _ = cv2.connectedComponentsWithStats((which == marker).astype(np.uint8), connectivity=8)
         for k in range(1, count):
             x, y, width, height, pixels = parts[k]
-            if pixels < max(LEAST_AREA_PX, area[marker]):
+            if pixels < max(LEAST_AREA_PX, count_px[marker]):
                 continue
             part = slice(y, y + height), slice(x, x + width)
-            centre, roundness = _disc(np.where(labels[part] == k, chroma[part], 0.0))
+            centre, roundness, area = _disc(np.where(labels[part] == k, chroma[part], 0.0))
             if roundness >= ROUND:
-                area[marker] = pixels
+                count_px[marker], covered[marker] = pixels, area
                 points[marker], confidence[marker] = centre + (left + x, top + y), roundness
-    if area.any():
-        small = area < SMALL * np.median(area[area > 0])
-        points[small], confidence[small] = np.nan, 0.0
-    return Detections(points, confidence)
+    found = Detections(points, confidence, covered)
+    if not count_px.any():
+        return found
+    return found.without(count_px < SMALL * np.median(count_px[count_px > 0]))
+
+
+def as_large_in_both(left: Detections, right: Detections) -> tuple[Detections, Detections]:
+    """Two pictures of the same balls without those that are smaller in one of them than the others tell: from several
+    sides something may hide parts of a ball so that it stays round. It is taken out where it is smaller."""
+    ratio = np.log(right.area / left.area)
+    both = np.isfinite(ratio)
+    if not both.any():
+        return left, right
+    away = np.nan_to_num(ratio - np.median(ratio[both]))
+    most = max(ALIKE, UNLIKE * TO_NORMAL * float(np.median(np.abs(away[both]))))
+    return left.without(away > most), right.without(away < -most)
 
 
 def pictures(path: Path) -> Iterator[NDArray]:
@@ -138,8 +162,9 @@ def _marker_by_hue(hue_deg: NDArray) -> NDArray:
     return np.where(close, nearest, -1)
 
 
-def _disc(chroma: NDArray) -> tuple[NDArray, float]:
-    """Of a blob, chroma 0 outside: its middle (x, y) px, and its shorter axis over its longer, by its moments."""
+def _disc(chroma: NDArray) -> tuple[NDArray, float, float]:
+    """Of a blob, chroma 0 outside: its middle (x, y) px, its shorter axis over its longer, by its moments, and its area
+    px²."""
     inside = np.pad((chroma > 0).astype(np.uint8), 1)
     interior = cv2.erode(inside, NEIGHBOURS)[1:-1, 1:-1] > 0
     brightest = cv2.dilate(chroma, NEIGHBOURS)
@@ -151,4 +176,4 @@ def _disc(chroma: NDArray) -> tuple[NDArray, float]:
     x, y = x - centre[0], y - centre[1]
     xx, yy, xy = weight_x @ x**2 + PIXEL_VARIANCE, weight_y @ y**2 + PIXEL_VARIANCE, y @ covered @ x / area
     mean, half = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
-    return centre, float(np.sqrt((mean - half) / (mean + half)))
+    return centre, float(np.sqrt((mean - half) / (mean + half))), float(area)

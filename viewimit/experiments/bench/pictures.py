@@ -42,8 +42,9 @@ def run(scene: str, pairs: int, seed: int = 0, tell: Callable[[float], None] = l
         demo, own = rng.uniform(low, high, (2, len(low)))
         eyes.demo_images(demo)
         eyes.own_images(own)
+        eyes.look_at("lr")  # anew: both arms stand now where they are to
+        eyes.look_at("LR")
         for view in VIEWS:
-            eyes.look(view)  # anew: both arms stand now where they are to
             image, in_sight = eyes.truth(view)
             offsets.append(eyes.detections[view].points - image)
             sights.append(in_sight)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...disturbances import ArmDisturbance, drive
-from ...perception.detection import Detections, detect
+from ...perception.detection import Detections, as_large_in_both, detect
 from ...settings import Settings
 from ...views import VIEWS
 from ..camera import Camera
@@ -66,6 +66,13 @@ class RenderedEyes:
         self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, MIDDLE)
         return self.pictures[view]
 
+    def look_at(self, pair: str) -> None:
+        """Take both pictures of a pair of views, and detect in both the markers that nothing hides a part of in one."""
+        for view in pair:
+            self.look(view)
+        both = as_large_in_both(*(self.detections[view] for view in pair))
+        self.detections.update(zip(pair, both))
+
     def truth(self, view: str) -> tuple[NDArray, NDArray]:
         """Where the view's balls are as the arms stand: (N, 2) px, and (N,) whether the middle of a ball's face is in
         sight, by the renderer's depth. For benchmarks and tests."""
@@ -87,8 +94,7 @@ class RenderedEyes:
         points, visible = [], []
         for posture in theta.reshape(-1, theta.shape[-1]):
             self.theta[pair] = posture
-            for view in pair:
-                self.look(view)
+            self.look_at(pair)
             points.append(np.concatenate([self.detections[view].points for view in pair], -1))
             visible.append(np.stack([self.detections[view].found for view in pair], -1))
         shape = theta.shape[:-1] + (len(self.world.body),)

@@ -12,7 +12,7 @@ from .certificate import Certificate, certify
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
 from .surrogate import Surrogate, learn
-from .surroundings import FREE, UNTOLD, Known, enough_points, survey
+from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
 from .visit import Visit
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
@@ -115,7 +115,7 @@ def _measure(
     own: NDArray, known: NDArray, joints: int, needed: int, residual_of: Callable[[NDArray], NDArray]
 ) -> Measured:
     """Each by the points that are known there, if they contradict a wrong posture; else by all, however badly they are
-    told. Of fewer points E is smaller by itself, as FREE of them fit any images: that is made up for."""
+    told. Of fewer points E is smaller by itself, as so many of them fit any posture: that is made up for."""
     if known.all():
         e = residual_of(own)
         E = evaluate(e)
@@ -127,7 +127,7 @@ def _measure(
         if e.shape[-2] < enough:
             e, these[:] = residual_of(images), True
         E[k], count[k] = evaluate(e), e.shape[-2]
-    worth = E * count / np.maximum(count - FREE, 1)
+    worth = E * count / np.maximum(count - fitted_points(joints), 1)
     if (count >= needed).any():
         worth[count < needed] = np.inf
     return Measured(E, points, count, int(np.argmin(worth)))

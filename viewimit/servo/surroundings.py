@@ -18,10 +18,15 @@ LEARNED = 1.0 / UNTOLD  # px/rad: slopes as uncertain as this tell a joint that 
 FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 
 
+def fitted_points(joints: int) -> float:
+    """So many the joints and a homography of space, of 15 numbers, fit by themselves: as rows match, each pair tells
+    three coordinates of a point."""
+    return (15 + joints) / 3
+
+
 def enough_points(joints: int) -> int:
-    """So many contradict a wrong posture: as rows match, each pair tells three coordinates of a point; the joints and a
-    homography of space, of 15 numbers, fit as many as they are; more than a point's must be left over."""
-    return (15 + 3 + joints) // 3 + 1
+    """So many contradict a wrong posture: more coordinates than a point's are left over that nothing fits."""
+    return int(fitted_points(joints) + 1) + 1
 
 
 def freedom_of(points: int, joints: int) -> int:

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from viewimit.servo.outlook import measure
+from viewimit.servo.outlook import WELL_TOLD, measure
+from viewimit.servo.surrogate import learn
 from viewimit.servo.visit import Visit
 
 POINTS, FEW, MANY = 14, 7, 12
@@ -31,3 +32,18 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
     for share, best in ((0.5, 1), (0.1, 0)):
         measured = measure(visits, 0.0, conflict(share), None)
         assert measured.count.tolist() == [FEW, MANY] and measured.best == best
+
+
+def test_under_noise_a_point_that_is_not_seen_tells_e_only_if_it_is_told_as_well_as_one_that_is():
+    """0.3 px off, its prediction weighed as much as images with noise of 0.08 px, and on pictures led 1° astray."""
+    away = np.radians([(0, 0), (15, 0), (15, -15), (8, -8), (3, -20)])
+    visits = tuple(visit(where, POINTS) for where in away) + (visit(np.radians((-4.0, 4.0)), MANY),)
+
+    def residual(own, by=None, like=None, head=0):
+        known = np.isfinite(own).all(-1).reshape(-1, POINTS).all(0)
+        return np.ones((*own.shape[:-2], int(known.sum()), 4))
+
+    spread = learn(list(visits), len(visits) - 1, 0.08).spread(visits[-1].displacement[None])[0, -1]
+    assert 0.08 < spread < WELL_TOLD
+    assert measure(visits, 0.08, residual, None).count.tolist() == [POINTS] * len(away) + [MANY]
+    assert measure(visits, 0.0, residual, None).count.tolist() == [POINTS] * len(visits)

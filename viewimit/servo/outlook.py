@@ -16,7 +16,7 @@ from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
 from .visit import Visit
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
-WELL_TOLD = 1.0  # px, standard deviation up to which a point that is not seen is as good as one that is
+WELL_TOLD = 1.0  # px, standard deviation up to which a point that is not seen is as good as one that is; noise, if less
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,8 @@ def _completed(visits: tuple[Visit, ...], noise_px: float) -> tuple[NDArray, NDA
     model = learn(list(visits), len(visits) - 1, noise_px)
     displacement = np.array([visit.displacement for visit in visits])
     told = model.predict(displacement)
-    known = seen if seen.all() else seen | (model.spread(displacement) < WELL_TOLD)
+    most = min(noise_px, WELL_TOLD) if noise_px > 0 else WELL_TOLD
+    known = seen if seen.all() else seen | (model.spread(displacement) < most)
     return (told if noise_px > 0 else np.where(unseen, told, own)), known
 
 

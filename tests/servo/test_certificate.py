@@ -24,6 +24,7 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
         seen=POINTS,
         left=np.zeros(2),
         gradients=np.zeros((1, 2)),
+        by_slopes=np.zeros((1, 2)),
         head=np.zeros((0, 2)),
         slopes=np.diag([2e4, 2e4]),
         away=away,
@@ -51,6 +52,7 @@ def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allo
         foreseen=hessian,
         left=np.zeros(joints),
         gradients=np.zeros((1, joints)),
+        by_slopes=np.zeros((1, joints)),
         head=np.zeros((0, joints)),
         slopes=2e4 * np.eye(joints),
         away=away,
@@ -188,6 +190,15 @@ class TestOwnNoise:
         found = certify(surroundings(self.AWAY, noise_px=self.NOISE, gradients=gradients))
         assert found.check.any() == asks and found.shown != asks
         assert not asks or np.abs(found.check).argmax() == 0
+
+    @pytest.mark.parametrize("times, asks", [(0.5, False), (2.0, True)])
+    def test_where_slopes_hide_more_it_asks_too_but_what_was_shown_stays_shown(self, times, asks):
+        of_demo = self.NOISE * np.sqrt(1 / (FLAT * POINTS))
+        by_slopes = np.array([[times * of_demo * FLAT, 0.0]])
+        quiet = certify(surroundings(self.AWAY, noise_px=self.NOISE))
+        found = certify(surroundings(self.AWAY, noise_px=self.NOISE, by_slopes=by_slopes))
+        assert found.shown and found.check.any() == asks
+        assert found.expected[0] == pytest.approx(np.hypot(quiet.expected[0], times * of_demo))
 
     def test_without_noise_no_direction_is_asked_again(self):
         assert certify(surroundings(BOTH, gradients=np.array([[1e3, 0.0]]))).shown

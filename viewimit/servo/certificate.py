@@ -38,7 +38,7 @@ class Certificate:
     joint errors, inf of joints that are not told; told: (m,) bool; shown: whether E was seen to rise along every
     direction; check: (m,) rad, a motion that would show more, all 0 if there is none to make; spent: whether E is as
     small as where nothing is told; learnable: whether points that were seen rarely, or noise that is not averaged yet,
-    hide what should be told."""
+    hide what should be told. A check may be worth making though all is shown: where slopes are told badly."""
 
     spread: NDArray
     expected: NDArray
@@ -69,12 +69,14 @@ class Certificate:
 def certify(here: Surroundings) -> Certificate:
     """From the visits that there are."""
     spread = deviations(here.hessian, here.points)
-    told, check = spread < UNTOLD, np.zeros(len(spread))
+    told, check, again = spread < UNTOLD, np.zeros(len(spread)), np.zeros(len(spread))
     shown = here.seen >= enough_points(len(spread))
     for direction in _directions(here):
         risen, level = _evidence(here, direction)
         unclear = here.noise_px > 0 and _unclear(here, direction)
         if risen and not unclear:
+            if here.noise_px > 0 and not again.any() and _hides_more(here, direction, here.gradients, here.by_slopes):
+                again = NOISY_NEAR * direction  # what is far tells slopes best
             continue
         shown = False
         if level:
@@ -86,7 +88,7 @@ def certify(here: Surroundings) -> Certificate:
     variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here) + _of_the_head(here)
     expected = np.where(told, np.sqrt(variance), np.inf)
     learnable = not told.all() and bool((deviations(here.foreseen, here.points) < UNTOLD).all())
-    return Certificate(spread, expected, told, shown, check, bool(spent), learnable)
+    return Certificate(spread, expected, told, shown, check if check.any() else again, bool(spent), learnable)
 
 
 def deviations(hessian: NDArray, points: int) -> NDArray:
@@ -108,15 +110,23 @@ def _of_the_head(here: Surroundings) -> NDArray:
 
 def _of_own_noise(here: Surroundings) -> NDArray:
     """(m,) rad², variances: how far the noise of the own images moves the place where E is least."""
-    return ((here.gradients @ _inverse(here.hessian)) ** 2).mean(0)
+    inverse = _inverse(here.hessian)
+    return sum(((gradients @ inverse) ** 2).mean(0) for gradients in (here.gradients, here.by_slopes))
 
 
 def _unclear(here: Surroundings, v: NDArray) -> bool:
-    """Whether the noise of the own images, which further postures average, hides more of a displacement along v than
-    that of the demonstrator's does, or as much as tells nothing."""
+    """Whether the noise of the own images hides more of a displacement along v than that of the demonstrator's does, or
+    as much as tells nothing."""
+    nothing = here.points * max(v @ here.hessian @ v, LEAST_CURVATURE) * UNTOLD**2 < 1
+    return bool(nothing or _hides_more(here, v, here.gradients))
+
+
+def _hides_more(here: Surroundings, v: NDArray, *gradients: NDArray) -> bool:
+    """Whether what makes these gradients, (k, m) px²/rad each, and further postures average, hides more of a
+    displacement along v than the noise of the demonstrator's images does."""
     curvature = max(v @ here.hessian @ v, LEAST_CURVATURE)
-    own, demo = ((here.gradients @ v) ** 2).mean() / curvature**2, here.noise_px**2 / (here.points * curvature)
-    return bool(own > demo or here.points * curvature * UNTOLD**2 < 1)
+    own = sum(((one @ v) ** 2).mean() for one in gradients) / curvature**2
+    return bool(own > here.noise_px**2 / (here.points * curvature))
 
 
 def _directions(here: Surroundings) -> list[NDArray]:

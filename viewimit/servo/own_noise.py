@@ -22,10 +22,12 @@ LEAST = 1e-9  # of the largest curvature, what is left where noise explains it a
 @dataclass(frozen=True)
 class OwnNoise:
     """hessian: (m, m) px²/rad², what it adds to the hessian of E; gradients: (k, m) px²/rad, of E at its least, as k
-    draws of it have them; freedom: of the residuals that make E."""
+    draws of the images there have them; by_slopes: the same, as k draws of the slopes do; freedom: of the residuals
+    that make E."""
 
     hessian: NDArray
     gradients: NDArray
+    by_slopes: NDArray
     freedom: int
 
     def taken_off(self, hessian: NDArray) -> NDArray:
@@ -54,8 +56,8 @@ def own_noise(
     J, of_noise = (e[1 : len(about)] - e[0]) / DIFFERENCE, e[len(about) :] - e[0]
     left = float((of_noise**2).sum()) / (DRAWS * points)  # px², that noise of one image makes
     slopes, images = model.slope_weights(place), model.image_weights(place)
-    gradients = np.linalg.norm(images) * of_noise @ J.T + _by_slopes(slopes, of_noise @ e[0])
-    return OwnNoise(left * slopes.T @ slopes, gradients / points, freedom)
+    gradients, by_slopes = np.linalg.norm(images) * of_noise @ J.T, _by_slopes(slopes, of_noise @ e[0])
+    return OwnNoise(left * slopes.T @ slopes, gradients / points, by_slopes / points, freedom)
 
 
 def _by_slopes(slopes: NDArray, along: NDArray) -> NDArray:

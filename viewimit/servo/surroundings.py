@@ -39,11 +39,11 @@ class Surroundings:
     """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E, the mean over `points`; foreseen: if
     those that were seen rarely moved as predicted, too, and the own images had no noise, the sum over all, by `points`;
     E: px², there; seen: how many of them really were, at the best visit; left: (m,) rad, from there to where E should
-    be least; gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them; head: (k, m) px²/rad,
-    by how much more it would be with each other head; slopes: (m, m) px²/rad², by which E would rise if all motion of
-    the own images were conflict; away: (n, m) rad, the visits from there; rise: (n,) px², of the E measured at them,
-    NaN where it cannot be compared, by points whose hessian is hessians: (n, m, m); low, high: (m,) rad, what the
-    limits leave; noise_px: of residuals, standard deviation."""
+    be least; gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them; by_slopes: as draws
+    of their slopes' do; head: (k, m) px²/rad, by how much more it would be with each other head; slopes: (m, m)
+    px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits from
+    there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is
+    hessians: (n, m, m); low, high: (m,) rad, what the limits leave; noise_px: of residuals, standard deviation."""
 
     hessian: NDArray
     foreseen: NDArray
@@ -52,6 +52,7 @@ class Surroundings:
     seen: int
     left: NDArray
     gradients: NDArray
+    by_slopes: NDArray
     head: NDArray
     slopes: NDArray
     away: NDArray
@@ -91,12 +92,12 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     if not learned[known.points].all():
         hessian, points = _hessian_by(known, known.points & learned, place)
     rise, hessians = _rises(known, hessian, place, learned)
-    gradients = np.zeros((1, len(place)))
+    gradients = by_slopes = np.zeros((1, len(place)))
     if known.seen.noise_px > 0:
         freedom = freedom_of(points, len(place))
         noise = own_noise(known.model, known.residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
         hessian, hessians = noise.taken_off(hessian), noise.taken_off(hessians)
-        gradients = noise.gradients
+        gradients, by_slopes = noise.gradients, noise.by_slopes
     return Surroundings(
         hessian=hessian,
         foreseen=foreseen * found.points / points,
@@ -105,6 +106,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         seen=_really_seen(known, points),
         left=found.theta - place,
         gradients=gradients,
+        by_slopes=by_slopes,
         head=_head_gradients(known, place),
         slopes=_image_slopes(known.model, place),
         away=np.array([visit.displacement for visit in known.visits]) - place,

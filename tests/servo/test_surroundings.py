@@ -1,5 +1,6 @@
 """What is known about a posture is known of points whose motion was seen, not of those that seem to stand still."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -63,3 +64,17 @@ def test_what_noise_hides_near_by_can_be_learned_from_farther_away(reach_deg, hi
     known = Known(visits, len(visits) - 1, 0.5, np.ones(POINTS, bool), model, observed, residual_of)
     certificate = certify(survey(known, found, place))
     assert certificate.told.all() != hides == certificate.learnable and (not hides or certificate.check.any())
+
+
+def test_a_point_by_which_E_was_not_measured_adds_nothing_to_what_noise_moves():
+    """It may be predicted anywhere: on pictures one that was 30 px off made 0.7° to 11°."""
+    known, place = known_with(len(PLACES))
+    known = replace(known, points=np.arange(POINTS) > 0, seen=SimpleNamespace(**vars(known.seen) | {"noise_px": 0.1}))
+    found = minimise(lambda theta: known.residual_of(known.model.predict(theta)), place[None], place - 0.1, place + 0.1)
+    astray = lambda own: known.residual_of(own + 40.0 * (np.arange(POINTS) == 0)[:, None] * (1, -1, 1, 1))
+    both = known.residual_of, astray
+    right, wrong = (survey(replace(known, residual_of=one, others=(one,)), found, place) for one in both)
+    np.testing.assert_array_equal(wrong.by_slopes, right.by_slopes)
+    np.testing.assert_array_equal(wrong.gradients, right.gradients)
+    np.testing.assert_array_equal(wrong.hessian, right.hessian)
+    assert not wrong.head.any()

@@ -15,6 +15,7 @@ from .visit import Visit
 
 UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
 LEARNED = 1.0 / UNTOLD  # px/rad: slopes as uncertain as this tell a joint that nothing tells
+ResidualOf = Callable[[NDArray], NDArray]  # own images (..., N, 4) px → (..., n, C) px
 FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 
 
@@ -94,8 +95,8 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     rise, hessians = _rises(known, hessian, place, learned)
     gradients = by_slopes = np.zeros((1, len(place)))
     if known.seen.noise_px > 0:
-        freedom = freedom_of(points, len(place))
-        noise = own_noise(known.model, known.residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
+        freedom, residual_of = freedom_of(points, len(place)), _of_points(known, known.residual_of, learned, place)
+        noise = own_noise(known.model, residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
         hessian, hessians = noise.taken_off(hessian), noise.taken_off(hessians)
         gradients, by_slopes = noise.gradients, noise.by_slopes
     return Surroundings(
@@ -107,7 +108,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         left=found.theta - place,
         gradients=gradients,
         by_slopes=by_slopes,
-        head=_head_gradients(known, place),
+        head=_head_gradients(known, learned, place),
         slopes=_image_slopes(known.model, place),
         away=np.array([visit.displacement for visit in known.visits]) - place,
         rise=rise,
@@ -130,11 +131,21 @@ def _images_about(model: Surrogate, place: NDArray) -> NDArray:
     return model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
 
 
-def _head_gradients(known: Known, place: NDArray) -> NDArray:
+def _of_points(known: Known, residual_of: ResidualOf, learned: NDArray, place: NDArray) -> ResidualOf:
+    """The residuals of the points by which E was measured that are learned, (N,) bool, alone: others may be predicted
+    anywhere. Of all, if these are too few for any."""
+    points = known.points & learned
+    of_these = lambda own: residual_of(np.where(points[:, None], own, np.nan))
+    enough = points.all() or np.isfinite(of_these(known.model.predict(place))).all()
+    return of_these if enough else residual_of
+
+
+def _head_gradients(known: Known, learned: NDArray, place: NDArray) -> NDArray:
     """(k, m) px²/rad, as `Surroundings.head`."""
+    heads = (known.residual_of, *known.others) if known.others else ()
     about = _images_about(known.model, place)
-    here = _gradient(known.residual_of(about)) if known.others else np.zeros(len(place))
-    return np.array([_gradient(of_other(about)) - here for of_other in known.others]).reshape(-1, len(place))
+    by_head = [_gradient(_of_points(known, of_head, learned, place)(about)) for of_head in heads]
+    return np.array([gradient - by_head[0] for gradient in by_head[1:]]).reshape(-1, len(place))
 
 
 def _gradient(e: NDArray) -> NDArray:

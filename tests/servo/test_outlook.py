@@ -35,15 +35,21 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
 
 
 def test_under_noise_a_point_that_is_not_seen_tells_e_only_if_it_is_told_as_well_as_one_that_is():
-    """0.3 px off, its prediction weighed as much as images with noise of 0.08 px, and on pictures led 1° astray."""
+    """0.3 px off, its prediction weighed as much as images with noise of 0.08 px, and on pictures led 1° astray. Far
+    away, where E is large, it leads on."""
     away = np.radians([(0, 0), (15, 0), (15, -15), (8, -8), (3, -20)])
     visits = tuple(visit(where, POINTS) for where in away) + (visit(np.radians((-4.0, 4.0)), MANY),)
 
-    def residual(own, by=None, like=None, head=0):
-        known = np.isfinite(own).all(-1).reshape(-1, POINTS).all(0)
-        return np.ones((*own.shape[:-2], int(known.sum()), 4))
+    def residual_of(size_px):
+        def residual(own, by=None, like=None, head=0):
+            known = np.isfinite(own).all(-1).reshape(-1, POINTS).all(0)
+            return np.full((*own.shape[:-2], int(known.sum()), 4), size_px)
+
+        return residual
 
     spread = learn(list(visits), len(visits) - 1, 0.08).spread(visits[-1].displacement[None])[0, -1]
     assert 0.08 < spread < WELL_TOLD
-    assert measure(visits, 0.08, residual, None).count.tolist() == [POINTS] * len(away) + [MANY]
-    assert measure(visits, 0.0, residual, None).count.tolist() == [POINTS] * len(visits)
+    near, far = residual_of(0.1), residual_of(1.0)  # E of 0.02 and of 2 px²
+    assert measure(visits, 0.08, near, None).count.tolist() == [POINTS] * len(away) + [MANY]
+    assert measure(visits, 0.08, far, None).count.tolist() == [POINTS] * len(visits)
+    assert measure(visits, 0.0, near, None).count.tolist() == [POINTS] * len(visits)

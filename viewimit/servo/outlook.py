@@ -16,7 +16,9 @@ from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
 from .visit import Visit
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
-WELL_TOLD = 1.0  # px, standard deviation up to which a point that is not seen is as good as one that is; noise, if less
+WELL_TOLD = (
+    1.0  # px, standard deviation up to which a point that is not seen is as good as one that is, where E is large
+)
 
 
 @dataclass(frozen=True)
@@ -61,8 +63,23 @@ def measure(
     visits: tuple[Visit, ...], noise_px: float, conflict: Conflict, by: str | None, needed: int = 0
 ) -> Measured:
     """E at all postures visited, noise averaged over them. by: another transfer than the chosen one; needed: points
-    that must tell E at the best of them, if any has so many."""
-    own, known = _completed(visits, noise_px)
+    that must tell E at the best of them, if any has so many.
+
+    Points that are not seen lead on where E is large. Where it is not, they must be told as well as noise lets those be
+    that are.
+    """
+    measured = _measure_by(WELL_TOLD, visits, noise_px, conflict, by, needed)
+    strictly = 0 < noise_px < WELL_TOLD and not all(visit.seen.all() for visit in visits)
+    if strictly and measured.E[measured.best] < WELL_TOLD**2:
+        return _measure_by(noise_px, visits, noise_px, conflict, by, needed)
+    return measured
+
+
+def _measure_by(
+    most: float, visits: tuple[Visit, ...], noise_px: float, conflict: Conflict, by: str | None, needed: int
+) -> Measured:
+    """As `measure`; most: px, standard deviation up to which a point that is not seen is as good as one that is."""
+    own, known = _completed(visits, noise_px, most)
     asked = own, known, len(visits[0].displacement), needed
     measured = _measure(*asked, lambda images: conflict(images, by))
     if noise_px == 0 or by is not None:
@@ -96,9 +113,9 @@ def doubt(E: float, found: Minimum) -> float:
     return float(np.sqrt(2 * E / max(told[0] if len(told) else curvatures[0], 1e-12)))
 
 
-def _completed(visits: tuple[Visit, ...], noise_px: float) -> tuple[NDArray, NDArray]:
+def _completed(visits: tuple[Visit, ...], noise_px: float, most: float) -> tuple[NDArray, NDArray]:
     """Of all visits, as they tell of each other: images (n, N, 4) px, their noise averaged, points not seen completed;
-    and which points are known there, (n, N) bool: that were seen, or are told well."""
+    and which points are known there, (n, N) bool: that were seen, or are told well, to `most` px."""
     own = np.array([visit.own for visit in visits])
     seen = np.array([visit.seen.all(-1) for visit in visits])
     unseen = np.isnan(own)
@@ -107,7 +124,6 @@ def _completed(visits: tuple[Visit, ...], noise_px: float) -> tuple[NDArray, NDA
     model = learn(list(visits), len(visits) - 1, noise_px)
     displacement = np.array([visit.displacement for visit in visits])
     told = model.predict(displacement)
-    most = min(noise_px, WELL_TOLD) if noise_px > 0 else WELL_TOLD
     known = seen if seen.all() else seen | (model.spread(displacement) < most)
     return (told if noise_px > 0 else np.where(unseen, told, own)), known
 

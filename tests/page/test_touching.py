@@ -118,9 +118,9 @@ def test_a_click_on_a_moment_of_the_curves_goes_there_also_while_the_arm_moves(p
     pressed = page.locator("a[href$='/moment/0']").first.element_handle()
     page.mouse.move(*middle(page, "a[href$='/moment/0'] path"))
     page.mouse.down()
-    before = page.locator(CURVES).first.get_attribute("d")
+    curve = page.locator(CURVES).first.element_handle()
     page.keyboard.press("ArrowLeft")
-    wait(page, lambda: page.locator(CURVES).first.get_attribute("d") != before)  # drawn anew under the pointer
+    wait(page, lambda: not curve.evaluate("curve => curve.isConnected"))  # drawn anew under the pointer
     page.mouse.up()
     wait(page, lambda: posture(page) == start)
     assert pressed.evaluate("link => link.isConnected")

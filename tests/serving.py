@@ -12,6 +12,7 @@ import sys
 import tempfile
 import threading
 import urllib.request
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 
@@ -71,6 +72,12 @@ class Server:
     @property
     def log(self) -> str:
         return "".join(list(self.lines))
+
+    def lines_about(self, ports: Collection[int], since: int) -> list[str]:
+        """What it has said from the since-th line on, but for what is about connections from other ports of this
+        machine: who came before may still have a line to come."""
+        said = [(line, re.search(r" 127\.0\.0\.1:(\d+): ", line)) for line in list(self.lines)[since:]]
+        return [line for line, whose in said if whose is None or int(whose[1]) in ports]
 
     @property
     def memory(self) -> float:

@@ -10,7 +10,6 @@ import msgspec
 import pytest
 from protocol import Client
 from serving import Server
-from test_requests import answer_to
 from test_seats import HANDSHAKE, connected, framed, place_of
 from waiting import stays, wait_until
 
@@ -25,13 +24,13 @@ def logging_server():
 
 
 @contextlib.contextmanager
-def few_lines(server: Server, at_least: int, at_most: int):
-    """Inside, it writes so many lines, none of them long or of a traceback."""
-    before = len(server.lines)
+def few_lines(server: Server, at_least: int, at_most: int, *clients: socket.socket):
+    """Inside, it writes so many lines about these connections, none of them long or of a traceback."""
+    before, ports = len(server.lines), {client.getsockname()[1] for client in clients}
     yield
-    wait_until(lambda: len(server.lines) - before >= at_least)
-    stays(lambda: len(server.lines) - before <= at_most, 0.3)
-    said = server.lines[before:]
+    wait_until(lambda: len(server.lines_about(ports, before)) >= at_least)
+    stays(lambda: len(server.lines_about(ports, before)) <= at_most, 0.3)
+    said = server.lines_about(ports, before)
     assert all(len(line) < LONGEST for line in said) and not any("Traceback" in line for line in said), said
 
 
@@ -42,7 +41,7 @@ def nested(depth: int) -> bytes:
 def test_refusals_of_one_connection_are_a_line_a_second(logging_server):
     with Client(logging_server.url).ready() as client:
         began = time.monotonic()
-        with few_lines(logging_server, 2, 4):
+        with few_lines(logging_server, 2, 4, client.socket.socket):
             for _ in range(60):
                 client.put("θ₂", "x")
             assert client.closed()[0] == 1008
@@ -54,7 +53,7 @@ def test_nesting_of_any_depth_is_a_line(logging_server, depth):
     with Client(logging_server.url).ready() as client:
         uuid = client.widgets["θ₂"]
         head = msgspec.msgpack.encode({"type": "GuiUpdateMessage", "uuid": uuid})[1:]
-        with few_lines(logging_server, 1, 1):
+        with few_lines(logging_server, 1, 1, client.socket.socket):
             client.send(b"\x83" + head + b"\xa7updates\x81\xa5value" + nested(depth))
 
 
@@ -62,7 +61,7 @@ def test_nesting_of_any_depth_is_a_line(logging_server, depth):
     "frame", [framed(b"\x81\xa4type\xa1\xff"), framed(b"\x81\xa1\xff\x00"), b"\x81\x81" + bytes(4) + b"\xff"]
 )
 def test_bytes_that_are_no_text_are_a_line_at_most(logging_server, frame):
-    with connected(logging_server.url, unread=1 << 20) as client, few_lines(logging_server, 0, 1):
+    with connected(logging_server.url, unread=1 << 20) as client, few_lines(logging_server, 0, 1, client):
         client.sendall(HANDSHAKE.format(host=logging_server.url[7:]).encode() + frame)
         while client.recv(1 << 16):
             pass
@@ -70,7 +69,7 @@ def test_bytes_that_are_no_text_are_a_line_at_most(logging_server, frame):
 
 def test_a_long_version_is_not_written_whole(logging_server):
     head = HANDSHAKE.format(host=logging_server.url[7:]).replace("viser-v", "viser-v" + 4000 * "9")
-    with connected(logging_server.url, unread=1 << 16) as client, few_lines(logging_server, 1, 1):
+    with connected(logging_server.url, unread=1 << 16) as client, few_lines(logging_server, 1, 1, client):
         client.sendall(head.encode())
         received = b""
         while data := client.recv(1 << 16):
@@ -79,14 +78,16 @@ def test_a_long_version_is_not_written_whole(logging_server):
 
 
 def test_two_hosts_are_a_line(logging_server):
-    with few_lines(logging_server, 1, 1):
-        assert answer_to(logging_server.url, b"GET /health HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n")[0] == 400
+    with connected(logging_server.url) as client, few_lines(logging_server, 1, 1, client):
+        client.sendall(b"GET /health HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n")
+        assert client.recv(1 << 16).startswith(b"HTTP/1.1 400 ")
 
 
 def test_who_asks_for_nothing_is_no_line(logging_server):
-    with few_lines(logging_server, 0, 0):
-        for _ in range(20):
-            socket.create_connection(place_of(logging_server.url)).close()
+    clients = [connected(logging_server.url) for _ in range(20)]
+    with few_lines(logging_server, 0, 0, *clients):
+        for client in clients:
+            client.close()
 
 
 @pytest.mark.skipif(not hasattr(resource, "prlimit"), reason="needs prlimit")

@@ -110,6 +110,13 @@ def wake_in_loop(source: ViserServer | ClientHandle) -> None:
     loop.call_soon_threadsafe(replaced.set)  # who waits for it goes on with its successor
 
 
+def ignore_late_pushes(client: ClientHandle) -> None:
+    """Say nothing, the first time either, of what is drawn for a client before it is known that it has gone: on a
+    server that is no fault. Offer: a page's choice, as viser gives itself with `_sanctioned_dead_writes`."""
+    buffer: Any = client._websock_connection.get_message_buffer()
+    buffer._warned_push_after_done = True
+
+
 # Offer for the next three: messages that are known to hold what is sent. viser looks at the type of every value of a
 # message, which takes twenty times as long as to name them.
 class _Orientation(SetOrientationMessage):

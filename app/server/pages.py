@@ -137,6 +137,7 @@ class App:
         if client.client_id not in self._server.get_clients():  # it has left while others' pages were built
             return
         viser_private.wake_in_loop(client)
+        viser_private.ignore_late_pushes(client)
         token = token_of_client(self._server, client.client_id)
         address = None if token is None else self._touches.new_address()
         place = Place()

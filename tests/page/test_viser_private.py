@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import dataclasses
 import io
+import warnings
 from types import SimpleNamespace
 from typing import get_type_hints
 
@@ -17,6 +18,7 @@ from viewimit.app.viser_private import (
     _ArrayUpdate,
     _Orientation,
     _WidgetUpdate,
+    ignore_late_pushes,
     push_array,
     serving_with,
     wake_in_loop,
@@ -119,6 +121,26 @@ def test_what_another_thread_pushes_wakes_every_page():
             wait_until(lambda k=k: all(f"/all/{k}" in page.nodes and f"{k}" in page.html.values() for page in pages))
     finally:
         server.stop()
+
+
+def test_what_is_drawn_for_a_client_that_has_gone_is_no_line_in_the_log():
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        try:
+            drawn = []
+            for quietly in (False, True):
+                with Client(f"http://127.0.0.1:{server.get_port()}"):
+                    wait_until(lambda: len(server.get_clients()) == 1)
+                    (client,) = server.get_clients().values()
+                    if quietly:
+                        ignore_late_pushes(client)
+                wait_until(lambda: not server.get_clients())
+                client.gui.add_html("late")
+                drawn.append(len(said))
+            assert drawn == [1, 1], "viser warns by itself, and not where it is told"
+        finally:
+            server.stop()
 
 
 def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():

@@ -81,7 +81,7 @@ def files_named(text: str) -> list[str]:
 
 def told(place: str) -> str:
     """A scene's file in full where that can be; by its name else, as all that is no file of a scene."""
-    if not place.endswith(".toml"):
+    if not place.lower().endswith(".toml"):
         return file_name(place)
     try:
         text = scene_text(load_scene(place))

@@ -20,9 +20,9 @@ def run_of(told):
 
 
 def test_the_file_is_the_scene_that_is_made(ask, ask_json, urdf, tmp_path):
-    status, out, err = ask("scene", urdf, "--out", "elsewhere.toml")
-    assert (status, out) == (0, "") and "written to elsewhere.toml" in err and "moving 2 (lift)" in err
-    assert load_scene("elsewhere.toml") == load_scene(urdf)
+    status, out, err = ask("scene", urdf, "--out", "elsewhere.TOML")
+    assert (status, out) == (0, "") and "written to elsewhere.TOML" in err and "moving 2 (lift)" in err
+    assert load_scene("elsewhere.TOML") == load_scene(urdf)
     (tmp_path / "deeper").mkdir()
     ask("scene", urdf, "--tip", "upper", "--out", "deeper/mine.toml")
     scene = load_scene("deeper/mine.toml")

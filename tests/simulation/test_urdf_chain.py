@@ -195,6 +195,8 @@ def test_all_links_are_carried_where_pybullet_has_them(tmp_path):
         ((joint("a", "base", "one", xyz="$(arg x) 0 0"),), "joint 'a': .* is xacro: run it through xacro"),
         ((joint("a", "base", "one", "prismatic"),), "no revolute joint between the root link and any tip"),
         (tuple(joint(f"j{k}", f"l{k}", f"l{k + 1}") for k in range(600)), "600 joints, more than 500"),
+        ((joint("a", "base", "one"), joint("a", "one", "two")), "2 joints are named 'a': give each a name of its own"),
+        ((joint("a", "base", "one"), link("one"), link("one")), "2 links are named 'one'"),
     ],
 )
 def test_errors_name_file_joint_and_limit(tmp_path, parts, message):

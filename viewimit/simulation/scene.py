@@ -195,7 +195,7 @@ def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Pat
     if is_reference(name):
         made = made_scene(name, joints)
         return parse_reference(name).path, lambda: made.fields
-    path = Path(name) if str(name).endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
+    path = Path(name) if str(name).lower().endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
     if not path.is_file():
         raise ValueError(
             f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"

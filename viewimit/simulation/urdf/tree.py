@@ -2,6 +2,7 @@
 
 import hashlib
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -134,8 +135,10 @@ def _parsed(path: Path, content: bytes) -> Tree:
     if count > MOST_JOINTS:
         raise ValueError(f"{path}: it has {count} joints, more than {MOST_JOINTS}: leave out what is no robot")
     joints = _with_leaders(tuple(_read_joint(path, element) for element in root.findall("joint")))
-    _require_tree(path, joints)
     links = root.findall("link")
+    _require_one_each(path, "joints", [joint.name for joint in joints])
+    _require_one_each(path, "links", [link.get("name", "?") for link in links])
+    _require_tree(path, joints)
     shapes: dict[str, tuple[Shape, ...]] = {}
     faults: list[str] = []
     for tag in ("visual", "collision"):
@@ -160,6 +163,14 @@ def _with_leaders(joints: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
         return leader(Mimic(there.of, gain, offset), *passed, mimic.of)
 
     return tuple(joint if joint.mimic is None else replace(joint, mimic=leader(joint.mimic)) for joint in joints)
+
+
+def _require_one_each(path: Path, kind: str, names: list[str]) -> None:
+    """A name that two have would mean the one here and the other there."""
+    doubled = next((name for name, count in Counter(names).items() if count > 1), None)
+    if doubled is not None:
+        count = names.count(doubled)
+        raise ValueError(f"{path}: {count} {kind} are named {_short(doubled)!r}: give each a name of its own")
 
 
 def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:

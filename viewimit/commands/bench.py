@@ -77,7 +77,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="of servos that use it, after watching themselves in so many postures, whose motions do not count (none)",
     )
     runs.add_argument(
-        "--case", metavar="TEXT", help=f"of {', '.join(CASES)}: those alone whose names hold this, as 'hidden' (all)"
+        "--case",
+        metavar="TEXT",
+        help=f"of {', '.join(CASES)}: the one of this name, or those whose names hold this, as 'hidden' (all)",
     )
     runs.add_argument("--csv", type=Path, metavar="FILE", help="of compare: keep every run, a row each")
     studies = parser.add_argument_group(

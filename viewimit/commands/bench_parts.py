@@ -36,6 +36,7 @@ CASES: dict[str, Sequence] = {
     "robustness": robustness.CASES,
     "claims": claims.CASES,
     "compare": compare.CASES,
+    "scenes": scenes.ROWS,
 }
 PAIRS_A_SCENE = 5
 
@@ -102,11 +103,9 @@ def _following(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[d
 
 
 def _scenes(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str]:
-    count, settings = math.ceil(args.runs / PAIRS_A_SCENE), _best(args)
-    found = _with_bar(
-        "scenes",
-        lambda tell: scenes.run(settings, count, PAIRS_A_SCENE, args.seed, args.max_motions, workers=study, tell=tell),
-    )
+    count, settings, rows = math.ceil(args.runs / PAIRS_A_SCENE), _best(args), _cases(args)
+    made = partial(scenes.run, settings, count, PAIRS_A_SCENE, args.seed, args.max_motions, rows, study)
+    found = _with_bar("scenes", lambda tell: made(tell=tell))
     heading = f"{count} random scenes, {PAIRS_A_SCENE} random starts and demonstrators in each, seed {args.seed}"
     return {"pairs": heading, "rows": [asdict(outcome) for outcome in found]}, tables.scenes_table(found, heading)
 
@@ -185,9 +184,10 @@ def _robots(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
 
 
 def _cases(args: argparse.Namespace) -> list:
-    """Those of this part that are asked for."""
+    """Those of this part that are asked for: the one of this name, or those whose names hold it."""
     cases = CASES[args.what]
-    chosen = [case for case in cases if (args.case or "") in case.name]
+    named = [case for case in cases if case.name == args.case]
+    chosen = named or [case for case in cases if (args.case or "") in case.name]
     if not chosen:
         raise BadInput(f"--case: of {args.what} none holds {args.case!r}: {'; '.join(case.name for case in cases)}")
     return chosen

@@ -57,6 +57,7 @@ class Outcome:
     ended: dict[float, Share]
     motions_median: float
     motions_95: float
+    motions_most: int
     claimed: Share
     beyond: Share
     falsely: Share
@@ -155,6 +156,7 @@ def outcome(name: str, runs: Sequence[Run]) -> Outcome:
         {near: Share.of(largest <= near) for near in WITHIN_DEG},
         float(np.median(motions)),
         float(np.percentile(motions, 95)),
+        int(motions.max()),
         Share.of(claimed),
         Share.of(beyond),
         Share.of(beyond & (largest > TIMES * expected)),

@@ -7,9 +7,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from ..sessions.sqlite_file import open_file
 from .board import GONE_S, KEPT_S, MOST_REPLIES, Posted
-
-LOCKED_S = 0.5  # that another process may hold the file
 
 
 class SqliteBoard:
@@ -23,11 +22,9 @@ class SqliteBoard:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         try:
             path.touch(0o600)
-            self._file = sqlite3.connect(path, timeout=LOCKED_S, isolation_level=None, check_same_thread=False)
+            self._file = open_file(path)
             run = self._file.execute
-            run("PRAGMA journal_mode = WAL")
             run("PRAGMA synchronous = OFF")  # of no use after a power cut
-            run("PRAGMA foreign_keys = ON")
             run("CREATE TABLE IF NOT EXISTS class (name TEXT PRIMARY KEY, number INTEGER, data BLOB, seen REAL)")
             of_class = "class TEXT REFERENCES class ON DELETE CASCADE"
             run(

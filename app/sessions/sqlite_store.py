@@ -8,9 +8,9 @@ import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from .sqlite_file import open_file
 from .store import KEPT_S, LEASE_S, MOST_BYTES
 
-LOCKED_S = 0.5  # that another process may hold the file
 log = logging.getLogger(__name__)
 
 
@@ -96,11 +96,9 @@ class SqliteStore:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         try:
             path.touch(0o600)
-            self._file = sqlite3.connect(path, timeout=LOCKED_S, isolation_level=None, check_same_thread=False)
-            self._inode = path.stat().st_ino
-            self._file.execute("PRAGMA journal_mode = WAL")
+            inode = path.stat().st_ino
+            self._file = open_file(path)
             self._file.execute("PRAGMA synchronous = NORMAL")
-            self._file.execute("PRAGMA foreign_keys = ON")
             self._file.execute("CREATE TABLE IF NOT EXISTS session (key TEXT PRIMARY KEY, writer TEXT, seen REAL)")
             self._file.execute(
                 "CREATE TABLE IF NOT EXISTS lease (key TEXT REFERENCES session ON DELETE CASCADE, until REAL, "
@@ -112,6 +110,7 @@ class SqliteStore:
             )
         except sqlite3.Error as error:
             raise OSError(f"cannot keep sessions in {path}: {error}") from None
+        self._inode = inode
 
     def _open_again_if_deleted(self) -> None:
         """What is written into a file without a name is lost with its last process."""

@@ -5,11 +5,11 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from viewimit.app.classroom import sqlite_board
 from viewimit.app.classroom.board import GONE_S
 from viewimit.app.classroom.boards import open_board
 from viewimit.app.classroom.local_board import LocalBoard
 from viewimit.app.classroom.sqlite_board import SqliteBoard
+from viewimit.app.sessions import sqlite_file
 from waiting import wait_until
 
 
@@ -120,4 +120,4 @@ def test_a_file_that_cannot_be_is_said(tmp_path, monkeypatch):
     tmp_path.joinpath("classes.sqlite").mkdir()
     with pytest.raises(OSError, match="classes.sqlite"):
         open_board(str(tmp_path), "a class", True)
-    assert sqlite_board.LOCKED_S < 1
+    assert sqlite_file.LOCKED_S < 1

@@ -94,6 +94,11 @@ class QuietPage:
 
     def choose(self, label, value):
         """Change a widget as a person does: a dropdown offers the value."""
+        self.change(label, value)
+        self.tick()
+
+    def change(self, label, value):
+        """As `choose`; the page has not ticked since."""
         widget = self.widget(label)
         assert value in vars(widget).get("options", (value,)), f"{value} is none of {widget.options}"
         widget.value = value
@@ -101,11 +106,11 @@ class QuietPage:
 
     def click(self, label):
         self._tell(self.widget(label))
+        self.tick()
 
     def _tell(self, widget):
         for callback in widget.callbacks:
             _finish(callback(SimpleNamespace(client_id=PERSON, target=widget)))
-        self.tick()
 
     def tick(self, seconds=0.05):
         """One tick, after that time."""

@@ -26,7 +26,7 @@ class DisturbancesPanel(Panel):
                 layout.queue.on_value(self._seed, change_seed)
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.settings, state.refusals
+        return state.generation, state.settings, state.refusals
 
     def show(self, state: PageState) -> None:
         for slider, amount in self._sliders:

@@ -30,7 +30,7 @@ class PlaybackPanel(Panel):
                 queue.put(MOTIONS[event.target.value])
 
     def depends_on(self, state: PageState) -> tuple:
-        return state.preset.name, state.modified, state.playing, state.refusals
+        return state.generation, state.preset.name, state.modified, state.playing, state.refusals
 
     def show(self, state: PageState) -> None:
         self._show_preset(state)

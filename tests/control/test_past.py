@@ -5,6 +5,7 @@ import pytest
 from page_fakes import Camera, Hands, Visit, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
+from viewimit.app.control.commands.session import Undo
 from viewimit.app.control.history.past import MOST
 from viewimit.app.control.names import modified
 from viewimit.app.control.presets import AS_STARTED, PRESETS
@@ -173,3 +174,19 @@ def test_settings_are_complete_as_a_session_has_them(preset):
     assert complete(preset.settings) == Session(preset.settings).settings
     assert complete(complete(preset.settings)) == complete(preset.settings)
     assert np.isfinite(complete(preset.settings).start_deg).all()
+
+
+def test_what_is_chosen_and_taken_back_between_two_looks_is_not_shown_on():
+    """As when a server has much to do: to the page nothing has changed, but a browser shows what was put into it."""
+    page = QuietPage(SETTINGS)
+    page.tick(1.0)
+    preset, noise = page.widget("Preset"), page.widget("Noise px")
+    before = preset.value, noise.value
+    page.change("Preset", PRESETS[1].name)
+    page.page.put(Undo())
+    page.tick(1.0)
+    assert (preset.value, noise.value) == before
+    page.change("Noise px", 0.5)
+    page.change("Preset", AS_STARTED)
+    page.tick(1.0)
+    assert (preset.value, noise.value) == before

@@ -13,6 +13,7 @@ from waiting import wait_until
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+BEGINS_WITHIN_S = 90  # a process of the server that may only just be beginning, on a busy machine
 VIEW = {
     "type": "ViewerCameraMessage",
     "wxyz": [1.0, 0.0, 0.0, 0.0],
@@ -54,6 +55,7 @@ class Client:
             ssl=ssl,
             compression=None,
             max_size=None,
+            open_timeout=BEGINS_WITHIN_S,
             close_timeout=1,
         )
         self.widgets: dict[str, str] = {}

@@ -56,8 +56,8 @@ def test_a_class_over_two_processes_is_led_asked_and_survives_one_of_them(server
     assert lecturer.follow("class/lead") == 204
     wait_until(lambda: all(tab.shows("The lecturer leads") for tab in students))
     for _ in range(2):
-        lecturer.press("Step: one motion")
         before = lecturer.E
+        lecturer.press("Step: one motion")
         wait_until(lambda before=before: lecturer.E != before)
     wait_until(lambda: lecturer.E == mira.E == ben.E)
     mira.press("Step: one motion")

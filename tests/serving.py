@@ -117,7 +117,7 @@ class Server:
         """Inside, it puts exactly one line with this text into its log."""
         before = self.log.count(text)
         yield
-        wait_until(lambda: self.log.count(text) == before + 1, 5)
+        wait_until(lambda: self.log.count(text) == before + 1)
 
 
 class Attended(Scheduler):

@@ -1,6 +1,7 @@
 """Independent work in several processes here. A script that asks for more than one needs `if __name__ ==
 "__main__":`."""
 
+import contextlib
 import multiprocessing
 import os
 import signal
@@ -31,7 +32,8 @@ class LocalPool:
             left, ahead = iter(batches), dict[Future, int]()
             while True:
                 for number, batch in left:
-                    ahead[pool.submit(carry_out, work, batch)] = number
+                    with _beginning():
+                        ahead[pool.submit(carry_out, work, batch)] = number
                     if len(ahead) >= (1 + AHEAD) * workers:
                         break
                 if not ahead:
@@ -46,9 +48,24 @@ class LocalPool:
             pool.shutdown()
 
 
+@contextlib.contextmanager
+def _beginning() -> Iterator[None]:
+    """Workers that are begun inside hear of no Ctrl-C before they leave it to this process: each would tell of it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _begin() -> None:
     """In a worker: it ends with the process that it works for, however that ends, and leaves Ctrl-C to it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

@@ -6,7 +6,7 @@ import re
 import statistics
 
 import pytest
-from browsing import CURVES, open_page, posture, press, wait, wait_for_status
+from browsing import CURVES, PATIENCE_MS, open_page, posture, press, wait, wait_for_status
 from page_fakes import QuietLandscapes
 from quiet_page import QuietPage
 from viewimit.app.panels import PANELS
@@ -15,6 +15,15 @@ from waiting import wait_until
 
 TABS = {panel.inside for panel in PANELS} - {""}
 HIDDEN = "Object.defineProperty(document, 'hidden', {value: %s, configurable: true})"
+# In how many frames something on the page was another than before
+COUNT_DRAWINGS = """() => {
+  let due = false;
+  window.drawings = 0;
+  new MutationObserver(() => {
+    if (!due) requestAnimationFrame(() => { due = false; window.drawings++; });
+    due = true;
+  }).observe(document.body, {subtree: true, childList: true, characterData: true, attributes: true});
+}"""
 TELL = "document.dispatchEvent(new Event('visibilitychange'))"
 
 
@@ -123,7 +132,8 @@ def test_while_the_loop_runs_little_of_the_page_is_styled_anew(browser, at_the_s
     press(page, " ")
     wait_for_status(page, "Moving")
     browser.start_tracing(page=page, categories=["devtools.timeline"])
-    page.wait_for_timeout(1500)
+    page.evaluate(COUNT_DRAWINGS)
+    page.wait_for_function("window.drawings > 10", polling=100, timeout=PATIENCE_MS)
     trace = json.loads(browser.stop_tracing())["traceEvents"]
     styled = [event["args"]["elementCount"] for event in trace if "elementCount" in event.get("args", {})]
     elements = page.evaluate("document.querySelectorAll('*').length")

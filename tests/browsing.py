@@ -125,9 +125,9 @@ def wait_for_status(page, pattern: str, seconds: float = PATIENCE_S) -> str:
     return status(page)
 
 
-def wait(page, condition, seconds: float = PATIENCE_S) -> None:
-    """Until condition(), while the page's events are heard."""
-    wait_until(condition, seconds, lambda _: pause(page))  # a look costs the browser more than a moment of waiting
+def wait(page, condition, seconds: float = PATIENCE_S):
+    """condition's first true value, while the page's events are heard; a look costs the browser more than a pause."""
+    return wait_until(condition, seconds, lambda _: pause(page))
 
 
 def pause(page) -> None:

@@ -48,8 +48,8 @@ def opened(page, key):
     wait_for_count(page, CARD, 1, exactly=True)
     card = page.locator(CARD)
     asks = page.locator(f".vi-ask[popovertarget=vi-word-{key}]")
-    wait(page, lambda: asks.bounding_box() and card.bounding_box())  # none while the figures are drawn anew
-    ask, box = asks.bounding_box(), card.bounding_box()
+    # none while the figures are drawn anew
+    ask, box = wait(page, lambda: all(boxes := (asks.bounding_box(), card.bounding_box())) and boxes)
     assert box["y"] >= 0 and box["y"] + box["height"] <= ask["y"]
     assert box["x"] >= 0 and box["x"] + box["width"] <= 1280
     return card

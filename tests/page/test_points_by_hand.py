@@ -59,8 +59,7 @@ def place_choose_and_take(page, count):
 
     press(page, "b")
     wait_for_status(page, "The hollow one tells most")
-    wait(page, lambda: len(proposed_nodes(page)) == 2)
-    assert page.locator(PROPOSED).count() == 4
+    wait(page, lambda: len(proposed_nodes(page)) == 2 and page.locator(PROPOSED).count() == 4)
     hollow = min(proposed_nodes(page))
     place = page.evaluate(PLACE, hollow)
     press(page, "b")

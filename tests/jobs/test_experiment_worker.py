@@ -203,7 +203,7 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
     worker.ask(1, LONG, told)
     running_pid(told)
     ticks.clear()
-    wait_until(lambda: len(ticks) > 61, 4)
+    wait_until(lambda: len(ticks) > 61)
     assert told[-1].state == "running"
     scheduler.stop()
     period = np.diff(ticks)

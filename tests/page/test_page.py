@@ -1,7 +1,6 @@
 """A page that looks with pictures takes its turns beside the scheduler's thread: nothing waits for it but itself."""
 
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from viewimit.app.jobs import session_eyes
 from viewimit.app.panels import PANELS
 from viewimit.app.panels.panel import Panel
 from viewimit.app.sessions.autosave import SavedSession
+from waiting import wait_until
 
 from viewimit.settings import Settings
 
@@ -180,10 +180,7 @@ def test_a_kept_session_comes_back_with_its_history_and_takes_its_pictures_in_a_
     back = Visit(again, kept)
     assert again.asked == []
     back.tick()
-    until = time.monotonic() + 5
-    while not again.asked:
-        assert time.monotonic() < until
-        time.sleep(0.002)
+    wait_until(lambda: again.asked)
     back.tick(200)
     assert back.kept == []  # what is kept must not be written over before it has come back
     again.gate.set()
@@ -203,17 +200,13 @@ def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
     assert back.session.settings.camera == "points" and back.session.settings.demonstrator_deg[0] == 60
 
 
-def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera, visit, monkeypatch):
-    monkeypatch.setattr("viewimit.app.page.LEAVES_WITHIN", 0.05)
+def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera, visit):
     camera.gate.clear()
     visit.act("step")
     visit.tick()
-    assert not visit.page.close() and camera.closed == []
+    assert not visit.page.close(0.05) and camera.closed == []
     camera.gate.set()
-    until = time.monotonic() + 5
-    while camera.closed != [0]:
-        assert time.monotonic() < until
-        time.sleep(0.01)
+    wait_until(lambda: camera.closed == [0])
 
 
 def test_a_page_on_points_takes_its_turns_at_once():

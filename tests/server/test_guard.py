@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from http.cookies import SimpleCookie
 
 import pytest
-from browsing import SPARING, STATUS
+from browsing import PATIENCE_MS, PATIENCE_S, SPARING, STATUS
 from protocol import VIEW, Client
 from serving import Server
 from viewimit.app.server import message_schema
@@ -397,7 +397,7 @@ def is_heard(browser, url: str, parameter: str, bypass_csp: bool) -> bool:
         address = f"127.0.0.1:{elsewhere.getsockname()[1]}"
         page.on("console", lambda message: tried.append(message.text) if address in message.text else None)
         page.goto(f"{url}/?{parameter.format(address)}")
-        until, heard = time.monotonic() + 30, False
+        until, heard = time.monotonic() + PATIENCE_S, False
         while not heard and time.monotonic() < until:
             page.wait_for_timeout(100)
             if tried:
@@ -425,7 +425,7 @@ def test_no_request_leaves_the_machine(browser, guarded, bystander):
     page.on("request", lambda request: asked.append(request.url))
     page.on("websocket", lambda opened: asked.append(opened.url))
     page.goto(guarded.url)
-    page.wait_for_selector(STATUS, timeout=30_000)
+    page.wait_for_selector(STATUS, timeout=PATIENCE_MS)
     page.close()
     itself = guarded.url.removeprefix("http://")
     assert f"ws://{itself}/" in asked

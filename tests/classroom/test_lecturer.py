@@ -7,11 +7,13 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from class_tabs import Tab, ask_class, asked, lecturers_cookie
 from serving import Server, browser_of, kept_of, workers_of
+from viewimit.app.classroom.board import LED_S
 from viewimit.app.server.lecturer import LecturerAccess, class_name, new_secret, require_secret
 from waiting import wait_until
 
@@ -68,12 +70,14 @@ def test_a_class_over_two_processes_is_led_asked_and_survives_one_of_them(server
     lecturer.follow("class/freeze")
     wait_until(lambda: mira.shows("The controls are frozen"))
     wait_until(lambda: all(kept.lesson is None for kept in kept_of_all(server, mira, lecturer)))  # else they are in it
+    killed = time.monotonic()
     with server.says("another takes its place"):
         os.kill(workers_of(server)[int(mira.address[7])], signal.SIGKILL)
     gone = [tab.cookie for tab in (mira, lecturer) if tab.closed(10)]
     with ThreadPoolExecutor() as browsers:  # as pages do by themselves
         again = list(browsers.map(lambda cookie: Tab(server.url, cookie), gone))
-    wait_until(lambda: again[0].shows("The controls are frozen"))
+    nobody_led = len(again) == 2 and time.monotonic() - killed > LED_S  # where a process takes that long to begin
+    wait_until(lambda: again[0].shows("The controls are frozen") or nobody_led)
     newest = again[-1] if len(again) == 2 else lecturer
     wait_until(lambda: newest.shows("2 here") and newest.shows("&lt;b&gt;Mira"))
     for tab in (ben, newest, *again):

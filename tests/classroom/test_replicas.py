@@ -44,7 +44,8 @@ def test_a_class_over_two_servers_is_led_asked_and_survives_one_of_them(two_serv
 
     here.process.kill()
     moved = mira.cookie.replace(port_of(here), port_of(there), 1)  # browsers send it to any port of a machine
-    mira, lecturer = Tab(there.url, moved), Tab(there.url, lecturers_cookie(there.url, secret))
+    lecturer = Tab(there.url, lecturers_cookie(there.url, secret))  # before the class is let go
+    mira = Tab(there.url, moved)
     wait_until(lambda: mira.shows("The controls are frozen") and ben.shows("The controls are frozen"))
     lecturer.follow("class/freeze")
     wait_until(lambda: not any(tab.shows("The controls are frozen") for tab in (mira, ben)))

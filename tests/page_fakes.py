@@ -175,7 +175,7 @@ class Camera:
 
     def ask(self, key, what, *arguments):
         self.asked.append((what, threading.get_ident()))
-        assert self.gate.wait(10)
+        assert self.gate.wait(30)
         if self.loss:
             raise CameraLost(self.loss)
         if what in ("own_images", "demo_images"):
@@ -191,7 +191,8 @@ class Visit:
 
     def __init__(self, camera, resumed=None, settings=BEST):
         self.kept, self.now = [], 100.0
-        services = Services(LandscapeWorker(), ExperimentWorker(), camera, LoadShedding(TICK), lambda robot, arm: None)
+        workers, clock = (LandscapeWorker(), ExperimentWorker(), camera), lambda: self.now
+        services = Services(*workers, LoadShedding(TICK), lambda robot, arm: None, clock=clock)
         self.page = Page(quiet_client(id(self)), services, settings, self.kept.append, resumed)
         self.session, self.player, self.duel = (
             getattr(self.page.model, name) for name in ("session", "player", "duel")
@@ -208,7 +209,7 @@ class Visit:
             self.now += 0.05
             self.page.tick(self.now)
 
-    def rest(self, seconds=10.0):
+    def rest(self, seconds=30.0):
         """Tick until no turn goes on."""
         until = time.monotonic() + seconds
         self.tick()

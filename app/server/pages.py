@@ -143,8 +143,10 @@ class App:
         place = Place()
         try:
             place = self._keys.take(client)
-            with self._building:
+            with self._building, client.atomic():  # no link is in the browser before it leads somewhere
                 page = self._page(client, place, address)
+                if token is not None and address is not None:
+                    self._touches.open(address, page.touch, token)
         except Exception as error:  # a scene of the user's that has changed meanwhile, or what nobody foresaw
             if place.key:
                 self._keys.leave(place.key)
@@ -154,8 +156,6 @@ class App:
         with self._lock:
             self._pages[client.client_id] = page, key
             self._scheduler.add(page)
-        if token is not None and address is not None:
-            self._touches.open(address, page.touch, token)
         if client.client_id not in self._server.get_clients():  # it closed before this callback ran
             self._retire(client.client_id)
 

@@ -2,10 +2,11 @@
 
 import re
 import socket
+import time
 
 import pytest
 from protocol import Client
-from serving import Server, browser_of
+from serving import Here, Server, browser_of
 from viewimit.app.server.content_policy import content_policy
 from viewimit.app.server.dispatcher import Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
@@ -81,6 +82,15 @@ def test_a_value_that_cannot_be_is_refused_on_the_page_as_a_sliders_is(tab):
     for value in ("-,.", "nan", "1e999"):
         assert tab.follow(f"point/{value}") == 204
         wait_until(lambda value=value: value in tab.status and "is not a number" in tab.status)
+
+
+def test_a_link_leads_somewhere_as_soon_as_a_browser_has_it(tmp_path, monkeypatch):
+    opened = Touches.open
+    monkeypatch.setattr(Touches, "open", lambda *what: time.sleep(0.5) or opened(*what))
+    server = Here(tmp_path)
+    with Tab(server.url) as tab:
+        assert tab.follow("point/7") == 204
+    server.stop()
 
 
 OTHER = "viewimit-{port}=" + TOKEN

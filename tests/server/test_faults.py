@@ -15,6 +15,7 @@ from drawn import learners_bars
 from protocol import Client
 from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of, tell_all
 from viewimit.app.control.command_loop import CommandLoop
+from viewimit.app.panels.panel import SLOW
 from viewimit.app.panels.save import SavePanel
 from viewimit.app.server import pages
 from viewimit.app.server.limits.connection_limits import Limits
@@ -59,10 +60,24 @@ def work(client: Client) -> None:
     wait_until(lambda: (client.value("History") or 0) >= 6)
     client.press("Play or pause")
     wait_until(lambda: re.search("Paused|Arrived|Rests", client.status))  # on a busy host at rest already
-    last = what_a_visitor_sees(client)
+    last = once_drawn(client)
     client.put("History", 4)
     client.values[client.widgets["History"]] = 4
-    wait_until(lambda: learner_of(client) != last["learner"] and client.status != last["status"])
+    taken = lambda: any('vi-count"><span>4 of' in html for html in client.html.values())  # by the server
+    wait_until(lambda: taken() and learner_of(client) != last["learner"] and client.status != last["status"])
+
+
+def once_drawn(client: Client) -> dict:
+    """What a visitor sees of a page at rest, once the panels that are drawn more seldom are drawn too."""
+    looks = [what_a_visitor_sees(client)]
+
+    def stands():
+        time.sleep(1.5 * SLOW)
+        looks.append(what_a_visitor_sees(client))
+        return looks[-1] == looks[-2]
+
+    wait_until(stands)
+    return looks[-1]
 
 
 def comes_back(url: str, cookie: str, seen: dict) -> None:

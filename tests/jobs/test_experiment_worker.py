@@ -26,7 +26,7 @@ from viewimit.settings import Settings
 
 SHORT = Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 20})
 LONG = Request("fig9", Settings(), {"starts": (9, 9)})
-PATIENCE = 60.0  # s, on a busy machine
+PATIENCE = 180.0  # s, on a busy machine, for processes that let all others go first
 LEAST_PRIORITY = 19  # no process can be more polite
 
 

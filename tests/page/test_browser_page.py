@@ -24,6 +24,7 @@ from browsing import (
     LEVELS,
     MOTION,
     PATIENCE_MS,
+    PATIENCE_S,
     PROGRESS,
     SIZES,
     VERDICT_ROW,
@@ -59,6 +60,7 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 
 pytestmark = pytest.mark.browser
+EXPERIMENT_S = 2 * PATIENCE_S  # of a process that lets all others go first
 
 
 FITS = "e => e.scrollWidth <= e.clientWidth && e.clientWidth > 0.9 * e.closest('[data-dock-region]').clientWidth"
@@ -420,7 +422,7 @@ def test_an_experiment_is_run_judged_and_downloaded(laboratory):
     assert page.get_by_text("Download figure and data").is_disabled()
     click(page, "Run")
     seen = set()
-    wait(page, lambda: seen.add(progress(page)) or "done" in progress(page))
+    wait(page, lambda: seen.add(progress(page)) or "done" in progress(page), EXPERIMENT_S)
     assert any(re.search(r"^\d+ %$", words) for words in seen), seen
     for selector in (PROGRESS, EXPERIMENT):  # seen together with the button, without scrolling
         box = page.locator(selector).bounding_box()
@@ -443,8 +445,8 @@ def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(sessio
     page.get_by_role("tab", name="Experiments").click()
     choose(page, "Experiment", "Fig. 9: posture imitation")
     click(page, "Run")
-    wait(page, lambda: "0 of 1" in page.text_content(EXPERIMENT))
-    wait_for_progress(page, r"[1-9]\d? %")
+    wait(page, lambda: "0 of 1" in page.text_content(EXPERIMENT), EXPERIMENT_S)
+    wait_for_progress(page, r"[1-9]\d? %", EXPERIMENT_S)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page) == [40, -25])
     click(page, "Cancel")
@@ -485,4 +487,4 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_
     page.get_by_role("tab", name="Experiments").click()
     choose(page, "Experiment", "Fig. 10: trajectory imitation")
     click(page, "Run")
-    wait(page, lambda: "<b>wave</b>" in page.text_content(EXPERIMENT) and "done" in progress(page))
+    wait(page, lambda: "<b>wave</b>" in page.text_content(EXPERIMENT) and "done" in progress(page), EXPERIMENT_S)

@@ -1,10 +1,13 @@
 """What a servo may ask about images that it predicts, and how a demonstrator goes on."""
 
+import msgspec
 import numpy as np
 
 from viewimit.prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.snapshot import Snapshot
+from viewimit.views import FourViews
 
 
 def drift_of(session):
@@ -34,6 +37,30 @@ def test_images_of_a_batch_are_answered_as_each_of_them():
         together = ask(batch, by)
         for index in np.ndindex(2, 3):
             np.testing.assert_allclose(together[index], ask(batch[index], by), atol=1e-8)
+
+
+def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays(monkeypatch):
+    session = Session(Settings(transfer="projective", servo="trust-region"))
+    for _ in range(3):
+        session.step()
+    now, moments = session.snapshot, list(session.history)
+    own = np.array([moment.views.own for moment in moments])
+    anew, fitted = predicted_conflict(now)(own), []
+    fit = Snapshot.fit
+    monkeypatch.setattr(Snapshot, "fit", lambda self, *args: fitted.append(self) or fit(self, *args))
+    np.testing.assert_allclose(predicted_conflict(now, moments=moments)(own), anew, atol=1e-10)
+    assert not fitted
+    elsewhere = now.views.demo.copy()
+    elsewhere[:, ::2] += 3.0 * np.arange(len(elsewhere))[:, None]
+    moved = now.with_fields(views=FourViews(elsewhere, now.views.own, now.views.visible))
+    other = now.with_fields(settings=msgspec.structs.replace(now.settings, transfer="linear"))
+    for changed in (moved, other):
+        asked = predicted_conflict(changed, moments=moments)(own)
+        np.testing.assert_allclose(asked, predicted_conflict(changed)(own), atol=1e-10)
+        assert not np.allclose(asked, anew, atol=0.1)
+    ahead = np.full_like(now.views.demo, 3.0) * np.arange(len(elsewhere))[:, None]
+    drifted = predicted_conflict(now, ahead, moments=moments)(own)
+    np.testing.assert_allclose(drifted, predicted_conflict(now, ahead)(own), atol=1e-10)
 
 
 def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():

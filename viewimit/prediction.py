@@ -1,6 +1,6 @@
 """The conflict that images would have which a servo predicts: no motion is made for it, and no posture is known."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 
 import numpy as np
@@ -42,7 +42,39 @@ def _near(now: Snapshot, views: FourViews, noise_px: float) -> Residuals | None:
     return near(views, now.rectification) if E < max(NEAR, NEAR_NOISE * noise_px**2) else None
 
 
-def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float = 0.0) -> Conflict:
+def _answers(now: Snapshot, moments: Sequence[Snapshot]) -> Callable[[NDArray], NDArray | None]:
+    """What was found already: residuals (n, N, 4) px of own images (n, N, 4) px if each was seen at one of the moments,
+    all else being as it is now; else None. A servo asks about all its visits at every motion."""
+
+    @cache
+    def known() -> dict[bytes, NDArray]:
+        if now.transfer is None or not now.views.visible.all():
+            return {}
+        alike = (
+            moment
+            for moment in moments
+            if moment.views.demo is now.views.demo
+            and moment.views.visible is now.views.visible
+            and moment.rectification is now.rectification
+            and moment.settings.transfer == now.settings.transfer
+        )
+        return {moment.views.own.tobytes(): moment.residual for moment in alike}
+
+    def answer(own: NDArray) -> NDArray | None:
+        found: list[NDArray] = []
+        for image in own:
+            e = known().get(image.tobytes())
+            if e is None:
+                return None
+            found.append(e)
+        return np.array(found) if found else None
+
+    return answer
+
+
+def predicted_conflict(
+    now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float = 0.0, moments: Sequence[Snapshot] = ()
+) -> Conflict:
     """What a servo may ask: residuals (..., n, C) px that own images (..., N, 4) px would have against the
     demonstrator as now seen, and displaced by `drift`, (N, 4) px; both rectified as now, if at all.
 
@@ -51,7 +83,8 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
     images if these are rectified and `like` is near; rectified as for another `head`, if one is named. With fewer
     points than a transfer needs they are infinite. Behind a moving demonstrator seen with noise, noise_px > 0, the
     transfer of the last convergence serves (Section 5.4): fitted anew at postures apart it would add its own noise to
-    theirs.
+    theirs. moments: of the history, whose own images
+    may be asked about again.
     """
     demo, demo_seen = now.views.demo + drift, np.asarray(now.views.visible[:, :2].all(-1))
     frozen = now.frozen if drift.any() and noise_px > 0 else None
@@ -74,9 +107,14 @@ def predicted_conflict(now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float
         other = now.with_fields(rectification=now.rectification.others[head - 1])
         return predicted_conflict(other, drift, noise_px)
 
+    answer = _answers(now, () if drift.any() else moments)
+
     def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
         if head:
             return of_head(head)(own, by, like)
+        answered = answer(own) if own.ndim == 3 and by is None and like is None else None
+        if answered is not None:
+            return answered
         told = np.isfinite(own)
         known = demo_seen if told.all() else demo_seen & told.all(-1).reshape(-1, len(demo_seen)).all(0)
         if np.count_nonzero(known) < MIN_POINTS:  # nothing can be told of such images: they are to be avoided

@@ -19,7 +19,7 @@ from .body_image import FEWEST, BodyImage
 from .contradictions import believed
 from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
 from .embodiment.in_scene import OpenEyes, degrees, told
-from .history import MAX_HISTORY, History
+from .history import MAX_HISTORY, RECENT, History
 from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
 from .rectifying import POOLED, rectification_for
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
@@ -212,7 +212,7 @@ class Session:
     def predicted_conflict(self, now: Snapshot) -> Conflict:
         """What a servo may ask at a moment, the present one, about images that it predicts: `predicted_conflict`."""
         drift = demo_drift(self.history.recent(DRIFT_MOMENTS))
-        return predicted_conflict(now, drift, self.observer.noise_at_rest(now.settings))
+        return predicted_conflict(now, drift, self.observer.noise_at_rest(now.settings), self.history.recent(RECENT))
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout or start begins anew; all else re-observes the present.

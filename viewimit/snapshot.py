@@ -87,6 +87,12 @@ class Snapshot:
         return np.inf if self.transfer is None else _flatness(self.views.used.demo.tobytes())
 
     @cached_property
+    def residual(self) -> NDArray:
+        """(n, C) px, of the usable points, whose squares make E, of enough of them."""
+        assert self.transfer is not None
+        return self.transfer.residual(self.views.used)
+
+    @cached_property
     def recovered(self) -> NDArray:
         """(N, 4) px: the demonstrator's points as the transfer expects them in [L, R]; NaN if not usable."""
         recovered = np.full_like(self.views.own, np.nan)

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
+from ..geometry.batches import keep_freed_memory
 from ..simulation.robot import Angles
 from ..simulation.world import World
 from ..views import FourViews
 
 BLOCK = 5500  # postures evaluated together: their arrays stay in the processor's cache
-KEPT_BYTES = 24 << 20  # below glibc's largest mmap threshold, 32 MB
 
 
 @dataclass(frozen=True)
@@ -123,9 +123,7 @@ def conflict_at(
     demo: (N, 4) px, demo_visible: (N, 2): the demonstrator's images as the learner has them; theta: m arrays, rad,
     broadcast against each other. Postures are taken together by which points are seen there.
     """
-    # Freeing one large block, never touched, makes glibc keep what smaller ones give back (mallopt(3),
-    # M_TRIM_THRESHOLD). Otherwise the kernel pages it in anew at each step: a third of the time.
-    np.empty(KEPT_BYTES, np.uint8)
+    keep_freed_memory()
     return conflict_of_images(fit, demo, demo_visible, *world.own_images(theta), with_condition)
 
 

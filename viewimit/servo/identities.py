@@ -18,7 +18,7 @@ from .observation import Conflict
 
 GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
 PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
-TOGETHER = 2  # exchanges that are asked about in one batch
+TOGETHER = 8  # exchanges that are asked about in one batch
 DECISIVE = 0.1  # of the conflict without an exchange
 
 

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..equations import HOLE, Equation, column, each, number
 from ..geometry import sweep
 from ..geometry.affine import centred, components_first, require_points
+from ..geometry.batches import keep_freed_memory
 from ..views import FourViews
 from .transfer import Transfer, TransferMethod
 from .weighted import Weighted
@@ -134,6 +135,7 @@ def _fit_few(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
 
 def _fit(body: Body, Y: NDArray) -> tuple[NDArray, NDArray]:
     """p: (G, 3) and coefficients: (G, 4, 4). Y: (N, 4, G) px, centred."""
+    keep_freed_memory()
     prior = PRIOR / len(Y) * np.einsum("nkg,nkg->g", Y, Y)
     p, w, inverse = np.zeros((3, 1)), np.ones((len(Y), 1)), np.eye(4)[:, :, None] / len(Y)
     for _ in range(STEPS):

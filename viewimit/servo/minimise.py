@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # rad
 SAME = np.radians(1.0)  # starts that head for places nearer than this come to one minimum
 WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
 DAMPINGS = np.array([0.0, 1.0])
+RAISED = (DAMPINGS + 1e-9)[:, None]  # keeps the normal equations regular
 
 ResidualAt = Callable[[NDArray], NDArray]
 
@@ -50,11 +52,12 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
         (better,) = (E.min(1) < best_E[live] * (1 - WORTHWHILE)).nonzero()
         if not len(better):
             break
-        live, k = live[better], E.argmin(1)[better]
-        best[live], best_E[live] = candidates[better, k], E[better, k]
-        normal, steps, gains = _linear(e[better, k], inward[better, k], best[live], low, high)
+        at, live = (better, E.argmin(1)[better]), live[better]
+        theta, least_E = candidates[at], E[at]
+        best[live], best_E[live] = theta, least_E
+        normal, steps, gains = _linear(e[at], least_E, inward[at], theta, low, high)
         hessians[live] = normal / count
-        candidates = np.minimum(np.maximum(best[live, None] - steps, low), high)
+        candidates = np.minimum(np.maximum(theta[:, None] - steps, low), high)
         heading[live] = candidates[:, 0]
         on = gains & _apart(heading, best_E)[live]
         if not on.any():
@@ -75,28 +78,34 @@ def _apart(heading: NDArray, E: NDArray) -> NDArray:
 
 
 def _linear(
-    e: NDArray, inward: NDArray, theta: NDArray, low: NDArray, high: NDArray
+    e: NDArray, E: NDArray, inward: NDArray, theta: NDArray, low: NDArray, high: NDArray
 ) -> tuple[NDArray, NDArray, NDArray]:
     """By the linear model at theta (l, m): its normal equations (l, m, m), damped steps (l, len(DAMPINGS), m) rad to
     take off theta, and whether the first of them gains anything, (l,) bool. e: (l, 1 + m, N, C) px, there and a little
-    on by each joint, inward: (l, m) rad."""
+    on by each joint, inward: (l, m) rad; E: (l,) px², there."""
+    squared = 2 * e.shape[2] * E
     e = e.reshape(*e.shape[:2], -1)
     J = (e[:, 1:] - e[:, :1]) / inward[:, :, None]
     gradient, normal = (J @ e[:, 0, :, None])[..., 0], J @ J.swapaxes(1, 2)
-    free = ~(((theta <= low) & (gradient > 0)) | ((theta >= high) & (gradient < 0)))
-    gradient = np.where(free, gradient, 0.0)
-    steps = _damped_steps(gradient, normal, free)
-    gained, squared = np.einsum("li,li->l", gradient, steps[:, 0]), np.einsum("lk,lk->l", e[:, 0], e[:, 0])
+    barred = ((theta <= low) & (gradient > 0)) | ((theta >= high) & (gradient < 0))
+    gradient[barred] = 0.0
+    steps = _damped_steps(gradient, normal, barred)
+    gained = np.einsum("li,li->l", gradient, steps[:, 0])
     longest = np.abs(steps).reshape(len(steps), -1).max(1)
     return normal, steps, (gained >= WORTHWHILE * squared) & (longest >= SHORT)
 
 
-def _damped_steps(gradient: NDArray, normal: NDArray, free: NDArray) -> NDArray:
-    """(H + λ diag H)⁻¹ g over the free joints, for every damping λ → (s, len(DAMPINGS), m)."""
-    unit = np.eye(normal.shape[1])
-    own = normal * unit
-    own += 1e-12 * np.maximum(np.trace(own, axis1=1, axis2=2), 1e-300)[:, None, None] * unit
-    damped = normal[:, None] + (DAMPINGS[:, None, None] + 1e-9) * own[:, None]
-    if not free.all():
-        damped = np.where(free[:, None, :, None] & free[:, None, None, :], damped, unit)
+def _damped_steps(gradient: NDArray, normal: NDArray, barred: NDArray) -> NDArray:
+    """(H + λ diag H)⁻¹ g over the joints that are not barred, for every damping λ → (s, len(DAMPINGS), m)."""
+    unit = _unit(normal.shape[1])
+    own = np.einsum("lii->li", normal)
+    own = own + 1e-12 * np.maximum(own.sum(1), 1e-300)[:, None]
+    damped = normal[:, None] + (RAISED * own[:, None])[..., None] * unit
+    if barred.any():
+        damped = np.where(barred[:, None, :, None] | barred[:, None, None, :], unit, damped)
     return np.linalg.solve(damped, gradient[:, None, :, None])[..., 0]
+
+
+@cache
+def _unit(joints: int) -> NDArray:
+    return np.eye(joints)

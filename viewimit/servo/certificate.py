@@ -68,7 +68,8 @@ class Certificate:
 
 def certify(here: Surroundings) -> Certificate:
     """From the visits that there are."""
-    spread = deviations(here.hessian, here.points)
+    inverse = _inverse(here.hessian)
+    spread = _spread(inverse, here.points)
     told, check, again = spread < UNTOLD, np.zeros(len(spread)), np.zeros(len(spread))
     shown = here.seen >= enough_points(len(spread))
     for direction in _directions(here):
@@ -85,7 +86,7 @@ def certify(here: Surroundings) -> Certificate:
             check = _length(here, direction) * direction
     noise = max(here.noise_px, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
-    variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here) + _of_the_head(here)
+    variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here, inverse) + _of_the_head(here, inverse)
     expected = np.where(told, np.sqrt(variance), np.inf)
     learnable = not told.all() and bool((deviations(here.foreseen, here.points) < UNTOLD).all())
     return Certificate(spread, expected, told, shown, check if check.any() else again, bool(spent), learnable)
@@ -93,7 +94,12 @@ def certify(here: Surroundings) -> Certificate:
 
 def deviations(hessian: NDArray, points: int) -> NDArray:
     """(m,) rad/px: standard deviations that residuals with noise of 1 px leave to each joint, √diag((JᵀJ)⁻¹)."""
-    return np.sqrt(np.diag(_inverse(hessian)) / points)
+    return _spread(_inverse(hessian), points)
+
+
+def _spread(inverse: NDArray, points: int) -> NDArray:
+    """As `deviations`, of the inverse of a hessian."""
+    return np.sqrt(np.diag(inverse) / points)
 
 
 def _inverse(hessian: NDArray) -> NDArray:
@@ -103,14 +109,13 @@ def _inverse(hessian: NDArray) -> NDArray:
     return (directions / np.maximum(curvatures, least)) @ directions.T
 
 
-def _of_the_head(here: Surroundings) -> NDArray:
-    """(m,) rad², variances: how far what is not known of the head moves it."""
-    return ((here.head @ _inverse(here.hessian)) ** 2).sum(0)
+def _of_the_head(here: Surroundings, inverse: NDArray) -> NDArray:
+    """(m,) rad², variances: how far what is not known of the head moves it. inverse: of the hessian."""
+    return ((here.head @ inverse) ** 2).sum(0)
 
 
-def _of_own_noise(here: Surroundings) -> NDArray:
+def _of_own_noise(here: Surroundings, inverse: NDArray) -> NDArray:
     """(m,) rad², variances: how far the noise of the own images moves the place where E is least."""
-    inverse = _inverse(here.hessian)
     return sum(((gradients @ inverse) ** 2).mean(0) for gradients in (here.gradients, here.by_slopes))
 
 

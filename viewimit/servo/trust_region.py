@@ -70,7 +70,7 @@ class TrustRegion:
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
-        state = replace(arrived(state, seen), moved=False, chasing=state.moved)
+        state = arrived(state, seen)
         if state.rehearsed and not holds(state.rehearsed, state.visits, seen.noise_px):
             state = without_rehearsal(state)
         if state.probes:

@@ -61,11 +61,11 @@ def visit_of(seen: Observation) -> Visit:
 
 
 def arrived(state: TrustState, seen: Observation) -> TrustState:
-    """Remember what is seen here, once a posture."""
+    """Remember what is seen here, once a posture, and whether the demonstrator has moved on the way."""
     visits = state.visits
     if np.array_equal(visits[-1].displacement, seen.displacement):
         visits = visits[:-1]
-    return replace(state, visits=(*visits, visit_of(seen))[-KEPT:])
+    return replace(state, visits=(*visits, visit_of(seen))[-KEPT:], moved=False, chasing=state.moved)
 
 
 def first_radius(rehearsed: tuple[Visit, ...]) -> float:

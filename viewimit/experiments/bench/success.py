@@ -7,18 +7,21 @@ as many processes as there are; the result does not depend on how many.
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from statistics import NormalDist
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.landscape import grid_axes, landscape
+from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape
 from ...rehearsal import rehearse
 from ...session import Session
 from ...settings import Settings
 from ...simulation.scene import Scene
+from ...simulation.world import World
 from ..executors.study import Study, each
+from .eyes import shared_eyes
 
 COARSE_DEG, FINER_DEG, FINE_DEG = 4.0, 0.25, 0.05  # of the search for the transfer's own minimum, beside 1°
 AROUND_DEG = 5.0, 1.5, 0.4  # how far each finer grid goes
@@ -135,7 +138,7 @@ def run_pair(
     settings: Settings, servos: Sequence[str], max_motions: int, rehearsed: int = 0, seed: int = 0
 ) -> list[Run]:
     """A run of each servo, from the settings' start to their demonstrator. seed: of the postures rehearsed."""
-    session = Session(msgspec.structs.replace(settings, servo=servos[0]))
+    session = Session(msgspec.structs.replace(settings, servo=servos[0]), open_eyes=shared_eyes)
     if rehearsed:
         rehearse(session, rehearsed, seed)
     targets = dict(zip(TARGETS, (own_minimum(session), session.snapshot.theta_demo)))
@@ -160,7 +163,8 @@ def own_minimum(session: Session) -> NDArray:
     views, fit, world = session.snapshot.views, session.snapshot.fit, session.world
     over = lambda axes: landscape(world, fit, views.demo, views.visible[:, :2], axes)
     degrees = grid_axes(world)
-    places = over(grid_axes(world, step_deg=COARSE_DEG)).local_minima()
+    axes, images = _coarse(world)
+    places = Landscape(axes, *conflict_of_images(fit, views.demo, views.visible[:, :2], *images)).local_minima()
     if not len(places):
         return np.full(2, np.nan)
     about = [over(tuple(a[np.abs(a - at) <= np.radians(AROUND_DEG[0])] for a, at in zip(degrees, p))) for p in places]
@@ -174,6 +178,13 @@ def own_minimum(session: Session) -> NDArray:
             )
         ).minimum
     return lowest
+
+
+@lru_cache(1)  # they are the same for every run of a study
+def _coarse(world: World) -> tuple[tuple[NDArray, NDArray], tuple[NDArray, NDArray]]:
+    """The axes of a grid of COARSE_DEG, rad, and the learner's images there."""
+    axes = grid_axes(world, step_deg=COARSE_DEG)
+    return axes, world.own_images((axes[0][:, None], axes[1]))
 
 
 def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) -> Success:

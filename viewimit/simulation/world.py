@@ -81,10 +81,7 @@ class World:
         visible = np.empty((2, len(self.body)) + shape, bool)
         for index, xyz in self._chain.place_points(self._chain.spread(theta), self._chain_body):
             for side, camera in enumerate(pair.cameras):
-                image, seen = camera.project(xyz, T_world_base)
-                for row, point in enumerate(index):
-                    points[2 * side, point], points[2 * side + 1, point] = image[:, row]
-                    visible[side, point] = seen[row]
+                points[2 * side : 2 * side + 2, index], visible[side, index] = camera.project(xyz, T_world_base)
         return np.moveaxis(points, (1, 0), (-2, -1)), np.moveaxis(visible, (1, 0), (-2, -1))
 
 

@@ -83,8 +83,7 @@ def predicted_conflict(
     images if these are rectified and `like` is near; rectified as for another `head`, if one is named. With fewer
     points than a transfer needs they are infinite. Behind a moving demonstrator seen with noise, noise_px > 0, the
     transfer of the last convergence serves (Section 5.4): fitted anew at postures apart it would add its own noise to
-    theirs. moments: of the history, whose own images
-    may be asked about again.
+    theirs. moments: of the history, whose own images may be asked about again.
     """
     demo, demo_seen = now.views.demo + drift, np.asarray(now.views.visible[:, :2].all(-1))
     frozen = now.frozen if drift.any() and noise_px > 0 else None

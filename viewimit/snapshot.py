@@ -151,7 +151,7 @@ class Snapshot:
         """The same views as a transfer that was fitted elsewhere recovers them."""
         other = self.without_cache().with_fields()
         if self.usable.any():
-            vars(other)["transfer"] = transfer
+            vars(other).update(fundamental=self.fundamental, transfer=transfer)
             square = (other.e[self.usable] ** 2).sum()
             vars(other)["E"] = float(square / (2 * self.usable.sum()))
         return other
@@ -169,7 +169,8 @@ class Snapshot:
         """Of the six pairs of views, rectified if they are for the transfer, from the usable points, whatever the
         transfer is; None with too few of them."""
         views = self.views if self.rectification is None else rectified.rectified(self.views, self.rectification)
-        return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.usable])
+        known = None if self.transfer is None else self.transfer.fundamentals
+        return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.usable], known)
 
     def epipolar_lines(self, point: int) -> NDArray | None:
         """(12, 3): `PairGeometry.lines` of a body point, in px as seen: lines in rectified images are mapped back. None

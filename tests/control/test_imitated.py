@@ -15,6 +15,8 @@ from viewimit.analysis.trajectory import Imitation
 from viewimit.drawing.equations import draw_conflict, draw_equations
 from viewimit.drawing.learner_bars import draw_learner
 from viewimit.experiments import EXPERIMENTS
+from viewimit.geometry.affine import fit_affine_fundamental
+from viewimit.geometry.pairs import PAIRS
 from viewimit.settings import Settings
 
 FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0
@@ -73,6 +75,14 @@ def test_points_are_recovered_by_the_transfer_that_was_frozen(model):
     assert np.allclose(seen.recovered, frozen.recover(demo[:, :2], demo[:, 2:]))
     assert seen.E == pytest.approx(((own - seen.recovered) ** 2).sum() / (2 * len(own)))
     assert not np.allclose(seen.recovered, model.session.observe(seen.theta, seen).recovered)
+
+
+def test_epipolar_lines_are_those_of_the_images_that_are_seen(model):
+    """Oracle: Eqs. (1)-(3), pair by pair. The transfer that was frozen has others."""
+    seen = model.state(BEGUN + 1.1 * STEP_S).shown
+    images = seen.views.demo_left, seen.views.demo_right, seen.views.own_left, seen.views.own_right
+    for (p, q), f in zip(PAIRS, seen.fundamental.f):
+        assert abs(f @ fit_affine_fundamental(images[p], images[q])[0]) == pytest.approx(1, abs=1e-9)
 
 
 @pytest.mark.parametrize("ends", [Step(), LetGo(), ShowImitation()], ids=lambda command: type(command).__name__)

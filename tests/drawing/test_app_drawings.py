@@ -43,7 +43,7 @@ from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
-from viewimit.geometry.pairs import PAIRS
+from viewimit.geometry.pairs import EYES, PAIRS
 from viewimit.servo import Certificate
 from viewimit.servo.surroundings import UNTOLD
 from viewimit.session import Session
@@ -173,6 +173,12 @@ class TestImages:
             assert sign * found[1] == pytest.approx(offset, abs=1e-6)
         assert session.snapshot.fundamental is session.snapshot.fundamental
         assert stepped(0, missing=0.5).snapshot.fundamental is None
+
+    @pytest.mark.parametrize("scene, rectified", [("panda", False), ("panda-toed", True)])
+    def test_what_the_transfer_has_fitted_of_them_is_not_fitted_again(self, scene, rectified):
+        snapshot = Session(Settings(scene=scene, transfer="epipolar")).snapshot
+        assert (snapshot.rectification is not None) == rectified
+        assert np.array_equal(np.delete(snapshot.fundamental.f, EYES, 0), snapshot.transfer.fundamentals)
 
     @pytest.mark.parametrize("gain", [1, 5])
     def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, gain):

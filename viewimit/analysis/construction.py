@@ -5,6 +5,7 @@ function of the shape: from the points' middle as many steps along each of the s
 point in [l], [r], and the same steps carried over.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
 
 ASIDE = 0.5  # px, of the differences
+NEAR = ASIDE * np.concatenate([np.eye(4), -np.eye(4), np.zeros((1, 4))])  # each coordinate aside, and the point itself
 SURE = -2 * np.log(0.05)  # the squared distance, in standard deviations, within which 95 % of a plane's normal lie
 DIRECTIONS = 3  # of a shape in space
 MEET = np.array([[np.flatnonzero((INTO == into) & (SOURCE == eye))[0] for eye in (0, 1)] for into in (2, 3)])  # in L, R
@@ -38,37 +40,42 @@ class Construction:
 
 def construct(snapshot: Snapshot, point: int) -> Construction | None:
     """Of a point by its index; None unless it is seen in all four views, and enough others are."""
-    transfer, lines = snapshot.transfer, snapshot.epipolar_lines(point)
-    if transfer is None or lines is None or not snapshot.usable[point]:
+    transfer = snapshot.transfer
+    if transfer is None or not snapshot.usable[point]:
         return None
-    demo = snapshot.views.demo[point]
-    aside = ASIDE * np.eye(4)
-    near = np.concatenate([demo + aside, demo - aside, demo[None]])
+    near = snapshot.views.demo[point] + NEAR
     found = transfer.recover(near[:, :2], near[:, 2:])
-    slope = ((found[:4] - found[4:8]) / (2 * ASIDE)).reshape(4, 2, 2)  # of [l r], of L and R, of x and y
-    half_axes, direction = _ellipses(np.einsum("koi,koj->oij", slope, slope))
+    slope = (found[:4] - found[4:8]) / (2 * ASIDE)  # of [l r], of x and y in L and R
+    spread = (slope.T @ slope).tolist()
+    ellipses = [_ellipse(spread[x][x], spread[x][x + 1], spread[x + 1][x + 1]) for x in (0, 2)]
     crossing = TRANSFERS[snapshot.settings.transfer].crosses_lines
+    lines = snapshot.epipolar_lines(point) if crossing else None
     return Construction(
         recovered=found[8].reshape(2, 2),
-        half_axes=half_axes,
-        direction=direction,
-        angle=_angles(lines) if crossing else None,
+        half_axes=np.array([half_axes for half_axes, _ in ellipses]),
+        direction=np.array([direction for _, direction in ellipses]),
+        angle=None if lines is None else _angles(lines),
         steps=None if crossing else _steps(snapshot, point),
     )
 
 
-def _ellipses(spread: NDArray) -> tuple[NDArray, NDArray]:
-    """Half axes (k, 2) px and directions (k,) rad of covariances (k, 2, 2) px²."""
-    squares, axes = np.linalg.eigh(spread)
-    return np.sqrt(SURE * np.maximum(squares[:, ::-1], 0.0)), np.arctan2(axes[:, 1, 1], axes[:, 0, 1])
+# one point's two ellipses and angles are soon told number by number: each call of numpy takes as long as one of them
+def _ellipse(xx: float, xy: float, yy: float) -> tuple[tuple[float, float], float]:
+    """Half axes px, the longer one first, and its direction, rad, of a covariance, px²."""
+    middle, apart = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
+    longest = middle + apart
+    shortest = (xx * yy - xy * xy) / longest if longest > 0 else 0.0  # middle - apart would cancel
+    axes = math.sqrt(SURE * longest), math.sqrt(SURE * max(shortest, 0.0))
+    return axes, math.atan2(2 * xy, xx - yy) / 2
 
 
 def _angles(lines: NDArray) -> NDArray:
     """lines: (12, 3), as `Snapshot.epipolar_lines` has them → (2,) rad"""
-    normals = lines[MEET, :2]  # in L, R; from l, r; x, y
-    lengths = np.linalg.norm(normals, axis=-1)
-    across = np.abs(normals[:, 0, 0] * normals[:, 1, 1] - normals[:, 0, 1] * normals[:, 1, 0])
-    return np.arcsin(np.clip(across / np.maximum(lengths.prod(-1), 1e-300), 0.0, 1.0))
+    sines = [
+        abs(a * d - b * c) / max(math.hypot(a, b) * math.hypot(c, d), 1e-300)
+        for (a, b), (c, d) in lines[MEET, :2].tolist()  # in L, R; from l, r; x, y
+    ]
+    return np.array([math.asin(min(sine, 1.0)) for sine in sines])
 
 
 def _steps(snapshot: Snapshot, point: int) -> NDArray:

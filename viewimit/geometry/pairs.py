@@ -1,5 +1,6 @@
 """The affine epipolar geometry of all pairs of the four views, from which epipolar lines follow."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from .affine import MIN_POINTS, centred
 
 PAIRS = np.array([(0, 2), (1, 2), (0, 3), (1, 3), (0, 1), (2, 3)])  # of the views l, r, L, R: [p], [q] of each
+EYES = 4  # the place among PAIRS of l and r, between which the own arm changes nothing
 COORDINATES = np.concatenate([2 * PAIRS, 2 * PAIRS + 1], 1)[:, [0, 2, 1, 3]]  # of x_l, y_l … y_R, those of each pair
 # The views of each of twelve lines: that it is drawn in, and whose point it is of
 INTO, SOURCE = np.concatenate([PAIRS[:, ::-1], PAIRS]).T
@@ -29,13 +31,23 @@ class PairGeometry(NamedTuple):
         return np.concatenate([normal, offset[:, None]], 1)
 
 
-def fit_pairs(points: NDArray) -> PairGeometry | None:
-    """points: (N, 8) px in l, r, L, R of those seen in all four; None with too few of them."""
+def fit_pairs(points: NDArray, others: NDArray | None = None) -> PairGeometry | None:
+    """points: (N, 8) px in l, r, L, R of those seen in all four; None with too few of them. others: (5, 4), f of all
+    pairs but EYES, if they were fitted to these points already."""
     if len(points) < MIN_POINTS:
         return None
     mean, about = centred(points)
-    f = fundamentals(about, COORDINATES)
+    if others is None:
+        f = fundamentals(about, COORDINATES)
+    else:
+        f = np.concatenate([others[:EYES], _of_eyes(about[:, :4].tobytes()), others[EYES:]])
     return PairGeometry(f, -(f * mean[COORDINATES]).sum(1))
+
+
+@lru_cache(64)  # the demonstrator mostly stands still while the learner moves
+def _of_eyes(demo: bytes) -> NDArray:
+    """f of EYES, (1, 4). demo: (N, 4) px in l, r about their centroids."""
+    return fundamentals(np.frombuffer(demo).reshape(-1, 4), COORDINATES[[EYES]])
 
 
 def fundamentals(points: NDArray, coordinates: NDArray) -> NDArray:

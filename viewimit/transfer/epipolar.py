@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from ..equations import HOLE, Equation, column, each, matrix
 from ..geometry.affine import centred, extreme_eigenvalues, require_points, scatter, smallest_eigenpair
-from ..geometry.pairs import COORDINATES, fundamentals
+from ..geometry.pairs import COORDINATES, EYES, fundamentals
 from ..views import FourViews
 from .affine_map import AffineTransfer
 from .transfer import TransferMethod
 
-CROSSED = COORDINATES[[0, 1, 2, 3, 5]]  # of the five pairs
+CROSSED = np.delete(COORDINATES, EYES, 0)  # of the five pairs
 SINGULAR = 1e-3  # determinant of two unit-norm epipolar lines below which all five are solved together
 
 
@@ -35,6 +35,10 @@ class EpipolarTransfer(AffineTransfer):
     about the centroids."""
 
     f: NDArray
+
+    @property
+    def fundamentals(self) -> NDArray | None:
+        return self.f.T if self.f.ndim == 2 else None
 
     @cached_property
     def condition(self) -> NDArray:

@@ -33,6 +33,10 @@ class RectifiedTransfer(FittedTransfer):
     def weighs_noise(self) -> bool:
         return self.between.weighs_noise
 
+    @property
+    def fundamentals(self) -> NDArray | None:
+        return self.between.fundamentals
+
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
         demo = self.rectification.apply(np.concatenate([demo_left, demo_right], -1))
         return self.rectification.restore(self.between.recover(demo[..., :2], demo[..., 2:]))

@@ -29,6 +29,11 @@ class FittedTransfer(Protocol):
         """Whether residuals answer for the noise of the demonstrator's images already."""
         ...
 
+    @property
+    def fundamentals(self) -> NDArray | None:
+        """(5, 4): f of all pairs of views but [l], [r], if it was fitted by them, of one posture; None else."""
+        return None
+
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
         """demo_left, demo_right: (..., M, 2) px, any points seen in [l], [r] → (..., M, 4) px in [L, R]."""
         ...

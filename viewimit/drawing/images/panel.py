@@ -1,5 +1,6 @@
 """The panel Images: the learner's four image planes and what the transfer says about them."""
 
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 from types import MappingProxyType
@@ -189,12 +190,12 @@ def _epipolar_lines(
     lines = None if chosen is None else snapshot.epipolar_lines(chosen)
     if chosen is None or lines is None:
         return drawn
-    ends, crosses = _across(lines[:, :2], lines[:, 2], [windows["lrLR"[k]] for k in INTO.tolist()])
-    crosses &= snapshot.views.visible[chosen, SOURCE]
-    for k, source, line, shown in zip(INTO.tolist(), SOURCE.tolist(), ends.tolist(), crosses.tolist()):
-        if shown and (stage is None or k > 1 >= source and build.stands(stage, True, ("left", "right")[source])):
-            style = _line_style(source, k)
-            drawn["lrLR"[k]] += f'<path class="vi-line{style}" d="M%.1f %.1fL%.1f %.1f"/>' % tuple(line)
+    seen = snapshot.views.visible[chosen].tolist()
+    for k, source, line in zip(INTO.tolist(), SOURCE.tolist(), lines.tolist()):
+        if seen[source] and (stage is None or k > 1 >= source and build.stands(stage, True, ("left", "right")[source])):
+            view = "lrLR"[k]
+            if d := _chord(line, windows[view]):
+                drawn[view] += f'<path class="vi-line{_line_style(source, k)}" d="{d}"/>'
     return drawn
 
 
@@ -204,16 +205,19 @@ def _line_style(source: int, into: int) -> str:
     return " vi-from-right" if source % 2 else ""
 
 
-def _across(normal: NDArray, offset: NDArray, windows: list[Window]) -> tuple[NDArray, NDArray]:
-    """Chords of lines n·x + c = 0, image px, in the circles around their windows: (k, 4) px of the boxes, (k,) bool."""
-    box = np.array([window[:5] for window in windows])
-    half_size, scale = box[:, 2:4] / 2, box[:, 4:]
-    length = np.sqrt((normal * normal).sum(1))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        unit = normal / length[:, None]
-        distance = ((box[:, :2] + half_size) * unit).sum(1) + offset / length
-    foot = half_size - distance[:, None] * unit
-    half = (half_size * half_size).sum(1) - distance * distance
-    crosses = half > 0
-    along = np.sqrt(np.where(crosses, half, 0.0))[:, None] * unit[:, ::-1] * (-1, 1)
-    return np.concatenate([foot - along, foot + along], 1) * scale, crosses
+def _chord(line: list[float], window: Window) -> str:
+    """A path: what the circle around a window cuts off a line a x + b y + c = 0, image px; "" where they do not meet.
+    A dozen lines are soon told number by number: each call of numpy takes as long as one of them."""
+    a, b, c = line
+    length, middle_x, middle_y = math.hypot(a, b), window.w / 2, window.h / 2
+    if not length > 0:
+        return ""
+    a, b = a / length, b / length
+    distance = (window.x + middle_x) * a + (window.y + middle_y) * b + c / length
+    square = middle_x * middle_x + middle_y * middle_y - distance * distance
+    if not square > 0:
+        return ""
+    k, half = window.scale, math.sqrt(square)
+    x, y = (middle_x - distance * a) * k, (middle_y - distance * b) * k
+    along_x, along_y = -half * b * k, half * a * k
+    return f"M{x - along_x:.1f} {y - along_y:.1f}L{x + along_x:.1f} {y + along_y:.1f}"

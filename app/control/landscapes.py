@@ -28,6 +28,7 @@ class OwnLandscape:
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
         self._page_id, self._worker, self._take_later = page_id, worker, queue.taker("landscape", self.take)
         self._asked: tuple | None = None
+        self._seen: tuple | None = None  # what the key of the last moment was made of
         self._begun: Snapshot | None = None  # the first moment in the world
         self._about: Snapshot | None = None  # the moment that was asked for last
         self.made: MadeLandscape | None = None
@@ -36,6 +37,10 @@ class OwnLandscape:
         """If it would differ. In a new world an empty one stands for it meanwhile."""
         if self.made is None or self.made.world is not world:
             self.begin(world, present)
+        seen = world, present.settings, present.rectification is not None, present.exchanged
+        if seen == self._seen:  # the very same settings mostly, which are soon compared
+            return
+        self._seen = seen
         asked = world, *landscape_key(present)
         if asked != self._asked:
             self._asked, self._about = asked, present

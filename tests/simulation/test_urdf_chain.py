@@ -142,13 +142,16 @@ def test_a_mimic_joint_follows_its_leader_alone_and_in_the_chain(tmp_path):
     np.testing.assert_array_equal(robot.link_frames(robot.coupled(told))[2], robot.link_frames([0.4, -0.5, -0.2])[2])
     body = BodyPoints(np.array([0, 1, 2, 3]), np.full((4, 3), 0.1))
     for moving in ([0, 2], [0], [2]):
-        chain, points = robot.held(np.array([0.4, 99.0, -0.2]), moving, body)
+        chain, links = robot.held(np.array([0.4, 99.0, -0.2]), moving)
+        points = links.points(body)
         theta = [told[k] + 0.3 for k in moving]
         whole = told.copy()
         whole[moving] = theta
         for index, xyz in chain.place_points(chain.spread(theta), points):
             T = robot.link_frames(robot.coupled(whole))[body.link[index]]
             np.testing.assert_allclose(xyz.T, T[:, :3, 3] + 0.1 * T[:, :3, :3].sum(2), atol=1e-14)
+        carried = links.carried(chain.link_frames(chain.spread(theta)))
+        np.testing.assert_allclose(carried, robot.link_frames(robot.coupled(whole)), atol=1e-14)
 
 
 def test_all_links_are_carried_where_pybullet_has_them(tmp_path):

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,9 +46,19 @@ class Camera:
 
     def ray(self, image: ArrayLike) -> NDArray:
         """image: (..., 2) px → directions (..., 3) in the world, 1 long along the optical axis."""
+        image = np.asarray(image, float)
+        if not self.lens.bends:
+            along, straight = self._linear_ray
+            return image @ along + straight
         R_world_camera = self.T_world_camera[:3, :3]
-        on_plane = self.lens.direction(np.asarray(image, float))
-        return on_plane @ R_world_camera[:, :2].T + R_world_camera[:, 2]
+        return self.lens.direction(image) @ R_world_camera[:, :2].T + R_world_camera[:, 2]
+
+    @cached_property
+    def _linear_ray(self) -> tuple[NDArray, NDArray]:
+        """Of a lens that bends nothing: how a ray turns with x and y, (2, 3) a px, and where it points at 0, (3,)."""
+        R_world_camera, (focal, centre) = self.T_world_camera[:3, :3], np.array([self.lens.focal, self.lens.centre])
+        along = R_world_camera[:, :2].T / focal[:, None]
+        return along, R_world_camera[:, 2] - centre @ along
 
 
 class Cameras:
@@ -128,8 +139,9 @@ def triangulate(left: Camera, right: Camera, points: NDArray) -> NDArray:
     a, b = left.ray(points[..., :2]), right.ray(points[..., 2:])
     o_a, o_b = left.T_world_camera[:3, 3], right.T_world_camera[:3, 3]
     base = o_b - o_a
-    aa, ab, bb = (a * a).sum(-1), (a * b).sum(-1), (b * b).sum(-1)
+    aa, ab, bb = (np.einsum("...i,...i->...", one, other) for one, other in ((a, a), (a, b), (b, b)))
     along_a, along_b = a @ base, b @ base
     with np.errstate(divide="ignore", invalid="ignore"):
-        s, t = np.stack([bb * along_a - ab * along_b, ab * along_a - aa * along_b]) / (aa * bb - ab * ab)
-    return 0.5 * (o_a + s[..., None] * a + o_b + t[..., None] * b)
+        half = 0.5 / (aa * bb - ab * ab)
+        s, t = half * (bb * along_a - ab * along_b), half * (ab * along_a - aa * along_b)
+    return s[..., None] * a + t[..., None] * b + 0.5 * (o_a + o_b)

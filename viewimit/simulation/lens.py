@@ -1,6 +1,7 @@
 """What a camera makes of directions: focal lengths, centre, and radial distortion, which images may be rid of."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ class Lens:
     distortion: Radial = Radial()
     undone: Radial = Radial()
 
-    @property
+    @cached_property
     def bends(self) -> bool:
         """Whether images are not those of a pinhole."""
         return self.distortion != self.undone

@@ -50,6 +50,25 @@ class BodyPoints:
 
 
 @dataclass(frozen=True)
+class BodyFrames:
+    """The n + 1 links of an arm on a shorter chain. link: (n + 1,) of the chain, 0 = base, that carries each;
+    T_chain_link: (n + 1, 4, 4), in that one's frame."""
+
+    link: NDArray
+    T_chain_link: NDArray
+
+    def carried(self, T_world_chain: NDArray) -> NDArray:
+        """T_world_link of all of them, (n + 1, 4, 4). T_world_chain: of the chain's links."""
+        return T_world_chain[self.link] @ self.T_chain_link
+
+    def points(self, body: BodyPoints) -> BodyPoints:
+        """The same points, fixed to the chain."""
+        T = self.T_chain_link[body.link]
+        local = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
+        return BodyPoints(self.link[body.link], local)
+
+
+@dataclass(frozen=True)
 class Robot:
     """The chain of revolute joints of one arm, base to tip."""
 
@@ -115,8 +134,9 @@ class Robot:
             parts[:, k] = joint.T_parent_joint @ parts[:, k]
         return parts
 
-    def held(self, angles: NDArray, moving: Sequence[int] | NDArray, body: BodyPoints) -> tuple["Robot", BodyPoints]:
-        """The arm with all joints but `moving` (from 0) held at `angles` (n,) rad: a shorter chain, the same points."""
+    def held(self, angles: NDArray, moving: Sequence[int] | NDArray) -> tuple["Robot", BodyFrames]:
+        """The arm with all joints but `moving` (from 0) held at `angles` (n,) rad: a shorter chain, and where on that
+        all links are."""
         joints: list[Joint] = []
         T_kept_link = np.eye(4)  # of the link at hand, in the frame of the last link that still moves
         owner, offset = [0], [T_kept_link]
@@ -131,9 +151,7 @@ class Robot:
                 T_kept_link = T_kept_joint @ rigid_transform(rotation_about_axis(joint.axis, angle))
             owner.append(len(joints))
             offset.append(T_kept_link)
-        T = np.array(offset)[body.link]
-        local = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
-        return Robot(self.name, tuple(joints)), BodyPoints(np.array(owner)[body.link], local)
+        return Robot(self.name, tuple(joints)), BodyFrames(np.array(owner), np.array(offset))
 
     def place_points(self, angles: Angles, body: BodyPoints) -> list[tuple[NDArray, NDArray]]:
         """Body points in the base frame, grouped by the joints that move them.

@@ -26,14 +26,16 @@ class World:
         self.scene = scene
         self.robot = robot or load_robot(scene.robot)
         self.body: BodyPoints = scene.body_points(points) if body is None else body
-        self._chain, self._chain_body = self.robot.held(np.radians(scene.posture_deg), scene.moving, self.body)
+        self._chain, self._links = self.robot.held(np.radians(scene.posture_deg), scene.moving)
+        self._chain_body = self._links.points(self.body)
         self._rest = np.radians(scene.posture_deg).tolist()
         head = scene.stereo_head()
         self.demo_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_demonstrator)
         self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
         self.demo_pair, self.own_pair = Cameras(self.demo_cameras), Cameras(self.own_cameras)
         self._local = np.concatenate([self._chain_body.local, np.ones((len(self.body), 1))], 1)[:, :, None]
-        self._last_points: tuple[tuple[bytes, bytes], NDArray] | None = None
+        self._last_frames: tuple[tuple[bytes, bytes], NDArray] | None = None
+        self._last_points: tuple[NDArray, NDArray] | None = None
         self.T_world_demo = _placed(scene.demonstrator)
         self.T_world_own = _placed(scene.learner)
 
@@ -60,16 +62,22 @@ class World:
 
     def link_frames(self, theta, T_world_base: NDArray) -> NDArray:
         """T_world_link of every link of an arm in one posture: (n + 1, 4, 4)."""
-        return self.robot.link_frames(np.array(self.joint_angles(theta), float), T_world_base)
+        return self._links.carried(self._chain_frames(theta, T_world_base))
 
     def points_world(self, theta, T_world_base: NDArray) -> NDArray:
         """Body points of an arm in one posture: (N, 3) m, not to be written into."""
+        frames, last = self._chain_frames(theta, T_world_base), self._last_points
+        if last is None or last[0] is not frames:
+            last = self._last_points = frames, (frames[self._chain_body.link] @ self._local)[:, :3, 0]
+        return last[1]
+
+    def _chain_frames(self, theta, T_world_base: NDArray) -> NDArray:
+        """T_world_link of what moves of an arm in one posture, and of its base, not to be written into."""
         angles = np.array(self._chain.spread(theta), float)
         key = angles.tobytes(), T_world_base.tobytes()
-        last = self._last_points
+        last = self._last_frames
         if last is None or last[0] != key:  # a posture is looked at first, and then shown
-            frames = self._chain.link_frames(angles, T_world_base)
-            last = self._last_points = key, (frames[self._chain_body.link] @ self._local)[:, :3, 0]
+            last = self._last_frames = key, self._chain.link_frames(angles, T_world_base)
         return last[1]
 
     def _images(self, theta, T_world_base: NDArray, pair: Cameras) -> tuple[NDArray, NDArray]:

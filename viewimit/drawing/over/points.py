@@ -90,9 +90,11 @@ def _rules(images: NDArray, visible: NDArray, windows: Mapping[str, Window], who
     """Of a body's points, (N, 4) px, of which visible, (N, 2), are seen, in a pair of views."""
     points = placed(images.reshape(-1, 2, 2).transpose(1, 0, 2), windows, pair)
     inside = ((points >= 0) & (points <= _SIZES[whole, pair])).all(-1) & visible.T
-    numbers = np.concatenate([points, _free_radii(points, inside)[..., None]], -1)
-    rules = svg.filled(_form(len(images), pair), np.where(inside[..., None], numbers, 0))
-    return rules + "".join([f".vi-at-{pair[k]}{i}{{display:none}}" for k, i in np.argwhere(~inside).tolist()])
+    numbers, hidden = np.concatenate([points, _free_radii(points, inside)[..., None]], -1), ""
+    if not inside.all():
+        numbers[~inside] = 0
+        hidden = "".join([f".vi-at-{pair[k]}{i}{{display:none}}" for k, i in np.argwhere(~inside).tolist()])
+    return svg.filled(_form(len(images), pair), numbers) + hidden
 
 
 _SIZES = {
@@ -111,6 +113,14 @@ def _form(count: int, pair: str) -> str:
 
 def _free_radii(points: NDArray, there: NDArray) -> NDArray:
     """(2, N, 2) px → (2, N) px: half the way to the nearest other point that is there, so that no two circles meet."""
-    way = points[:, :, None] - points[:, None]
-    square = np.where(there[:, None] & ~np.eye(points.shape[1], dtype=bool), (way * way).sum(-1), np.inf)
-    return np.clip(np.sqrt(square.min(-1, initial=np.inf)) / 2, LEAST, HIT)
+    places = points[..., 0] + 1j * points[..., 1]
+    apart = np.abs(places[:, :, None] - places[:, None]) + _to_itself(points.shape[1])
+    if not there.all():
+        apart = np.where(there[:, None], apart, np.inf)
+    return np.minimum(np.maximum(apart.min(-1, initial=np.inf) / 2, LEAST), HIT)
+
+
+@lru_cache(16)
+def _to_itself(count: int) -> NDArray:
+    """(count, count): no point is its own neighbour."""
+    return np.diag(np.full(count, np.inf))

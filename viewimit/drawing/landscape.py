@@ -15,7 +15,7 @@ from ..settings import Settings
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from . import relief, svg
-from .labels import Labels
+from .labels import Labels, Rectangle
 from .observability import described, draw_observability
 from .plots import figure
 from .posture_plane import PosturePlane
@@ -36,14 +36,14 @@ AHEAD = 4.0  # px around the big dot that labels leave free for the next motions
 class Placed:
     """Labels over a path. since: the motion for which they were placed; about: the path's moments and its cursor;
     present: the last of it; line: what the path and the marks take; free: that, and the labels but the learner's own,
-    with their leaders; others: (k, 4) px, where these labels stand; own, words: the drawings of both."""
+    with their leaders; others: where these labels stand; own, words: the drawings of both."""
 
     since: int
     about: tuple[int, int]
     present: Snapshot
     line: Labels
     free: Labels
-    others: NDArray
+    others: list[Rectangle]
     own: str
     words: str
 
@@ -137,8 +137,7 @@ class LandscapePicture:
         words += self._labels(labels)
         first, line = 1 if own else 0, free.copy()
         free.take(labels.since(line)[first:])
-        others = np.reshape(labels.placed[first:], (-1, 4))
-        return Placed(cursor, (len(history), cursor), present, line, free, others, own, words)
+        return Placed(cursor, (len(history), cursor), present, line, free, labels.placed[first:], own, words)
 
     def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> "Placed | None":
         """While more motions keep off the labels, these stay: they do not jump, and need not be placed."""
@@ -152,7 +151,7 @@ class LandscapePicture:
         path = Labels(*placed.free.bounds)
         path.take_line(line, CLEAR)
         path.take_points(line[-1], NOW)
-        if path.covers(placed.others).any():
+        if any(map(path.covers, placed.others)):
             return None
         new, taken, free = path.since(Labels(*path.bounds)), placed.line.copy(), placed.free.copy()
         taken.take(new)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from . import svg
-from .labels import CHARACTER, LINE, Labels
+from .labels import CHARACTER, LINE, Labels, Rectangle
 
 LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
 MOST_LEVELS = 9
@@ -29,7 +29,7 @@ AWAY = np.radians(40)  # a label may stand off its ray by that
 _OWN, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes meet in one page
 
 Grid = tuple[NDArray, NDArray]
-Level = tuple[str, NDArray]  # words, and places (k, 4) px for them
+Level = tuple[str, list[Rectangle]]  # words, and places for them
 
 
 def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
@@ -109,9 +109,9 @@ def draw_levels(levels: Iterable[Level], labels: Labels) -> str:
     """Those for which there is room."""
     drawn = []
     for words, places in levels:
-        place = labels.take_first_free(places) if len(places) else None
+        place = labels.take_first_free(places)
         if place is not None:
-            left, top, right, bottom = place.tolist()
+            left, top, right, bottom = place
             drawn.append(svg.text((left + right) / 2, (top + bottom) / 2 + 4, words, "vi-2nd vi-halo vi-mid"))
     return "".join(drawn)
 
@@ -162,11 +162,11 @@ def _rays(bounds: Sequence[float], lowest: NDArray) -> list[float]:
     return [angle, angle + np.pi]
 
 
-def _places(points: NDArray, words: str, lowest: NDArray, ray: float) -> NDArray:
-    """(k, 4) px: on a contour through (n, 2) px, where it crosses the ray, then beside that."""
+def _places(points: NDArray, words: str, lowest: NDArray, ray: float) -> list[Rectangle]:
+    """On a contour through (n, 2) px, where it crosses the ray, then beside that."""
     x, y = (points - lowest).T
     off = np.abs((np.arctan2(y, x) - ray + np.pi) % (2 * np.pi) - np.pi)
     nearest = np.argsort(off)[:120:3]
     middle = points[nearest[off[nearest] <= AWAY]]
     half = np.array([CHARACTER * len(words) + 8, LINE + 2]) / 2
-    return np.concatenate([middle - half, middle + half], 1)
+    return np.concatenate([middle - half, middle + half], 1).tolist()

@@ -95,10 +95,12 @@ class Snapshot:
     @cached_property
     def recovered(self) -> NDArray:
         """(N, 4) px: the demonstrator's points as the transfer expects them in [L, R]; NaN if not usable."""
+        seen, transfer = self.views.used, self.transfer
+        if transfer is not None and seen is self.views:
+            return transfer.recover(seen.demo_left, seen.demo_right)
         recovered = np.full_like(self.views.own, np.nan)
-        if self.transfer is not None:
-            seen = self.views.used
-            recovered[self.usable] = self.transfer.recover(seen.demo_left, seen.demo_right)
+        if transfer is not None:
+            recovered[self.usable] = transfer.recover(seen.demo_left, seen.demo_right)
         return recovered
 
     @cached_property

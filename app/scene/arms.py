@@ -80,7 +80,7 @@ class Arm:
         )
         self._visible = True
         self._rest = [quaternion(joint.T_parent_joint[:3, :3]) for joint in self._joints]
-        self._axes = [joint.axis / np.linalg.norm(joint.axis) for joint in self._joints]
+        self._axes = [(joint.axis / np.linalg.norm(joint.axis)).tolist() for joint in self._joints]
         self._names = [link_name(world.scene, arm, i + 1) for i in range(len(self._joints))]
         self._angles = [float(angle) for angle in world.joint_angles(np.zeros(len(world.scene.moving)))]
         for i, joint in enumerate(self._joints):

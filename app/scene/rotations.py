@@ -1,5 +1,8 @@
 """Rotations as viser takes them: unit quaternions (w, x, y, z)."""
 
+from collections.abc import Sequence
+from math import cos, sin
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,14 +31,16 @@ def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:
     return float(w), float(x), float(y), float(z)
 
 
-def joint_quaternion(T_parent_joint_wxyz: tuple, axis: NDArray, angle: float) -> tuple[float, float, float, float]:
-    """Orientation of a joint's frame at `angle` rad: that of angle 0 times the turn about its axis."""
+def joint_quaternion(
+    T_parent_joint_wxyz: Sequence[float], axis: Sequence[float], angle: float
+) -> tuple[float, float, float, float]:
+    """Orientation of a joint's frame at `angle` rad: that of angle 0 times the turn about its axis, (3,)."""
     a, b, c, d = T_parent_joint_wxyz
-    s, w = np.sin(angle / 2), np.cos(angle / 2)
-    x, y, z = axis * s
+    s, w = sin(angle / 2), cos(angle / 2)
+    x, y, z = s * axis[0], s * axis[1], s * axis[2]
     return (
-        float(a * w - b * x - c * y - d * z),
-        float(a * x + b * w + c * z - d * y),
-        float(a * y - b * z + c * w + d * x),
-        float(a * z + b * y - c * x + d * w),
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
     )

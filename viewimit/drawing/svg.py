@@ -48,9 +48,20 @@ def path(points: NDArray) -> str:
     return "".join(_line(run) for run in (run[~np.isnan(run[:, 1])] for run in runs) if len(run))
 
 
+def paths(points: NDArray) -> list[str]:
+    """points: (views, k, 2) px → an open line a view; NaN interrupts them."""
+    if np.isnan(points).any():
+        return [path(view) for view in points]
+    return [_written(view) for view in points.reshape(len(points), -1).round(1).tolist()]
+
+
 def _line(points: NDArray) -> str:
-    """Long ones are frequent: msgspec writes numbers twice as fast as formatting does."""
-    return f"M{_as_json(points.round(1).ravel().tolist())[1:-1].decode()}"
+    return _written(points.round(1).ravel().tolist())
+
+
+def _written(numbers: list[float]) -> str:
+    """Long lines are frequent: msgspec writes numbers twice as fast as formatting does."""
+    return f"M{_as_json(numbers)[1:-1].decode()}"
 
 
 _as_json = msgspec.json.Encoder().encode

@@ -110,7 +110,13 @@ def linear_system(f: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def condition(f: NDArray) -> NDArray:
-    """cond(A), from the eigenvalues of AᵀA. f: (4, 5, G) → (G,)."""
+    """cond(A). f: (4, 5, G) → (G,). Of one from its singular values, of many from the eigenvalues of AᵀA."""
+    if f.shape[2] == 1:  # one posture, whose price is the number of steps
+        of_p, of_q, x, y = f[..., 0].tolist()
+        own = [of_p[4], of_q[4], x[4], y[4]]
+        A = [[x[0], y[0], 0, 0], [x[1], y[1], 0, 0], [0, 0, x[2], y[2]], [0, 0, x[3], y[3]], own]
+        largest, *_, smallest = np.linalg.svd(A, compute_uv=False).tolist()
+        return np.array([largest / smallest if smallest > 0 else np.inf])
     lines, fifth = f[2:, :4].reshape(2, 2, 2, -1), f[:, 4].reshape(2, 2, -1)
     blocks = np.einsum("iodg,jodg->oijg", lines, lines)
     blocks += fifth[:, :, None] * fifth[:, None]

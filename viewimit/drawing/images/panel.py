@@ -106,7 +106,7 @@ def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     found = {"L": "", "R": ""}
     if bodies.recovered is not None:
         both = planes.placed(bodies.recovered, windows[whole], "LR")
-        found = {view: f'<path class="vi-bone vi-found" d="{svg.path(both[k])}"/>' for k, view in enumerate("LR")}
+        found = {view: f'<path class="vi-bone vi-found" d="{d}"/>' for view, d in zip("LR", svg.paths(both))}
     for view, (hulls, bones) in planes.draw_arm(bodies.own, windows, whole, "LR").items():
         drawn[view] = f'<path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/>{found[view]}'
     return drawn
@@ -114,12 +114,11 @@ def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
 
 def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
     """Observed demonstrator points in l and r; those not seen in all four images are faint."""
-    drawn = {}
+    drawn, used, idle = {}, points[:, snapshot.usable], _idle(snapshot)
     for k, view in enumerate("lr"):
-        used, idle = _used_and_idle(snapshot, k)
-        drawn[view] = f'<path class="vi-seen" d="{_observed(points[k, used].tobytes())}"/>'
-        if idle.any():
-            drawn[view] += f'<path class="vi-seen vi-idle" d="{_observed(points[k, idle].tobytes())}"/>'
+        drawn[view] = f'<path class="vi-seen" d="{_observed(used[k].tobytes())}"/>'
+        if idle[k].any():
+            drawn[view] += f'<path class="vi-seen vi-idle" d="{_observed(points[k, idle[k]].tobytes())}"/>'
     return drawn
 
 
@@ -130,40 +129,41 @@ def _observed(points: bytes) -> str:
 
 def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
     """Own points, recovered points and the residuals from these to those, in L and R."""
-    drawn, own = {}, points[:, snapshot.usable]
-    residuals = None if snapshot.transfer is None else _residuals(snapshot, own, windows["L"].scale, gain)
+    own, idle, known = points[:, snapshot.usable], _idle(snapshot)[2:], snapshot.transfer is not None
+    numbers = _with_residuals(snapshot, own, windows["L"].scale, gain) if known else own.reshape(2, -1)
+    drawn = dict(zip("LR", svg.filled(_form(own.shape[1], known), numbers).split("|")))
     for k, view in enumerate("LR"):
-        _, idle = _used_and_idle(snapshot, k + 2)
-        drawn[view] = f'<path class="vi-own" d="{svg.dots(own[k])}"/>'
-        if idle.any():
-            drawn[view] += f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>'
-        if residuals is not None:
-            drawn[view] += svg.filled(_form(own.shape[1]), residuals[k])
+        if idle[k].any():
+            drawn[view] += f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle[k]])}"/>'
     return drawn
 
 
-def _residuals(snapshot: Snapshot, own: NDArray, scale: float, gain: float) -> NDArray:
-    """(2, 12 k) px: what `_form` is filled with, in L and in R. own: (2, k, 2) px."""
+def _with_residuals(snapshot: Snapshot, own: NDArray, scale: float, gain: float) -> NDArray:
+    """(2, 14 k) px: what `_form` is filled with, in L and in R. own: (2, k, 2) px."""
     e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * scale  # (L R, k, 2)
     recovered = own - e
     tips = recovered + gain * e
     lines, heads = np.concatenate([recovered, tips], 2), svg.arrow_corners(recovered, tips, HEAD)
-    return np.concatenate([numbers.reshape(2, -1) for numbers in (recovered, lines, heads)], 1)
+    return np.concatenate([numbers.reshape(2, -1) for numbers in (own, recovered, lines, heads)], 1)
 
 
 @lru_cache(64)
-def _form(count: int) -> str:
-    """Of so many recovered points and the residuals that begin there. One format is faster than three."""
-    return (
-        f'<path class="vi-found" d="{svg.diamond(RECOVERED) * count}"/>'
-        f'<path class="vi-e" d="{svg.SEGMENT * count}"/>'
-        f'<path class="vi-tip" d="{svg.TIP * count}"/>'
-    )
+def _form(count: int, known: bool) -> str:
+    """Of so many own points in L and R; known: with the recovered ones and the residuals that begin there. One format
+    is faster than many."""
+    form = f'<path class="vi-own" d="{svg.DOT * count}"/>'
+    if known:
+        form += (
+            f'<path class="vi-found" d="{svg.diamond(RECOVERED) * count}"/>'
+            f'<path class="vi-e" d="{svg.SEGMENT * count}"/>'
+            f'<path class="vi-tip" d="{svg.TIP * count}"/>'
+        )
+    return f"{form}|{form}"
 
 
-def _used_and_idle(snapshot: Snapshot, k: int) -> tuple[NDArray, NDArray]:
-    """(N,) bool: points of view k that the transfer uses, and those only seen here."""
-    return snapshot.usable, snapshot.views.visible[:, k] & ~snapshot.usable
+def _idle(snapshot: Snapshot) -> NDArray:
+    """(4, N) bool: points that are seen in l, r, L, R, but not in all of them."""
+    return snapshot.views.visible.T & ~snapshot.usable
 
 
 def _ring(snapshot: Snapshot, points: NDArray, k: int, chosen: int | None) -> str:

@@ -104,7 +104,7 @@ def draw_arm(arm: ArmImages, windows: Windows, whole: bool, views: str) -> dict[
     if kept and kept[0] is windows:
         return kept[1]
     hulls, bones = placed(arm.hulls, windows[whole], views), placed(arm.origins, windows[whole], views)
-    paths = dict(zip(views, zip(svg.polygons(hulls), map(svg.path, bones))))
+    paths = dict(zip(views, zip(svg.polygons(hulls), svg.paths(bones))))
     arm.memory[whole] = windows, paths
     return paths
 

@@ -119,14 +119,15 @@ class Moment:
 
     def _draw_residuals(self, state: PageState, own: NDArray) -> None:
         view, usable = state.view, state.shown.usable
-        usable = usable & (view.residuals and view.truth and state.shown.transfer is not None)
+        shown = view.residuals and view.truth and state.shown.transfer is not None and bool(usable.any())
         for node in (self._residuals, self._recovered):
-            self._show(node, bool(usable.any()))
-        if usable.any():
-            positions = np.full((len(usable), 3), -50.0)
-            positions[usable] = state.recovered_world[usable]
+            self._show(node, shown)
+        if shown:
+            positions = state.recovered_world
+            if not usable.all():
+                positions, own = np.where(usable[:, None], positions, -50.0), own[usable]
             push_array(self._recovered, "batched_positions", positions)
-            push_array(self._residuals, "points", np.stack([positions[usable], own[usable]], axis=-2))
+            push_array(self._residuals, "points", np.stack([positions[usable], own], axis=-2))
 
     def _draw_chosen(self, own: NDArray, demo: NDArray, chosen: int | None) -> None:
         for ring, points in zip(self._rings, (own, demo)):

@@ -24,11 +24,13 @@ class PairGeometry(NamedTuple):
     def lines(self, images: NDArray) -> NDArray:
         """(12, 3): a x + b y + c = 0 px in the views INTO, of a point seen in the views SOURCE. images: (4, 2) px in
         l, r, L, R."""
-        # f_p·p + f_q·q + f33 = 0 is a line of q for a given p, and of p for a given q
-        normal = np.concatenate([self.f[:, 2:], self.f[:, :2]])
-        of_source = np.concatenate([self.f[:, :2], self.f[:, 2:]])
-        offset = np.concatenate([self.f33, self.f33]) + (of_source * images[SOURCE]).sum(1)
-        return np.concatenate([normal, offset[:, None]], 1)
+        # f_p·p + f_q·q + f33 = 0 is a line of q for a given p, and of p for a given q; the lines of one point are soon
+        # told number by number: each call of numpy takes as long as a few of them
+        seen, of_p, of_q = images.tolist(), [], []
+        for (p, q), (f13, f23, f31, f32), f33 in zip(PAIRS.tolist(), self.f.tolist(), self.f33.tolist()):
+            of_p.append((f31, f32, f33 + f13 * seen[p][0] + f23 * seen[p][1]))
+            of_q.append((f13, f23, f33 + f31 * seen[q][0] + f32 * seen[q][1]))
+        return np.array(of_p + of_q)
 
 
 def fit_pairs(points: NDArray, others: NDArray | None = None) -> PairGeometry | None:

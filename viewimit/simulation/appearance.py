@@ -53,12 +53,15 @@ class Silhouettes:
     def __init__(self, meshes: Mapping[int, NDArray], world: World):
         self._world = world
         self._links = np.array(sorted(meshes), int)
-        chosen = [extreme_vertices(np.asarray(meshes[link], float)) for link in self._links]
-        most = max(map(len, chosen), default=1)
-        # short lists are filled up with their first vertex, which changes no hull
-        filled = [np.concatenate([v, np.repeat(v[:1], most - len(v), axis=0)]) for v in chosen]
-        self._vertices = np.array(filled).reshape(len(chosen), most, 3)
-        self._shape = 2, len(chosen), most, 2
+        chosen = {link: extreme_vertices(np.asarray(meshes[link], float)) for link in self._links.tolist()}
+        most = max(map(len, chosen.values()), default=1)
+        # of every link its origin and its vertices, (n + 1, 1 + most, 4), the last coordinate 1; short lists are filled
+        # up with their first vertex, which changes no hull
+        self._vertices = np.zeros((len(world.robot.joints) + 1, 1 + most, 4))
+        self._vertices[..., 3] = 1.0
+        for link, vertices in chosen.items():
+            self._vertices[link, 1:, :3] = vertices[0]
+            self._vertices[link, 1 : 1 + len(vertices), :3] = vertices
         self._pair, self._link = np.ogrid[:2, : len(chosen), :1][:2]
         self._latest: dict[str, tuple[bytes, ArmImages]] = {}  # by arm: the demonstrator rests while the learner moves
 
@@ -83,12 +86,10 @@ class Silhouettes:
     def seen(self, T_world_links: NDArray, cameras: Cameras) -> tuple[NDArray, NDArray]:
         """By a stereo pair: closed polygons of the links, (2, links, DIRECTIONS, 2) px, whose corners may repeat, and
         the origins of all links, (2, n + 1, 2) px."""
-        T = T_world_links[self._links]
-        vertices = self._vertices @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3]
-        images, _ = cameras.images(np.concatenate([vertices.reshape(-1, 3), T_world_links[:, :3, 3]]), NEAR)
-        corners = images[:, : -len(T_world_links)].reshape(self._shape)
+        images = cameras.images_on(T_world_links, self._vertices, NEAR)
+        corners = images[:, self._links, 1:]
         largest = (corners @ _COMPASS.T).argmax(2)  # (2, links, DIRECTIONS)
-        return corners[self._pair, self._link, largest], images[:, -len(T_world_links) :]
+        return corners[self._pair, self._link, largest], images[:, :, 0]
 
 
 def extreme_vertices(vertices: NDArray) -> NDArray:

@@ -69,6 +69,7 @@ class Cameras:
         frames = np.array([camera.T_world_camera for camera in cameras])
         self._rotations = frames[:, :3, :3]
         self._offsets = -frames[:, None, :3, 3] @ self._rotations
+        self._from_world = np.concatenate([self._rotations, self._offsets], 1)[:, None]  # (cameras, 1, 4, 3)
         lenses = [camera.lens for camera in cameras]
         self._focal = np.array([[lens.focal[0]] for lens in lenses])
         self._centres = np.array([[lens.centre] for lens in lenses])
@@ -85,6 +86,18 @@ class Cameras:
         depth = in_camera[..., 2]
         if nearest is not None:
             depth = np.maximum(depth, nearest)
+        return self._projected(in_camera, depth), depth
+
+    def images_on(self, T_world_links: NDArray, points: NDArray, nearest: float) -> NDArray:
+        """T_world_links: (k, 4, 4); points: (k, N, 4) m in these frames, the last coordinate 1 → (cameras, k, N, 2) px.
+        nearest: as in `images`."""
+        T_links_cameras = np.swapaxes(T_world_links, 1, 2) @ self._from_world
+        in_camera = (points @ T_links_cameras).reshape(len(self.cameras), -1, 3)
+        images = self._projected(in_camera, np.maximum(in_camera[..., 2], nearest))
+        return images.reshape(len(self.cameras), *points.shape[:2], 2)
+
+    def _projected(self, in_camera: NDArray, depth: NDArray) -> NDArray:
+        """in_camera: (cameras, N, 3) m; depth: (cameras, N) m in place of theirs → (cameras, N, 2) px."""
         with np.errstate(divide="ignore", invalid="ignore"):
             images = in_camera[..., :2] * (self._focal / depth)[..., None]
             if self._bends:
@@ -92,7 +105,7 @@ class Cameras:
                 images *= np.stack([camera.lens.stretch(r) for camera, r in zip(self.cameras, squared)])[..., None]
         if self._aspects is not None:
             images[..., 1] *= self._aspects[:, None]
-        return images + self._centres, depth
+        return images + self._centres
 
     def project(self, points: NDArray) -> tuple[NDArray, NDArray]:
         """points: (N, 3) m in the world → images (cameras, N, 2) px, visible (cameras, N): in front and inside."""

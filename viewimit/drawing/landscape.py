@@ -97,7 +97,8 @@ class LandscapePicture:
         if not self._plane.has_plane:
             return self._plane.wrap("", "vi-over")
         kept = svg.thinned(len(history), PATH_LIMIT, cursor)
-        points = self._plane.place(np.degrees(np.array([history[k].theta for k in kept])))
+        moments = history[:]  # a list, of which each is found sooner
+        points = self._plane.place(np.degrees(np.concatenate([moments[k].theta for k in kept]).reshape(-1, 2)))
         done = int(np.searchsorted(kept, cursor, side="right"))
         shown = history[cursor].theta if theta is None else theta
         now = self._plane.place(np.degrees(shown))

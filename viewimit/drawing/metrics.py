@@ -57,9 +57,9 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
     known = lengths.size > 0
     mean, largest, where = np.nan, np.nan, ""
     if known:
-        place = int(lengths.argmax())
-        mean, largest = float(lengths.mean()), float(lengths.flat[place])
-        where = f" px at {svg.point_name(int(np.flatnonzero(snapshot.usable)[place // 2]))}"
+        each = lengths.ravel().tolist()  # few are soon added up: each call of numpy takes as long
+        mean, largest = sum(each) / len(each), max(each)
+        where = f" px at {svg.point_name(int(snapshot.usable.nonzero()[0][each.index(largest) // 2]))}"
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)

@@ -44,8 +44,10 @@ class PosturePlane:
         edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
         up, across = zip(self._low.tolist(), self._high.tolist())
         self._axes = Axes(*edges, across, up)
-        self._start, self._sides = np.array([edges[0], edges[3]]), np.array([edges[2] - edges[0], edges[1] - edges[3]])
-        self._span = span[::-1]
+        self._slope = (
+            np.array([edges[2] - edges[0], edges[1] - edges[3]]) / span[::-1]
+        )  # px a degree, to the right, down
+        self._origin = np.array([edges[0], edges[3]]) - self._slope * self._low[::-1]
         self.labels = Labels(*edges)
 
     @property
@@ -55,7 +57,7 @@ class PosturePlane:
 
     def place(self, degrees: NDArray) -> NDArray:
         """(..., 2) degrees → px, in one step: it is asked for several times a motion"""
-        return self._start + self._sides * (degrees[..., ::-1] - self._low[::-1]) / self._span
+        return degrees[..., ::-1] * self._slope + self._origin
 
     def grid(self, axes: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
         """px of the columns and of the rows of a grid over axes, rad"""

@@ -66,13 +66,13 @@ def draw_images(
     kind = "vi-images vi-whole" if whole_frames else "vi-images"
     kind += "" if stage is None else " vi-building"
     kind += " vi-pictured" if pictures else "" if standing is None else " vi-see-through"
-    parts = []
+    parts, rings = [], ["", "", "", ""] if chosen is None else _rings(snapshot, points, chosen)
     for k, view in enumerate("lrLR"):
         behind = planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
         all_points = marks[view] if stage is None else f'<g class="vi-faint">{marks[view]}</g>'
         inside = behind + content[view] + lines[view] + all_points + built[view]
         if build.stands(stage, crossed, view if view in "lr" else "own"):
-            inside += _ring(snapshot, points, k, chosen)
+            inside += rings[k]
         if view in "LR" and chosen is not None and build.stands(stage, crossed, "own"):
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
@@ -166,17 +166,18 @@ def _idle(snapshot: Snapshot) -> NDArray:
     return snapshot.views.visible.T & ~snapshot.usable
 
 
-def _ring(snapshot: Snapshot, points: NDArray, k: int, chosen: int | None) -> str:
-    if chosen is None or not snapshot.views.visible[chosen, k]:
-        return ""
-    x, y = points[k, chosen]
-    return f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>'
+def _rings(snapshot: Snapshot, points: NDArray, chosen: int) -> list[str]:
+    """In l, r, L, R; "" where the chosen point is not seen. points: (4, N, 2) px."""
+    return [
+        f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>' if seen else ""
+        for (x, y), seen in zip(points[:, chosen].tolist(), snapshot.views.visible[chosen].tolist())
+    ]
 
 
 def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: tuple[int, int]) -> str:
     """The chosen point's residual in this image, px, in a corner that the arm leaves free."""
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
-    length = svg.number(float(np.hypot(*e)))
+    length = svg.number(math.hypot(*e.tolist()))
     x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
     return svg.text(x, size[1] - READOUT_UP, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
 

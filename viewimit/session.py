@@ -9,6 +9,7 @@ Every pass leaves one immutable Snapshot, which panels, plots, exports and tests
 
 import copy
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import msgspec
@@ -210,9 +211,18 @@ class Session:
         )
 
     def predicted_conflict(self, now: Snapshot) -> Conflict:
-        """What a servo may ask at a moment, the present one, about images that it predicts: `predicted_conflict`."""
-        drift = demo_drift(self.history.recent(DRIFT_MOMENTS))
-        return predicted_conflict(now, drift, self.observer.noise_at_rest(now.settings), self.history.recent(RECENT))
+        """What a servo may ask at a moment, the present one, about images that it predicts: `predicted_conflict`, made
+        up once it is asked. Laws that follow a slope never do."""
+
+        @cache
+        def made_up() -> Conflict:
+            drift, noise_px = demo_drift(self.history.recent(DRIFT_MOMENTS)), self.observer.noise_at_rest(now.settings)
+            return predicted_conflict(now, drift, noise_px, self.history.recent(RECENT))
+
+        def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
+            return made_up()(own, by, like, head)
+
+        return conflict
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout or start begins anew; all else re-observes the present.

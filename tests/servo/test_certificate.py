@@ -90,6 +90,17 @@ def test_a_visit_is_no_evidence_of_one_direction_whose_rise_by_the_points_seen_t
     assert found.claim == "rests" and np.abs(found.check).argmax() == 0
 
 
+def test_a_rise_that_the_other_directions_make_is_no_evidence_of_a_flat_one():
+    """Two thirds of what is predicted there are the first joint's, which tells nothing; more than half is measured, as
+    the second's curvature is half as large again as predicted."""
+    here = surroundings([(6, 1.36), (0, 2)], true=(0, 1.5 * STEEP))
+    predicted = 0.5 * here.away[0] @ here.hessian @ here.away[0]
+    own = 0.5 * FLAT * np.radians(6) ** 2
+    assert own == pytest.approx(2 / 3 * predicted, rel=0.02) and here.rise[0] >= 0.5 * predicted
+    found = certify(here)
+    assert found.claim == "rests" and np.abs(found.check).argmax() == 0
+
+
 @pytest.mark.parametrize("far_deg", [0.9, np.degrees(NEAR) + 0.1])
 def test_what_is_too_near_or_too_far_is_no_evidence(far_deg):
     assert not certify(surroundings([(far_deg, 0), (0, 2)])).shown

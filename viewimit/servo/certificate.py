@@ -2,11 +2,12 @@
 
 A small E is none: a joint that no point tells leaves E flat, and the predictions' own errors look like a curvature.
 About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For each eigenvector v of H, the flattest first,
-a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of that
-rise was measured, more than noise makes, and more than the share CONFLICTING of what the own images moved by. Where
-there is none a check motion along v asks; if E does not rise as it should, v is not told, and no joint that it turns.
-Of too few points E is next to 0 and rises all around at wrong postures as well: they allow no claim. Nor has a point
-a part in H that was seen too rarely to tell how its images move: what is not known of that looks like a curvature.
+a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of v's own
+was measured beyond what the others should make, more than noise makes, and more than the share CONFLICTING of what the
+own images moved by. Where there is none a check motion along v asks; if E does not rise as it should, v is not told,
+and no joint that it turns. Of too few points E is next to 0 and rises all around at wrong postures as well: they allow
+no claim. Nor has a point a part in H that was seen too rarely to tell how its images move: what is not known of that
+looks like a curvature.
 
 How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more, and
 by H⁻¹g, g the gradients that the noise of the own images makes, and those that another head would, as far as matches
@@ -24,7 +25,7 @@ from .surroundings import UNTOLD, Surroundings, enough_points
 LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
 CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
 NOISY_LEAST, NOISY_NEAR = np.radians((5.5, 15.0))  # where the slopes of the images must be told from their noise
-OWN_SHARE, RISEN = 0.6, 0.5  # of a predicted rise: what must be the direction's own, what must be measured
+OWN_SHARE, RISEN = 0.6, 0.5  # of a predicted rise: what must be the direction's own, what of that must be measured
 ALIGNED = 0.95  # of its length: what must be along a direction, for a visit to have asked about that at least
 CONFLICTING = 1e-4  # of the squared motion of the own images: what must be left as conflict
 SURELY = 3.0  # standard deviations
@@ -158,7 +159,7 @@ def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
     least, most = (LEAST, NEAR) if here.noise_px == 0 else (NOISY_LEAST, NOISY_NEAR)
     near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= most) & np.isfinite(here.rise)
     seen = np.maximum(0.5 * CONFLICTING * along**2 * (v @ here.slopes @ v), _noise_of_rise(here))
-    risen = near & mostly & (here.rise >= np.maximum(RISEN * predicted, seen))
+    risen = near & mostly & (here.rise >= np.maximum(apart - (1 - RISEN) * own, seen))
     level = near & aligned & fully & (here.rise < seen) & (RISEN * predicted >= _noise_of_rise(here))
     return bool(risen.any()), bool(level.any())
 

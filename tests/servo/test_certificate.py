@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit.servo.certificate import CHECK, NEAR, NOISY_CHECK, certify
+from viewimit.servo.certificate import CHECK, EQUAL, NEAR, NOISY_CHECK, certify, curvature_directions
 from viewimit.servo.surroundings import UNTOLD, Surroundings
 
 POINTS, OPEN = 10, np.full(2, 9.0)
@@ -213,6 +213,34 @@ class TestOwnNoise:
 
     def test_without_noise_no_direction_is_asked_again(self):
         assert certify(surroundings(BOTH, gradients=np.array([[1e3, 0.0]]))).shown
+
+
+def hessian_along(*directions):
+    directions = np.array(directions) / np.linalg.norm(directions, axis=1, keepdims=True)
+    return directions.T @ np.diag((FLAT, STEEP)) @ directions
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(
+    "flattest, steepest, expected",
+    [
+        ((3, 1), (-1, 3), (3, 1)),
+        ((-3, 1), (1, 3), (3, -1)),
+        ((1, -1), (1, 1), (1, -1)),  # of those that turn as far the first
+        ((1, 0), (0, 1), (1, 0)),
+    ],
+)
+def test_the_joint_that_turns_most_turns_forwards_whatever_is_rounded(flattest, steepest, expected, seed):
+    noise = EQUAL / 100 * np.random.default_rng(seed).normal(size=(2, 2))
+    found = curvature_directions(hessian_along(flattest, steepest) + noise + noise.T)
+    np.testing.assert_allclose(found[:, 0], expected / np.linalg.norm(expected), atol=EQUAL)
+
+
+def test_directions_are_the_eigenvectors_the_flattest_first():
+    matrix = np.cov(np.random.default_rng(1).normal(size=(7, 20)))
+    found, (values, vectors) = curvature_directions(matrix), np.linalg.eigh(matrix)
+    np.testing.assert_allclose(matrix @ found, found * values, atol=1e-12)
+    np.testing.assert_allclose(np.abs((found * vectors).sum(0)), 1)
 
 
 def test_what_other_heads_would_move_the_least_by_is_expected_as_well():

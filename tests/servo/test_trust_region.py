@@ -10,8 +10,10 @@ from viewimit.disturbances import NOISE, spoil
 from viewimit.evaluation import residual
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
-from viewimit.servo.trust_motions import LONGEST
+from viewimit.servo.certificate import EQUAL
+from viewimit.servo.trust_motions import LONGEST, aside, farthest
 from viewimit.servo.trust_region import TrustRegion
+from viewimit.servo.visit import Visit
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import linear_combination, projective
@@ -76,6 +78,43 @@ def test_random_starts_and_demonstrators_over_the_whole_range(scene, runs):
         assert np.abs(np.diff(postures, axis=0)).max() <= LONGEST + 1e-12
         motions.append(len(postures) - 1)
     assert np.median(motions) <= 7 and np.percentile(motions, 95) <= 12
+
+
+def test_rounding_decides_no_motion():
+    """Images that differ by what sums in another order make lead to the same postures."""
+    rng = np.random.default_rng(1)
+    learner, rounded = Learner(), Learner()
+    rounded.look = lambda points, visible, seed: (
+        points * (1 + 1e-15 * np.random.default_rng(seed).normal(size=points.shape)),
+        visible,
+    )
+    for _ in range(40):
+        start, demo = rng.uniform(*np.array(learner.world.scene.range_deg).T, (2, 2))
+        postures, others = learner.run(demo, start)[0], rounded.run(demo, start)[0]
+        np.testing.assert_allclose(np.degrees(others), np.degrees(postures), atol=1e-3)
+
+
+@pytest.mark.parametrize("upper_deg, way", [(90, 1), (1, -1)])
+@pytest.mark.parametrize("rounding", [-1e-15, 1e-15])
+def test_a_motion_aside_goes_along_its_direction_unless_limits_leave_less_there(upper_deg, way, rounding):
+    seen = Observation(
+        own=np.zeros((5, 4)),
+        seen=np.ones((5, 2), bool),
+        E=0.0,
+        displacement=np.zeros(2),
+        lower=np.radians([-90.0, -90.0]),
+        upper=np.radians([upper_deg, 90.0]),
+        motion=3,
+    )
+    place, away = np.radians((0.2, 0.3)) + rounding, np.radians((1.9, 0.6))
+    np.testing.assert_allclose(aside(seen, place, away), place + way * away, atol=1e-12)
+
+
+def test_of_places_equally_far_from_all_visits_the_first_is_taken():
+    visits = (Visit(np.zeros(2), np.zeros((5, 4)), np.ones((5, 2), bool)),)
+    places = np.array([[0.1, 0.0], [0.0, 0.3], [0.3 + EQUAL / 2, 0.0]])
+    np.testing.assert_array_equal(farthest(visits, places), places[1])
+    np.testing.assert_array_equal(farthest(visits, places + np.array([EQUAL, 0.0])), places[2] + np.array([EQUAL, 0]))
 
 
 def test_corners_of_the_range_are_reached_from_the_opposite_ones():

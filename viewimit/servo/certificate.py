@@ -31,6 +31,7 @@ CONFLICTING = 1e-4  # of the squared motion of the own images: what must be left
 SURELY = 3.0  # standard deviations
 LEAST_CURVATURE = 1e-100  # px²/rad²: keeps squares of what a level E allows finite
 PART = 0.1  # of a direction of length 1: a joint that has less is not turned by it
+EQUAL = 1e-6  # of such a direction's parts, and rad: what differs by less may do so by rounding
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,15 @@ def deviations(hessian: NDArray, points: int) -> NDArray:
     return _spread(_inverse(hessian), points)
 
 
+def curvature_directions(hessian: NDArray) -> NDArray:
+    """(m, m): its eigenvectors of length 1 as columns, the flattest first. Either sign would do: the joint that turns
+    most turns forwards, of those that turn as far the first."""
+    directions = np.linalg.eigh(hessian)[1]
+    parts = np.abs(directions)
+    leading = (parts >= parts.max(0) - EQUAL).argmax(0)
+    return directions * np.copysign(1.0, directions[leading, range(len(leading))])
+
+
 def _spread(inverse: NDArray, points: int) -> NDArray:
     """As `deviations`, of the inverse of a hessian."""
     return np.sqrt(np.diag(inverse) / points)
@@ -139,7 +149,7 @@ def _directions(here: Surroundings) -> list[NDArray]:
     """(m,) each of length 1: the eigenvectors, the flattest first; one that the limits bar both ways is replaced by
     what they leave of both."""
     found = []
-    for v in np.linalg.eigh(here.hessian)[1].T:
+    for v in curvature_directions(here.hessian).T:
         ways = [np.clip(way, here.low, here.high) for way in (CHECK * v, -CHECK * v)]
         free = [way for way in ways if np.linalg.norm(way) > 0.99 * CHECK]
         found += [v] if free else [way / np.linalg.norm(way) for way in ways if np.linalg.norm(way) > LEAST]

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .certificate import EQUAL
 from .observation import Observation
 from .probing import probe_of
 from .trust_state import TrustState
@@ -30,9 +31,9 @@ def check(state: TrustState, seen: Observation, place: NDArray, away: NDArray) -
 
 
 def aside(seen: Observation, place: NDArray, away: NDArray) -> NDArray:
-    """(m,) rad, away from a place or the other way, where the limits leave more room."""
+    """(m,) rad, away from a place, or the other way where the limits leave more room there."""
     either = np.clip(np.stack([place + away, place - away]), seen.lower, seen.upper)
-    return either[int(np.argmax(np.abs(either - place).sum(1)))]
+    return either[_first_largest(np.abs(either - place).sum(1))]
 
 
 def apart(visits: tuple[Visit, ...], seen: Observation, place: NDArray, away: NDArray) -> NDArray:
@@ -73,8 +74,13 @@ def along(seen: Observation, place: NDArray, way: NDArray) -> NDArray:
 
 
 def farthest(visits: tuple[Visit, ...], candidates: NDArray) -> NDArray:
-    """The posture, of (k, m), that is farthest from all visited."""
-    return candidates[int(np.argmax(nearest(visits, candidates)))]
+    """The posture, of (k, m), that is farthest from all visited, of equal ones the first."""
+    return candidates[_first_largest(nearest(visits, candidates))]
+
+
+def _first_largest(values: NDArray) -> int:
+    """Index of the largest of (n,) rad, of equal ones the first."""
+    return int((values >= values.max() - EQUAL).argmax())
 
 
 def nearest(visits: tuple[Visit, ...], candidates: NDArray, times: int = 1) -> NDArray:

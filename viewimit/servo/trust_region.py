@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..equations import Equation, angles, short
-from .certificate import CHECK, Certificate
+from .certificate import CHECK, Certificate, curvature_directions
 from .identities import likely_exchange, with_exchanged
 from .innovation import holds
 from .observation import Conflict, Observation
@@ -231,7 +231,7 @@ def _settle(
                 return check(state, seen, place, certificate.check)
             return _to_rest(state, seen, place, certificate.claim)
         if doubt < DOUBTFUL and state.checks < MOST_CHECKS:
-            return check(state, seen, place, CHECK * np.linalg.eigh(ahead.found.hessian)[1][:, 0])
+            return check(state, seen, place, CHECK * curvature_directions(ahead.found.hessian)[:, 0])
     if state.phase + 1 < len(PHASES):
         return None
     if state.restarts < MOST_RESTARTS:
@@ -255,7 +255,7 @@ def _where_more_is_seen(
 ) -> tuple[TrustState, NDArray]:
     """Far away on the line that so many points do not tell, as long as that is unknown: others of the demonstrator's
     may be seen there. Then anywhere."""
-    flattest = np.linalg.eigh(ahead.found.hessian)[1][:, 0]
+    flattest = curvature_directions(ahead.found.hessian)[:, 0]
     goal = farthest(state.known, along(seen, place, flattest))
     if nearest(state.known, goal[None])[0] < FIRST_RADIUS:
         goal = farthest(state.known, anywhere(seen))

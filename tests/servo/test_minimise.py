@@ -58,3 +58,14 @@ def test_what_is_left_to_the_place_is_known_though_it_is_not_worth_a_round():
         found = minimise(bent, few, *OPEN)
         theta = found.theta + found.left
         np.testing.assert_allclose(theta + 0.1 * theta**2, SOLUTION, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_joint_that_nothing_tells_stays_whatever_is_rounded(seed):
+    """It moves the same images as another, and next to not at all."""
+    slopes, rng = A.copy(), np.random.default_rng(seed)
+    slopes[..., 2] = 1e-4 * slopes[..., 1]
+    rounded = lambda theta: np.einsum("ncj,...j->...nc", slopes, theta) + B + 1e-12 * rng.normal(size=(8, 4))
+    theta = minimise(rounded, np.zeros((1, 3)), *OPEN).theta
+    solved = np.linalg.lstsq(slopes.reshape(32, 3)[:, :2], -B.reshape(32), rcond=None)[0]
+    np.testing.assert_allclose(theta, [*solved, 0], atol=1e-4)

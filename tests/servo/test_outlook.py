@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from viewimit.servo.outlook import WELL_TOLD, measure
+from viewimit.servo.outlook import EQUAL, WELL_TOLD, last_least, measure
 from viewimit.servo.surrogate import learn
 from viewimit.servo.visit import Visit
 
@@ -14,6 +14,12 @@ def visit(away, count):
     """The first so many of the points are seen."""
     seen = np.repeat((np.arange(POINTS) < count)[:, None], 2, 1)
     return Visit.of(away, np.zeros((POINTS, 4)), seen)
+
+
+def test_of_postures_as_good_but_for_rounding_the_last_is_the_best():
+    assert last_least(np.array([3.0, 1.0, 1.0 + EQUAL / 2, 2.0])) == 2
+    assert last_least(np.array([3.0, 1.0, 1.0 + 2 * EQUAL, 2.0])) == 1
+    assert last_least(np.array([np.inf, np.inf, 4.0])) == 2 and last_least(np.array([0.0, 1e-30])) == 0
 
 
 def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():

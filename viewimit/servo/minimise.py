@@ -14,6 +14,8 @@ SAME = np.radians(1.0)  # starts that head for places nearer than this come to o
 WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
 DAMPINGS = np.array([0.0, 1.0])
 RAISED = (DAMPINGS + 1e-9)[:, None]  # keeps the normal equations regular
+WILD = np.pi  # rad: longer steps than that are along what nothing tells
+ROUNDING = 1e-12  # of the largest curvature, below which one may be a rounding error
 
 ResidualAt = Callable[[NDArray], NDArray]
 
@@ -90,9 +92,22 @@ def _linear(
     barred = ((theta <= low) & (gradient > 0)) | ((theta >= high) & (gradient < 0))
     gradient[barred] = 0.0
     steps = _damped_steps(gradient, normal, barred)
-    gained = np.einsum("li,li->l", gradient, steps[:, 0])
     longest = np.abs(steps).reshape(len(steps), -1).max(1)
+    if longest.max() > WILD:
+        wild = longest > WILD
+        steps[wild] = _damped_steps(gradient[wild], _stiffened(normal[wild]), barred[wild])
+        longest = np.abs(steps).reshape(len(steps), -1).max(1)
+    gained = np.einsum("li,li->l", gradient, steps[:, 0])
     return normal, steps, (gained >= WORTHWHILE * squared) & (longest >= SHORT)
+
+
+def _stiffened(normal: NDArray) -> NDArray:
+    """(l, m, m): the same but along what nothing tells, where rounding alone would choose among all places: there as
+    stiff as along what is told best."""
+    curvatures, directions = np.linalg.eigh(normal)
+    largest = curvatures[:, -1:]
+    curvatures = np.where(curvatures > ROUNDING * largest, curvatures, largest)
+    return (directions * curvatures[:, None]) @ directions.swapaxes(1, 2)
 
 
 def _damped_steps(gradient: NDArray, normal: NDArray, barred: NDArray) -> NDArray:

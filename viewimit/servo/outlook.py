@@ -16,6 +16,7 @@ from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
 from .visit import Visit
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
+EQUAL = 1e-6  # share of E: what differs by less, as where a joint moves no point, may do so by rounding
 WELL_TOLD = (
     1.0  # px, standard deviation up to which a point that is not seen is as good as one that is, where E is large
 )
@@ -136,7 +137,7 @@ def _measure(
     if known.all():
         e = residual_of(own)
         E = evaluate(e)
-        return Measured(E, known, np.full(len(E), e.shape[-2]), int(np.argmin(E)))
+        return Measured(E, known, np.full(len(E), e.shape[-2]), last_least(E))
     enough = enough_points(joints)
     points, E, count = known.copy(), np.empty(len(own)), np.empty(len(own), int)
     for k, (images, these) in enumerate(zip(own, points)):
@@ -147,7 +148,12 @@ def _measure(
     worth = E * count / np.maximum(count - fitted_points(joints), 1)
     if (count >= needed).any():
         worth[count < needed] = np.inf
-    return Measured(E, points, count, int(np.argmin(worth)))
+    return Measured(E, points, count, last_least(worth))
+
+
+def last_least(E: NDArray) -> int:
+    """Index of the least of (n,) px², of equal ones the last: it is nearer to where the arm is."""
+    return int(np.flatnonzero(E <= E.min() * (1 + EQUAL))[-1])
 
 
 def _search(model: Surrogate, radius: float, seen: Observation, residual_at) -> Minimum:

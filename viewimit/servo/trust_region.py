@@ -22,7 +22,7 @@ from .certificate import CHECK, Certificate, curvature_directions
 from .identities import likely_exchange, with_exchanged
 from .innovation import holds
 from .observation import Conflict, Observation
-from .outlook import Outlook, look_out, measure
+from .outlook import Outlook, last_least, look_out, measure
 from .servo import Moment
 from .surrogate import learn
 from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
@@ -193,7 +193,7 @@ def _judge(state: TrustState, E: NDArray, noise_E: float) -> TrustState:
     is noise."""
     if state.promised is None or len(E) < 2:
         return replace(state, promised=None)
-    before = int(np.argmin(E[:-1]))
+    before = last_least(E[:-1])
     if np.isinf(E[before]):  # nothing was told of any posture before: nothing could be promised
         return replace(state, promised=None)
     gained = float(E[before] - E[-1])

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..equations import HOLE, Equation, column, each, number
-from ..geometry import sweep
 from ..geometry.affine import centred, components_first, require_points
 from ..geometry.batches import keep_freed_memory
+from ..geometry.inverses import inverse
 from ..views import FourViews
 from .transfer import Transfer, TransferMethod
 from .weighted import Weighted
@@ -54,9 +54,20 @@ class ProjectiveTransfer(Transfer):
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
         u = (np.concatenate([demo_left, demo_right], -1) - self.demo_mean[..., None, :]) @ self.basis
+        if u.ndim == 2 and len(u) * self.p[..., 0].size > FEW:
+            return self._recover_in_many(u)
         depth = np.maximum(1 + u @ self.p[..., None], NEAREST)
         shape = self.coefficients[..., :1, :] + u @ self.coefficients[..., 1:, :]
         return self.own_mean[..., None, :] + shape / depth
+
+    def _recover_in_many(self, u: NDArray) -> NDArray:
+        """Of the same points in many postures: these last in memory, as `fit` left them. u: (M, 3) → (..., M, 4) px."""
+        depth = np.maximum(1 + u @ self.p.reshape(-1, 3).T, NEAREST)
+        h = np.concatenate([np.ones((len(u), 1)), u], 1)
+        recovered = _product(h, self.coefficients.reshape(-1, 4, 4).transpose(1, 2, 0))
+        recovered /= depth[:, None]
+        recovered += self.own_mean.reshape(-1, 4).T
+        return recovered.transpose(2, 0, 1).reshape(*self.p.shape[:-1], len(u), 4)
 
 
 def fit(views: FourViews) -> ProjectiveTransfer:
@@ -119,56 +130,60 @@ def _fit_few(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
     flat = Y.reshape(*batch, 4 * count, 1)
     prior = PRIOR / count * np.maximum(flat.swapaxes(-1, -2) @ flat, LEAST_SQUARE)
     u, p = h[..., 1:], np.zeros((*batch, 3, 1))
-    H, inverse = h, h.swapaxes(-1, -2) / count  # where p = 0 the columns of H are orthogonal, of length √N
+    H, inverted = h, h.swapaxes(-1, -2) / count  # where p = 0 the columns of H are orthogonal, of length √N
     for _ in range(STEPS):
-        found = H @ (inverse @ Y)
+        found = H @ (inverted @ Y)
         A = found[..., None] * H[..., None, 1:]
         left = A.reshape(*batch, count, 12)
-        left = (left - H @ (inverse @ left)).reshape(*batch, 4 * count, 3)
+        left = (left - H @ (inverted @ left)).reshape(*batch, 4 * count, 3)
         A = A.reshape(left.shape).swapaxes(-1, -2)
         p = p - np.linalg.solve(A @ left + prior * UNIT, A @ (Y - found).reshape(flat.shape) + prior * p)
         p *= LARGEST_P / np.maximum(np.sqrt(p.swapaxes(-1, -2) @ p), LARGEST_P)
         H = h / np.maximum(1 + u @ p, NEAREST)
-        inverse = np.linalg.inv(H.swapaxes(-1, -2) @ H) @ H.swapaxes(-1, -2)
-    return p[..., 0], inverse @ Y
+        inverted = np.linalg.inv(H.swapaxes(-1, -2) @ H) @ H.swapaxes(-1, -2)
+    return p[..., 0], inverted @ Y
 
 
 def _fit(body: Body, Y: NDArray) -> tuple[NDArray, NDArray]:
     """p: (G, 3) and coefficients: (G, 4, 4). Y: (N, 4, G) px, centred."""
     keep_freed_memory()
     prior = PRIOR / len(Y) * np.einsum("nkg,nkg->g", Y, Y)
-    p, w, inverse = np.zeros((3, 1)), np.ones((len(Y), 1)), np.eye(4)[:, :, None] / len(Y)
+    p, w, inverted = np.zeros((3, 1)), np.ones((len(Y), 1)), np.array(1 / len(Y))
     for _ in range(STEPS):
-        p = _step(body, Y, p, w, inverse, prior)
+        p = _step(body, Y, p, w, inverted, prior)
         w = 1 / np.maximum(1 + _product(body.h[1:].swapaxes(0, 1), p), NEAREST)
-        inverse = sweep.inverse(_product(body.products, w * w)[SYMMETRIC])
-    return p.T, _coefficients(body, Y, w, inverse).transpose(2, 0, 1)
+        inverted = inverse(_product(body.products, w * w)[SYMMETRIC])
+    return p.T, _coefficients(body, Y, w, inverted).transpose(2, 0, 1)
 
 
-def _coefficients(body: Body, Y: NDArray, w: NDArray, inverse: NDArray) -> NDArray:
+def _coefficients(body: Body, Y: NDArray, w: NDArray, inverted: NDArray) -> NDArray:
     """(4, 4, G) px, of h for each own coordinate, by least squares."""
-    return np.einsum("abg,bkg->akg", inverse, _product(body.h, w[:, None] * Y))
+    return _solved(inverted, _product(body.h, w[:, None] * Y))
 
 
-def _step(body: Body, Y: NDArray, p: NDArray, w: NDArray, inverse: NDArray, prior: NDArray) -> NDArray:
-    """One Gauss-Newton step of p: (3, G). w: 1/ρ, (N, G); inverse: of Σ w² h hᵀ, (4, 4, G); prior: (G,) px²."""
-    found = _product(body.h.swapaxes(0, 1), _coefficients(body, Y, w, inverse))  # (N, 4, G)
-    found *= w[:, None]
-    size = np.einsum("nkg,nkg->ng", found, found)
+def _solved(inverted: NDArray, right: NDArray) -> NDArray:
+    """inverted: (4, 4, G), or () where it is so many times the identity, right: (4, ..., G) → (4, ..., G)"""
+    return inverted * right if inverted.ndim == 0 else np.einsum("abg,b...g->a...g", inverted, right)
+
+
+def _step(body: Body, Y: NDArray, p: NDArray, w: NDArray, inverted: NDArray, prior: NDArray) -> NDArray:
+    """One Gauss-Newton step of p: (3, G). w: 1/ρ, (N, G); inverted: Σ w² h hᵀ, as `_solved` takes it; prior: (G,)
+    px²."""
+    shape = _product(body.h.swapaxes(0, 1), _coefficients(body, Y, w, inverted))  # (N, 4, G), of which Ŷ is w times
+    size = w * np.einsum("nkg,nkg->ng", shape, shape)
     squared = w * w
+    cubed = squared * w
     weighted = np.empty((len(Y), 6, Y.shape[2]))
-    np.multiply(squared[:, None], found, out=weighted[:, :4])
-    np.multiply(squared, size, out=weighted[:, 4])
-    np.multiply(w, np.einsum("nkg,nkg->ng", found, Y) - size, out=weighted[:, 5])  # ŷ·e/ρ
+    np.multiply(cubed[:, None], shape, out=weighted[:, :4])
+    np.multiply(cubed, size, out=weighted[:, 4])
+    np.multiply(squared, np.einsum("nkg,nkg->ng", shape, Y) - size, out=weighted[:, 5])  # ŷ·e/ρ
     sums = _product(body.products, weighted)  # (10, 6, G)
     # what of Ŷ's derivative the coefficients take over by themselves
     along = sums[SYMMETRIC[:, 1:], :4]  # h, u, k
-    taken = np.einsum("abg,bjkg->ajkg", inverse, along)
-    normal = sums[SYMMETRIC[1:, 1:], 4] - np.einsum("ajkg,aikg->ijg", taken, along)
+    normal = sums[SYMMETRIC[1:, 1:], 4] - np.einsum("ajkg,aikg->ijg", _solved(inverted, along), along)
     normal[range(3), range(3)] += prior
-    p = p - np.einsum("ijg,jg->ig", sweep.inverse(normal), sums[1:4, 5] + prior * p)
-    length = np.sqrt(np.einsum("ig,ig->g", p, p))
-    return p * np.minimum(1, LARGEST_P / np.maximum(length, 1e-300))
+    p = p - np.einsum("ijg,jg->ig", inverse(normal), sums[1:4, 5] + prior * p)
+    return p * (LARGEST_P / np.maximum(np.sqrt(np.einsum("ig,ig->g", p, p)), LARGEST_P))
 
 
 def _product(a: NDArray, b: NDArray) -> NDArray:

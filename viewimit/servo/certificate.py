@@ -169,7 +169,7 @@ def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
     least, most = (LEAST, NEAR) if here.noise_px == 0 else (NOISY_LEAST, NOISY_NEAR)
     near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= most) & np.isfinite(here.rise)
     seen = np.maximum(0.5 * CONFLICTING * along**2 * (v @ here.slopes @ v), _noise_of_rise(here))
-    risen = near & mostly & (here.rise >= np.maximum(apart - (1 - RISEN) * own, seen))
+    risen = near & mostly & (here.rise >= np.maximum(predicted - (1 - RISEN) * np.minimum(own, predicted), seen))
     level = near & aligned & fully & (here.rise < seen) & (RISEN * predicted >= _noise_of_rise(here))
     return bool(risen.any()), bool(level.any())
 

@@ -308,6 +308,29 @@ def test_looks_that_do_not_match_the_first_are_told_so():
         one.step()
 
 
+@pytest.mark.parametrize("place", [(0, 0), (-1, -1), (1e5, 1e5), (-3e7, 200)], ids=str)
+@pytest.mark.parametrize("transfer", TRANSFERS)
+def test_points_that_a_tracker_has_lost_are_not_seen(transfer, place):
+    """One in ten, by turns, of either body: a loop that took them for seen fits them, and at 1e5 px claims falsely."""
+    settings = Settings(transfer=transfer, servo="trust-region", frames=1)
+    told, marked = Robot(points=16), Robot(points=16)
+
+    def marking(robot, mark):
+        whole, rng = robot.look, np.random.default_rng(0)
+
+        def look():
+            views, hit = whole(), rng.random((16, 2)) < 0.1  # of the demonstrator, of the own body
+            demo, own = (np.where(of[:, None], np.tile(mark, 2), im) for of, im in zip(hit.T, (views.demo, views.own)))
+            return FourViews.from_images(demo[:, :2], demo[:, 2:], own[:, :2], own[:, 2:])
+
+        return look
+
+    told.look, marked.look = marking(told, (np.nan, np.nan)), marking(marked, place)
+    expected, last = session(told, settings).run(60), session(marked, settings).run(60)
+    assert last.status == expected.status
+    np.testing.assert_array_equal(last.commanded, expected.commanded)
+
+
 @pytest.mark.parametrize("transfer", TRANSFERS)
 @pytest.mark.parametrize("own", [np.zeros((10, 4)), np.outer(np.arange(10.0), (1, 2, 1, 3))], ids=["place", "line"])
 def test_a_body_whose_points_are_lost_to_one_place_is_no_evidence(transfer, own):

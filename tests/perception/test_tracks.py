@@ -185,6 +185,18 @@ def test_a_point_of_no_confidence_is_not_seen(ask_json, tidy, sure, usable):
     assert len(found["frames"][0]["usable"]) == usable
 
 
+@pytest.mark.parametrize("mark", ["0,0", "-1,-1", "0.0,-0.0"])
+def test_a_point_that_its_tracker_has_lost_is_not_seen_and_that_is_said(ask, tidy, mark):
+    lines = tidy.read_text().splitlines()
+    lost = [",".join([*line.split(",")[:3], mark, "0.9"]) if line.split(",")[2] == "4" else line for line in lines]
+    tidy.write_text("\n".join(line for line in lines if line.split(",")[2] != "4"))
+    _, expected, silent = ask("evaluate", tidy)
+    tidy.write_text("\n".join(lost))
+    status, said, err = ask("evaluate", tidy)
+    assert (status, said.replace("10 points", "9 points")) == (0, expected) and "lost" not in silent
+    assert "4 points at (0, 0) or (-1, -1): taken for lost by the tracker, not seen" in err
+
+
 def test_too_few_points_are_no_success(ask, tidy):
     status, _, err = ask("evaluate", tidy, "--min-confidence", 0.95)
     assert status == 1 and "no frame has 5 points" in err

@@ -71,6 +71,9 @@ def run(args: argparse.Namespace) -> int:
         with naming("--out"):
             evaluate_report.require_format(args.out)
     tracked = _read(args)
+    if lost := tracked.lost(args.min_confidence):
+        says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
+        print(f"viewimit evaluate: {says}", file=sys.stderr)
     views = _pinhole(args, tracked.views(args.min_confidence))
     rectification = None if args.rectify == "off" else _rectification(views)
     frames = evaluate_frames(tracked.frames, tracked.points, views, args.transfer, rectification)

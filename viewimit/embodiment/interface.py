@@ -42,6 +42,7 @@ class Eyes(Protocol):
 
     def look(self) -> FourViews:
         """One picture of each view, taken now: N points matched by index, always the same N, px.
-        `FourViews.from_images` makes it of four arrays (N, 2), NaN where a point is not seen. A body all of whose
-        points are in one place or on one line counts as not seen."""
+        `FourViews.from_images` makes it of four arrays (N, 2), NaN where a point is not seen. A point at (0, 0) or
+        (-1, -1) px, or a hundred times as far from the others as those are from each other, and a body all of whose
+        points are in one place or on one line, count as not seen."""
         ...

@@ -10,6 +10,7 @@ from ..geometry.affine import MIN_POINTS
 from ..perception import frames
 from ..perception.degeneracy import dimensions
 from ..perception.latency import MOST_LAG, lag_of
+from ..perception.lost import astray, lost
 from ..settings import Settings
 from ..snapshot import Snapshot
 from ..views import FourViews
@@ -108,11 +109,15 @@ def _require_images(views: FourViews) -> None:
 
 
 def _without_lost(views: FourViews) -> FourViews:
-    """Without a body all of whose points are in one place or on one line: a tracker that has lost them says so, as
-    with zeros. E of such points is nearly 0 wherever the arm is."""
-    visible = views.visible.copy()
+    """Without what a tracker has lost and says so, as with zeros, and without a body all of whose points are in one
+    place or on one line. E of such points is nearly 0 wherever the arm is."""
+    both, visible = np.concatenate([views.demo, views.own], -1).reshape(-1, 4, 2), views.visible
+    visible = visible & ~lost(both)
+    for image, seen in zip(both.swapaxes(0, 1), visible.T):
+        if seen.any():
+            seen[seen] = ~astray(image[seen])
     for k, images in ((slice(0, 2), views.demo), (slice(2, 4), views.own)):
-        seen = images[views.visible[:, k].all(-1)]
+        seen = images[visible[:, k].all(-1)]
         if len(seen) >= MIN_POINTS and dimensions(seen) < 2:
             visible[:, k] = False
     return FourViews(views.demo, views.own, visible)

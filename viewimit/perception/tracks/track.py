@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...views import VIEWS, FourViews
+from ..lost import lost
 
 MOST_PX = 1e6  # beyond which no picture goes
 MOST_CELLS = 5_000_000  # frames times points
@@ -74,9 +75,20 @@ class TrackedPoints:
     confidence: dict[str, NDArray]
 
     def views(self, least_confidence: float = 0.0) -> FourViews:
-        """All frames: (T, N, …). Points of less confidence were not seen."""
-        sure = {view: self.confidence[view] >= least_confidence for view in VIEWS}
-        return FourViews.from_images(*(np.where(sure[view][..., None], self.image[view], np.nan) for view in VIEWS))
+        """All frames: (T, N, …). Points of less confidence, and where a tracker writes what it has lost, were not
+        seen."""
+        return FourViews.from_images(*(self._seen(view, least_confidence) for view in VIEWS))
+
+    def lost(self, least_confidence: float = 0.0) -> int:
+        """How many points of as much confidence are where a tracker writes what it has lost."""
+        return sum(int((lost(self.image[view]) & self._sure(view, least_confidence)).sum()) for view in VIEWS)
+
+    def _seen(self, view: str, least_confidence: float) -> NDArray:
+        seen = self._sure(view, least_confidence) & ~lost(self.image[view])
+        return np.where(seen[..., None], self.image[view], np.nan)
+
+    def _sure(self, view: str, least_confidence: float) -> NDArray:
+        return self.confidence[view] >= least_confidence
 
 
 def require_cells(where: str, frames: int, points: int) -> None:

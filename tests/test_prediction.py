@@ -100,3 +100,19 @@ def test_one_jump_of_the_demonstrator_is_no_drift():
     session.step()
     session.step()
     assert not drift_of(session).any()
+
+
+def test_a_point_not_seen_on_the_way_has_no_drift_whatever_its_coordinates_were():
+    session = Session(Settings(transfer="linear", servo="trust-region", demonstrator_deg=(70, -40)))
+    for angle in (71, 72):
+        session.step()
+        session.pose(np.radians([angle, -40]))
+    moments = session.history.recent(DRIFT_MOMENTS)
+    views = moments[1].views
+    demo, visible = views.demo.copy(), views.visible.copy()
+    demo[9], visible[9, 0] = 1e4, False
+    seen = FourViews(demo, views.own, visible)
+    drift = demo_drift([moments[0], moments[1].with_fields(views=seen), moments[2]])
+    assert not drift[9].any()
+    np.testing.assert_array_equal(drift[:9], demo_drift(moments)[:9])
+    assert demo_drift(moments)[9].any()

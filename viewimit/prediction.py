@@ -22,14 +22,15 @@ NEAR_POINTS = 8  # a homography of space is told by five; it takes more to tell 
 
 def demo_drift(moments: Sequence[Snapshot]) -> NDArray:
     """(N, 4) px, or () for 0: how far the demonstrator's points go in the next motion, if they have gone on during the
-    last two. moments: the last DRIFT_MOMENTS, the present one last.
+    last two; 0 of points that were not seen at all of these. moments: the last DRIFT_MOMENTS, the present one last.
 
     One jump is no drift: both displacements must point the same way.
     """
     recent = [moment.views.demo for moment in moments]
     if len(recent) < DRIFT_MOMENTS or recent[1] is recent[2]:  # it was not even looked at again
         return NO_DRIFT
-    before, last = np.nan_to_num(np.diff(recent, axis=0))  # NaN: not seen
+    seen = np.all([moment.views.visible[:, :2].all(-1) for moment in moments], axis=0)
+    before, last = np.where(seen[:, None], np.diff(recent, axis=0), 0.0)
     return last if np.vdot(before, last) > 0 else NO_DRIFT
 
 

@@ -4,6 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from viewimit.analysis import landscape as landscape_module
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape
 from viewimit.evaluation import conflict, residual
 from viewimit.experiments.bench import baselines
@@ -51,6 +52,17 @@ def test_known_conditions_of_the_panda():
     found, _ = over_grid(panda(), with_condition=True)
     assert np.median(found.condition) == pytest.approx(9.5, abs=0.05)
     assert found.condition.max() == pytest.approx(36, abs=0.5)
+
+
+@pytest.mark.parametrize("seen, block", [(30_000, 5_000), (5_000, 1_500), (1, 1)])
+def test_it_is_the_same_however_few_points_are_seen_and_evaluated_together(monkeypatch, seen, block):
+    axes = grid_axes(panda(), step_deg=5)
+    whole, _ = over_grid(panda(), axes=axes, with_condition=True)
+    monkeypatch.setattr(landscape_module, "SEEN", seen)
+    monkeypatch.setattr(landscape_module, "BLOCK", block)
+    found, _ = over_grid(panda(), axes=axes, with_condition=True)
+    np.testing.assert_allclose(found.E, whole.E, rtol=1e-9)
+    np.testing.assert_allclose(found.condition, whole.condition, rtol=1e-9)
 
 
 CASES = {

@@ -17,7 +17,8 @@ from ..simulation.robot import Angles
 from ..simulation.world import World
 from ..views import FourViews
 
-BLOCK = 5500  # postures evaluated together: their arrays stay in the processor's cache
+BLOCK = 55_000  # points of postures evaluated together: their arrays stay in the processor's cache
+SEEN = 10 * BLOCK  # points of postures seen together: their images stay below `KEPT_BYTES`
 
 
 @dataclass(frozen=True)
@@ -111,8 +112,12 @@ def landscape(
         if not isinstance(world, World):
             raise ValueError("eyes have no range of their own: axes are needed")
         axes = grid_axes(world)
-    theta = axes[0][:, None], axes[1]
-    return Landscape(axes, *conflict_at(world, fit, demo, demo_visible, theta, with_condition))
+    rows = max(SEEN // (len(demo) * len(axes[1])), 1)
+    found = [
+        conflict_at(world, fit, demo, demo_visible, (axes[0][k : k + rows, None], axes[1]), with_condition)
+        for k in range(0, len(axes[0]), rows)
+    ]
+    return Landscape(axes, *np.concatenate(found, 1))
 
 
 def conflict_at(
@@ -154,8 +159,9 @@ def conflict_of_images(
 def _evaluate(fit: Callable, demo: NDArray, own: NDArray, with_condition: bool) -> NDArray:
     """E and, if asked, the condition of G postures: (1 or 2, G). own: (G, N, 4) px."""
     found = np.empty((1 + with_condition, len(own)))
-    for start in range(0, len(own), BLOCK):
-        block = slice(start, start + BLOCK)
+    postures = max(BLOCK // len(demo), 1)
+    for start in range(0, len(own), postures):
+        block = slice(start, start + postures)
         views = FourViews(demo, own[block], np.ones(1, bool))
         transfer = fit(views)
         found[0, block] = transfer.conflict(views)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ from ..reading import is_text
 from ..settings import BodyPoint
 from .camera import StereoHead
 from .lens import Lens
-from .robot import BodyPoints, Robot
+from .robot import BodyPoints
 from .robots import load_robot, require_joints
 from .scene_reading import merged, read_fields, read_text, scene_names
 from .urdf.formats import require_urdf
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from .derived.scene import Derived
 
 Vector = tuple[float, float, float]
+Limits = tuple[tuple[float, float], ...]
 ROUNDING_DEG = 0.01  # URDFs round π
 MOST_TOE_IN_DEG = 45.0
 SCENE_JOINTS = 2  # for as many, a scene is made about those that move
@@ -262,35 +264,43 @@ def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
 def _require_possible(scene: Scene) -> None:
     """What types cannot say. Raises ValueError that names the field."""
     robot = load_robot(scene.robot)
-    _require_joints(scene, robot)
+    limits = tuple((joint.lower, joint.upper) for joint in robot.joints)
+    _require_possible_of(msgspec.msgpack.encode(scene), robot.name, limits)
+
+
+@lru_cache(16)  # every run of a study begins with it
+def _require_possible_of(told: bytes, robot: str, limits: Limits) -> None:
+    """told: all that a scene says; robot: the name of its robot; limits: of all of that one's joints, rad."""
+    scene = msgspec.msgpack.decode(told, type=Scene)
+    _require_joints(scene, robot, limits)
     _require_head(scene.head)
     _require_gaze(scene)
     if scene.size <= 0:
         raise ValueError(f"size must be more than 0, got {scene.size:g}")
-    _require_layouts(scene, len(robot.joints))
+    _require_layouts(scene, len(limits))
     scene.require_posture(np.radians(scene.posture_deg)[scene.moving], "demonstrator's")
     scene.require_posture(np.radians(scene.start_deg), "learner's start")
 
 
-def _require_joints(scene: Scene, robot: Robot) -> None:
+def _require_joints(scene: Scene, robot: str, limits: Limits) -> None:
     """Those that move are named once each, with a range, and none is held or may go where it cannot turn."""
-    n, m = len(robot.joints), len(scene.moving_joints)
+    n, m = len(limits), len(scene.moving_joints)
     if len(scene.posture_deg) != n:
-        raise ValueError(f"posture_deg has {len(scene.posture_deg)} angles, but {robot.name} has {n} joints")
+        raise ValueError(f"posture_deg has {len(scene.posture_deg)} angles, but {robot} has {n} joints")
     if list(scene.moving_joints) != sorted(scene.moving_joints):
         raise ValueError(f"moving_joints {list(scene.moving_joints)} must ascend, base to tip")
     if not 0 < m == len(set(scene.moving_joints)) == len(scene.range_deg) == len(scene.start_deg):
         raise ValueError("moving_joints, range_deg and start_deg must name the same joints once each")
-    turns = np.degrees([(joint.lower, joint.upper) for joint in robot.joints])
+    turns = np.degrees(limits)
     for joint, (low, high) in zip(scene.moving_joints, scene.range_deg):
         if not 1 <= joint <= n:
-            raise ValueError(f"{robot.name} has no joint {joint}; its joints are 1 … {n}")
+            raise ValueError(f"{robot} has no joint {joint}; its joints are 1 … {n}")
         if not low < high:
             raise ValueError(f"joint {joint}: range_deg {low:g} … {high:g} is empty")
         least, most = turns[joint - 1]
         if low < least - ROUNDING_DEG or high > most + ROUNDING_DEG:
             raise ValueError(
-                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot.name} turns, {least:.4g} … {most:.4g}"
+                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot} turns, {least:.4g} … {most:.4g}"
             )
     for joint, (angle, (least, most)) in enumerate(zip(scene.posture_deg, turns), 1):
         if not least - ROUNDING_DEG <= angle <= most + ROUNDING_DEG:

@@ -4,6 +4,7 @@ Its nearest one of rank 3 is the maximum-likelihood affine fit of all four views
 E = 1/(2N) Σ λ_k(W), k = 1…5, of W's eight eigenvalues, ascending. The demonstrator's images answer for it as well.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..equations import HOLE, Equation, short
 from ..geometry.affine import centred, require_points, scatter
+from ..geometry.beyond_rank import beyond_rank
 from ..views import FourViews
 from .affine_map import map_equation
 from .transfer import Transfer, TransferMethod
@@ -58,8 +60,9 @@ class Rank3Transfer(Transfer):
 
     def conflict(self, views: FourViews) -> NDArray:
         """From the eigenvalues alone."""
-        values = np.linalg.eigvalsh(self.scatter)
-        return np.maximum(values[..., :-RANK].sum(-1), 0.0) / (2 * views.own.shape[-2])  # rounding may leave -1e-12
+        left = beyond_rank(self.scatter.reshape(-1, 8, 8).transpose(1, 2, 0), RANK)
+        left = np.maximum(left, 0.0).reshape(self.scatter.shape[:-2])  # rounding may leave -1e-12
+        return left / (2 * views.own.shape[-2])
 
 
 def fit(views: FourViews) -> Rank3Transfer:
@@ -68,16 +71,16 @@ def fit(views: FourViews) -> Rank3Transfer:
     demo_mean, demo = centred(views.demo)
     own_mean, own = centred(views.own)
     batch = own.shape[:-2]
-    W = np.empty(batch + (8, 8))
-    W[..., :4, :4] = np.swapaxes(demo, -1, -2) @ demo
-    W[..., :4, 4:] = scatter(demo, own).transpose(2, 0, 1).reshape(batch + (4, 4))
-    W[..., 4:, :4] = np.swapaxes(W[..., :4, 4:], -1, -2)
-    W[..., 4:, 4:] = scatter(own, own).transpose(2, 0, 1).reshape(batch + (4, 4))
+    W = np.empty((8, 8, math.prod(batch)))
+    W[:4, :4] = (demo.T @ demo)[:, :, None] if demo.ndim == 2 else scatter(demo, demo)
+    W[:4, 4:] = scatter(demo, own)
+    W[4:, :4] = W[:4, 4:].swapaxes(0, 1)
+    W[4:, 4:] = scatter(own, own)
     sigma = np.linalg.svd(demo, compute_uv=False)
     known = sigma[..., 2] > sigma[..., 0] * np.finfo(float).eps * demo.shape[-2]
     with np.errstate(divide="ignore", invalid="ignore"):
         flat = np.where(known, sigma[..., 0] / sigma[..., 2], np.inf)
-    return Rank3Transfer(W, demo_mean, own_mean, flat)
+    return Rank3Transfer(W.transpose(2, 0, 1).reshape(batch + (8, 8)), demo_mean, own_mean, flat)
 
 
 def equations(fitted: Rank3Transfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:

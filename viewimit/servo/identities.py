@@ -18,7 +18,7 @@ from .observation import Conflict
 
 GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
 PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
-TOGETHER = 8  # exchanges that are asked about in one batch
+TOGETHER = 24  # exchanges that are asked about in one batch
 DECISIVE = 0.1  # of the conflict without an exchange
 
 
@@ -51,9 +51,13 @@ def likely_exchange(
 
     def over(postures: NDArray, hypotheses: Sequence[Pairs]) -> NDArray:
         """(hypotheses, postures) px²"""
-        images = predict(postures)
+        images = np.ascontiguousarray(predict(postures).transpose(1, 2, 0))  # postures last in memory
         blocks = [hypotheses[k : k + TOGETHER] for k in range(0, len(hypotheses), TOGETHER)]
-        ask = lambda block: evaluate(conflict(np.stack([exchanged(images, pairs) for pairs in block])))
+
+        def ask(block: Sequence[Pairs]) -> NDArray:
+            together = np.stack([images[exchange(np.arange(len(images)), pairs)] for pairs in block], 2)
+            return evaluate(conflict(together.transpose(2, 3, 0, 1)))
+
         return np.concatenate([ask(block) for block in blocks])
 
     postures = _postures(low, high, GRID)

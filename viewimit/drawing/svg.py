@@ -1,6 +1,7 @@
 """Text of drawings: numbers with a real minus, and paths from arrays of points."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from html import escape
 
 import msgspec
@@ -9,9 +10,7 @@ from numpy.typing import NDArray
 
 from ..equations import MISSING as MISSING
 from ..equations import number
-
-CELL = 1.4
-FAR_OUT = 20_000  # tenths of a px
+from .forms import BYTE, FAR_OUT, filled, form_of
 
 
 def short(value: float, one_digit_to: float = 1000) -> str:
@@ -67,25 +66,6 @@ def _written(numbers: list[float]) -> str:
 _as_json = msgspec.json.Encoder().encode
 
 
-class _Tenths(dict[float, str]):
-    """Numbers with one decimal, by how many tenths they are: the same ones are written again and again, which takes
-    longer than to find them. Those that are far out of a drawing are not kept."""
-
-    def __missing__(self, count: float) -> str:
-        text = f"{count / 10 + 0.0:.1f}"  # -0.0 is found where 0.0 is
-        if abs(count) <= FAR_OUT:
-            self[count] = text
-        return text
-
-
-_tenths = _Tenths().__getitem__
-
-
-def filled(form: str, values: NDArray) -> str:
-    """A form with a number of one decimal in place of each %s."""
-    return form % tuple(map(_tenths, np.rint(values * 10).ravel().tolist()))
-
-
 SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # forms of what the next functions draw
 
 
@@ -133,25 +113,30 @@ def arrow_corners(start: NDArray, end: NDArray, size: float) -> NDArray:
 def polygons(corners: NDArray) -> list[str]:
     """corners: (views, k, c, 2) px of closed polygons → a path a view.
 
-    A corner in the same cell of CELL px as its predecessor is left out.
+    A corner that would be written as its predecessor is left out.
     """
     views, k, c, _ = corners.shape
     if k == 0:
         return [""] * views
-    corners = corners.reshape(views * k, c, 2)
-    cell = np.rint(corners * (1 / CELL))
-    kept = np.ones(corners.shape[:2], bool)
-    kept[:, 1:] = (cell[:, 1:] != cell[:, :-1]).any(2)
-    counts = kept.sum(1)
-    steps = np.rint(corners[kept] * 10)  # of 0.1 px, so that relative steps add up exactly
-    steps[1:] -= steps[:-1].copy()
-    steps[np.cumsum(counts) - counts] = np.rint(corners[:, 0] * 10)
-    forms = [_POLYGONS[count] for count in counts.tolist()]
-    form = "|".join(["".join(forms[i : i + k]) for i in range(0, views * k, k)])
-    return (form % tuple(map(_tenths, steps.ravel().tolist()))).split("|")
+    tenths = np.rint(corners * 10)  # of a px, so that relative steps add up exactly
+    steps = tenths.copy()
+    steps[:, :, 1:] -= tenths[:, :, :-1]
+    form = _polygons(views, k, c)
+    if not np.abs(steps).max() <= FAR_OUT:
+        return filled(form, steps / 10).split("|")
+    known = form_of(form)
+    texts = known.texts(steps.ravel())
+    texts[1::2] >>= BYTE * (steps[..., 1].ravel() < 0)  # a minus parts two numbers as well as a blank
+    stays = steps.view(complex).ravel() == 0
+    stays[::c] = False  # where each begins
+    texts.reshape(-1, 2)[stays] = 0
+    return known.written(texts).split("|")
 
 
-_POLYGONS = ["", "M%s %sz", *("M%s %sl%s %s" + " %s %s" * count + "z" for count in range(64))]
+@lru_cache(64)
+def _polygons(views: int, k: int, c: int) -> str:
+    """The form of that many."""
+    return "|".join([("M%s %s" + "l%s %s" * (c - 1) + "z") * k] * views)
 
 
 def cross(place: NDArray, size: float) -> str:

@@ -118,7 +118,7 @@ def test_a_label_is_told_of_all_that_it_meets_and_of_nothing_else():
     rng, labels = np.random.default_rng(0), Labels(10, 5, 300, 200)
     corner, size = rng.uniform(-20, 320, (300, 2)), rng.uniform(0, 40, (300, 2))
     rectangles = np.concatenate([corner, corner + size], 1)
-    labels.take(rectangles[:60])
+    labels.take(*rectangles[:60].tolist())
     a, b, c, d = rectangles[:60].T
     inside = [place for place in rectangles[60:] if (place[:2] >= (10, 5)).all() and (place[2:] <= (300, 200)).all()]
     met = [bool(((place[0] < c) & (a < place[2]) & (place[1] < d) & (b < place[3])).any()) for place in inside]

@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import hypot
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import svg
 
@@ -37,20 +37,20 @@ class Labels:
         other._strips = {strip: there.copy() for strip, there in self._strips.items()}
         return other
 
-    def take(self, rectangles: ArrayLike) -> None:
-        """(4,) or (k, 4) px"""
-        for rectangle in np.reshape(rectangles, (-1, 4)).tolist():
-            self._take(rectangle)
+    def take(self, *rectangles: Rectangle) -> None:
+        self._taken += rectangles
+        strips = self._strips
+        for rectangle in rectangles:
+            for strip in self._strips_of(rectangle[1], rectangle[3]):
+                strips.setdefault(strip, []).append(rectangle)
 
     def take_points(self, places: NDArray, radius: float) -> None:
         """places: (2,) or (k, 2) px"""
-        for x, y in places.reshape(-1, 2).tolist():
-            self._take((x - radius, y - radius, x + radius, y + radius))
+        self.take(*_around(places.reshape(-1, 2).tolist(), radius))
 
     def take_line(self, points: NDArray, radius: float) -> None:
         """points: (k, 2) px"""
-        for x, y in _along(points.tolist()):
-            self._take((x - radius, y - radius, x + radius, y + radius))
+        self.take(*line_taken(points, radius))
 
     def since(self, before: "Labels") -> list[Rectangle]:
         """What has been taken since this was a copy of `before`."""
@@ -65,21 +65,31 @@ class Labels:
                     return True
         return False
 
-    def take_first_free(self, places: Iterable[Rectangle]) -> Rectangle | None:
+    def first_free(self, places: Iterable[Rectangle]) -> Rectangle | None:
         """The first that covers nothing and is within bounds."""
         left, top, right, bottom = self.bounds
         for place in places:
             a, b, c, d = place
             if a >= left and b >= top and c <= right and d <= bottom and not self.covers(place):
-                self._take(place)
-                self.placed.append(place)
                 return place
         return None
+
+    def take_first_free(self, places: Iterable[Rectangle]) -> Rectangle | None:
+        """`first_free`, which is taken for a label."""
+        place = self.first_free(places)
+        if place is not None:
+            self.take(place)
+            self.placed.append(place)
+        return place
+
+    def free_beside(self, x: float, y: float, words: str, distance: float) -> Rectangle | None:
+        """Where a label next to a mark would stand: on the first side with room."""
+        return self.first_free(_places_beside(x, y, self.letter * len(words), distance))
 
     def beside(self, x: float, y: float, words: str, classes: str, distance: float) -> str:
         """A label next to a mark, on the first side with room."""
         place = self.take_first_free(_places_beside(x, y, self.letter * len(words), distance))
-        return "" if place is None else _text(place, words, classes)
+        return "" if place is None else text_at(place, words, classes)
 
     def led(self, x: float, y: float, words: str, kind: str, to_left: bool) -> str:
         """A label with a line of class `kind` that leads from the mark to it."""
@@ -92,17 +102,23 @@ class Labels:
         from_x, from_y = x + share * (end_x - x), y + share * (end_y - y)
         self.take_line(np.array([[from_x, from_y], [end_x, end_y]]), 1)
         leader = f'<path class="{kind}" d="M{from_x:.1f} {from_y:.1f}L{end_x:.1f} {end_y:.1f}"/>'
-        return leader + _text(place, words, "vi-halo")
-
-    def _take(self, rectangle: Rectangle) -> None:
-        self._taken.append(rectangle)
-        for strip in self._strips_of(rectangle[1], rectangle[3]):
-            self._strips.setdefault(strip, []).append(rectangle)
+        return leader + text_at(place, words, "vi-halo")
 
     def _strips_of(self, top: float, bottom: float) -> range:
         """Those that are met between two heights, px, as far as they are within bounds."""
         _, highest, _, lowest = self.bounds
-        return range(int(max(highest, top) // STRIP), int(min(lowest, bottom) // STRIP) + 1)
+        first, last = top if top > highest else highest, bottom if bottom < lowest else lowest
+        return range(int(first // STRIP), int(last // STRIP) + 1)
+
+
+def line_taken(points: NDArray, radius: float) -> list[Rectangle]:
+    """What a line through these, (k, 2) px, takes."""
+    return _around(_along(points.tolist()), radius)
+
+
+def _around(places: Iterable[Sequence[float]], radius: float) -> list[Rectangle]:
+    """places: x, y px each"""
+    return [(x - radius, y - radius, x + radius, y + radius) for x, y in places]
 
 
 def _along(points: list[list[float]]) -> Iterator[tuple[float, float]]:
@@ -140,6 +156,6 @@ def _led_places(x: float, y: float, w: float, to_left: bool) -> list[Rectangle]:
     return places
 
 
-def _text(place: Rectangle, words: str, classes: str) -> str:
+def text_at(place: Rectangle, words: str, classes: str) -> str:
     left, top, right, _ = place
     return svg.text((left + right) / 2, top + 10, words, f"{classes} vi-mid")

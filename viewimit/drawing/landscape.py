@@ -5,7 +5,7 @@ element of its own that lies over it, so that a motion resends only that.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from ..settings import Settings
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from . import relief, svg
-from .labels import Labels, Rectangle
+from .labels import Labels, Rectangle, line_taken, text_at
 from .observability import described, draw_observability
 from .plots import figure
 from .posture_plane import PosturePlane
@@ -32,7 +32,7 @@ CLEAR = 3.0  # px on both sides of the path that labels leave free
 AHEAD = 4.0  # px around the big dot that labels leave free for the next motions when they are placed
 
 
-@dataclass(frozen=True)
+@dataclass
 class Placed:
     """Labels over a path. since: the motion for which they were placed; about: the path's moments and its cursor;
     present: the last of it; line: what the path and the marks take; free: that, and the labels but the learner's own,
@@ -43,7 +43,7 @@ class Placed:
     present: Snapshot
     line: Labels
     free: Labels
-    others: list[Rectangle]
+    others: Labels
     own: str
     words: str
 
@@ -120,53 +120,61 @@ class LandscapePicture:
         """All labels; those but the learner's own stay while the arm is on its way. points: (k, 2) px of the path."""
         about, present = (len(history), cursor), history[cursor]
         if self._placed is None or (self._placed.about, self._placed.present) != (about, present):
-            self._placed = self._gone_on(history, cursor) or self._place(history, cursor, points)
+            if not self._gone_on(history, cursor):
+                self._placed = self._place(history, cursor, points)
         placed = self._placed
-        return placed.words + (placed.own if theta is None else self._now(placed.free.copy(), theta, cursor))
+        return placed.words + (placed.own if theta is None else self._now(placed.free, theta, cursor))
 
     def _place(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> "Placed":
         """All labels, off the path. points: (k, 2) px of it."""
         present = history[cursor]
-        free = self._plane.labels.copy()
-        free.take_line(points, CLEAR)
+        line = self._plane.labels.copy()
+        line.take_line(points, CLEAR)
         now, start = self._plane.place(np.degrees(present.theta)), points[0]
-        free.take_points(now, NOW + AHEAD)
-        labels, words = free.copy(), ""
-        own = self._now(labels, present.theta, cursor)
+        line.take_points(now, NOW + AHEAD)
+        labels, words, others = line.copy(), "", Labels(*line.bounds)
+        own, place = self._own(labels, present.theta, cursor)
+        if place is not None:
+            labels.take(place)
         if cursor and np.abs(now - start).max() > 20:
             words = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
         words += self._labels(labels)
-        first, line = 1 if own else 0, free.copy()
-        free.take(labels.since(line)[first:])
-        return Placed(cursor, (len(history), cursor), present, line, free, labels.placed[first:], own, words)
+        others.take(*labels.placed)
+        free = line.copy()
+        free.take(*labels.since(line)[place is not None :])
+        return Placed(cursor, (len(history), cursor), present, line, free, others, own, words)
 
-    def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> "Placed | None":
+    def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> bool:
         """While more motions keep off the labels, these stay: they do not jump, and need not be placed."""
         placed, present = self._placed, history[cursor]
         if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
-            return None
+            return False
         since = history[placed.about[1] : cursor + 1]
         if since[0] is not placed.present or cursor - placed.since > STAYS:
-            return None
+            return False
         line = self._plane.place(np.degrees([moment.theta for moment in since]))
-        path = Labels(*placed.free.bounds)
-        path.take_line(line, CLEAR)
-        path.take_points(line[-1], NOW)
-        if any(map(path.covers, placed.others)):
-            return None
-        new, taken, free = path.since(Labels(*path.bounds)), placed.line.copy(), placed.free.copy()
-        taken.take(new)
-        free.take(new)
-        own = self._now(free.copy(), present.theta, cursor)
-        if not own and self._now(taken.copy(), present.theta, cursor):
-            return None  # it would have room if the others stood elsewhere
-        return replace(placed, about=(len(history), cursor), present=present, line=taken, free=free, own=own)
+        x, y = line[-1].tolist()
+        new = [*line_taken(line, CLEAR), (x - NOW, y - NOW, x + NOW, y + NOW)]
+        if any(map(placed.others.covers, new)):
+            return False
+        placed.line.take(*new)
+        placed.free.take(*new)
+        placed.own = self._now(placed.free, present.theta, cursor)
+        if not placed.own and self._now(placed.line, present.theta, cursor):
+            return False  # it would have room if the others stood elsewhere
+        placed.about, placed.present = (len(history), cursor), present
+        return True
 
     def _now(self, labels: Labels, theta: NDArray, cursor: int) -> str:
-        """The learner's own label at theta, (m,) rad."""
+        """The learner's own label at theta, (m,) rad, beside the others."""
+        return self._own(labels, theta, cursor)[0]
+
+    def _own(self, labels: Labels, theta: NDArray, cursor: int) -> tuple[str, Rectangle | None]:
+        """The learner's own label at theta, (m,) rad, and its place, which is not taken."""
         x, y = self._plane.place(np.degrees(theta)).tolist()
         words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
-        return labels.beside(x, y, words, "vi-of-own vi-halo", 11)
+        place = labels.free_beside(x, y, words, 11)
+        return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
 
     def _labels(self, labels: Labels) -> str:
         """Of the marks and of the contours, where there is room."""

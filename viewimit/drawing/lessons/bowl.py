@@ -86,7 +86,7 @@ def draw_bowl(
         labels.take_points(lowest, 9)
     width = narrow.WIDTH if in_narrow else WIDTH
     if guess is not None:
-        labels.take(mark.room(plane.place(guess), "your mark", width))
+        labels.take(*mark.room(plane.place(guess), "your mark", width).tolist())
     if "demonstrator" in layers:
         demo = plane.place(np.degrees(theta_demo))
         above.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 2)}"/>')

@@ -2,6 +2,7 @@
 
 import reprlib
 from collections.abc import Collection, Mapping
+from functools import cache
 from numbers import Integral, Real
 from pathlib import PurePath
 from typing import Annotated, TypeVar, get_type_hints
@@ -147,6 +148,7 @@ DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much o
 }
 
 
+@cache  # asked for several times a motion
 def disturbances(kind: type[D]) -> dict[str, D]:
     """Those of one kind, by their field."""
     return {name: found for name, found in DISTURBANCES.items() if isinstance(found, kind)}

@@ -10,6 +10,7 @@ paper give a test of convergence, and E alone is none (its least value is not 0)
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,7 +81,7 @@ class Gradient:
         moved = np.degrees(seen.displacement - state.displacement)
         jacobian, P = self._learn(state, moved, seen.E - state.E)
         u = self._bounded(-self.constants.gain * jacobian * seen.E)
-        dither = self.constants.dither_deg * np.random.default_rng([self.seed, seen.motion]).standard_normal(len(u))
+        dither = self.constants.dither_deg * _excitation(self.seed, seen.motion, len(u))
         progress = seen.E < PROGRESS * state.best_E
         since_best = 0 if progress else state.since_best + 1
         best_E = seen.E if progress else state.best_E
@@ -121,6 +122,12 @@ class Gradient:
     def _bounded(self, u: NDArray) -> NDArray:
         length = np.linalg.norm(u)
         return u * min(1.0, self.constants.max_step_deg / length) if length > 0 else u
+
+
+@lru_cache(4096)  # many a session has the same seed: a class that begins with the same settings
+def _excitation(seed: int, motion: int, count: int) -> NDArray:
+    """(count,) standard normal, a stream of the seed for every motion; not to be written into."""
+    return np.random.default_rng([seed, motion]).standard_normal(count)
 
 
 RETUNED_LAW = Gradient(

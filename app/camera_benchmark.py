@@ -16,6 +16,7 @@ from viewimit.settings import BEST, Settings
 
 from .control.commands.method import switch_camera
 from .control.commands.session import ChooseSpeed, Play
+from .control.redraw import Drawing, draw_all
 from .control.scheduler import Scheduler
 from .control.services import Services
 from .jobs.camera_images import CameraProcess
@@ -37,10 +38,11 @@ class TimedPage(Page):
         self.ticks: list[float] = []
         super().__init__(quiet_client(page_id), services, settings, lambda memory: None)
 
-    def tick(self, now: float) -> None:
+    def tick(self, now: float) -> list[Drawing]:
         began = time.perf_counter()
-        super().tick(now)
+        draw_all(super().tick(now))
         self.ticks.append(time.perf_counter() - began)
+        return []
 
     def play(self, speed: str) -> None:
         self.put(ChooseSpeed.parse(speed))

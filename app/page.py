@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from viser import ClientHandle
@@ -18,7 +19,7 @@ from .control.commands.touch import TOUCHES
 from .control.memory import begin_like, go_on, memory_of, require_fit
 from .control.page_model import PageModel
 from .control.queue import CommandQueue
-from .control.redraw import Redraw
+from .control.redraw import Drawing, Redraw, draw_all
 from .control.services import Services
 from .control.shedding import TimeBudget
 from .control.state import WINDOW, PageState
@@ -41,7 +42,7 @@ class CannotResume(Exception):
 
 
 class Page:
-    """tick(now) takes what the visitor did, moves the loop on, and shows what changed. keep(memory): at
+    """tick(now) takes what the visitor did, moves the loop on, and tells how to show what changed. keep(memory): at
     times → why it is not kept, None if it is."""
 
     def __init__(
@@ -90,15 +91,17 @@ class Page:
         """Whether a turn goes on beside the scheduler."""
         return self._commands.busy
 
-    def tick(self, now: float) -> None:
+    def tick(self, now: float) -> list[Drawing]:
+        """What is to be drawn but the poses, which are."""
+        drawings: list[Drawing] = []
         self._commands.tick(now)
         if self._commands.drawable:
-            with self._client.atomic():  # viser's thread is woken once
-                self._show(now)
+            drawings = self._show(now)
         if not self._commands.busy:
             self._attendance.tick(now)
             if self._redraw.due("kept", now, KEPT_EVERY):
                 self.model.unsaved = self._keep(self.memory())
+        return drawings
 
     def memory(self) -> SavedSession:
         """What of the page is kept."""
@@ -154,9 +157,9 @@ class Page:
         if memory.head.motion is not None:
             self.queue.put(LoadMotion.parse(memory.head.motion))
 
-    def _show(self, now: float) -> None:
+    def _show(self, now: float) -> list[Drawing]:
         if WINDOW in self.model.view.unseen:
-            return
+            return []
         world, docked = self.model.shown_session.world, self._docking.over(now)
         anew = self._redraw.changed("world", world, docked)
         if docked:
@@ -166,13 +169,16 @@ class Page:
             if self._redraw.changed("poses", world, *(pose.tobytes() for pose in poses)):
                 self._scene.arms.draw(*poses)
         every = PANELS_EVERY * self._shedding.panels
-        if self._redraw.due("panels", now, every) or anew:
-            self.model.ask_for_landscapes()
-            self._show_state(self.model.state(now, shortest_motion=2 * every), now)
+        if not self._redraw.due("panels", now, every) and not anew:
+            return []
+        self.model.ask_for_landscapes()
+        return self._drawings(self.model.state(now, shortest_motion=2 * every), now)
 
-    def _show_state(self, state: PageState, now: float) -> None:
+    def _drawings(self, state: PageState, now: float) -> list[Drawing]:
+        """Of what has changed and is due."""
+        drawings: list[Drawing] = []
         if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
-            self._scene.show(state)
+            drawings.append((Scene3D, partial(self._scene.show, state)))
         for panel in self._panels:
             if not panel.seen(state) or (state.course is not None and not panel.in_lessons):
                 continue
@@ -180,12 +186,13 @@ class Page:
             if period and not self._redraw.due(type(panel), now, period):
                 continue
             if self._redraw.changed(type(panel), *panel.depends_on(state)):
-                panel.show(state)
+                drawings.append((type(panel), partial(panel.show, state)))
+        return drawings
 
     def _announce_pictures(self, now: float) -> None:
-        """It takes seconds to begin with them."""
-        self._show(now)
-        self._show_state(replace(self.model.state(now), message="starting the camera images …"), now)
+        """At once: it takes seconds to begin with them, in which nothing is drawn."""
+        draw_all(self._show(now))
+        draw_all(self._drawings(replace(self.model.state(now), message="starting the camera images …"), now))
 
     def _send(self, name: str, data: bytes) -> None:
         now = self._clock()

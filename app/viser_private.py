@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +11,7 @@ import websockets.asyncio.server
 from numpy.typing import NDArray
 from viser import ClientHandle, ImageHandle, ViserServer, _assignable_props_api
 from viser._messages import GuiUpdateMessage, SceneNodeUpdateMessage, SetOrientationMessage, SetPositionMessage
+from viser.infra import _async_message_buffer
 from viser.infra._messages import get_type_hints_cached
 from websockets.asyncio.server import ServerConnection
 
@@ -85,6 +86,22 @@ class NearLoop:
             callback(*args)
         else:
             self._loop.call_soon_threadsafe(callback, *args)
+
+
+class AtOnce:
+    """asyncio for whoever sends what is pushed: it waits for nothing."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(asyncio, name)
+
+    async def wait(self, tasks: Iterable[asyncio.Task], timeout: float) -> tuple[set, set]:
+        return set(), set(tasks)
+
+
+# Before and after all that is sent viser waits 17 ms whether more is pushed, by a timer and a future each, and longer
+# while pages are drawn, so that two ticks' poses come as one. A page pushes all of a tick before anything can be sent.
+# Offer: `window_duration_sec=0`, with which nothing waits.
+_async_message_buffer.asyncio = AtOnce()  # type: ignore[assignment]
 
 
 class LoopEvent(asyncio.Event):

@@ -44,6 +44,7 @@ from viewimit.app.control.commands.session import (
 from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
 from viewimit.app.control.page_model import PageModel
 from viewimit.app.control.queue import CommandQueue
+from viewimit.app.control.redraw import draw_all
 from viewimit.app.control.scheduler import TICK
 from viewimit.app.control.services import Services
 from viewimit.app.control.shedding import LoadShedding
@@ -207,7 +208,7 @@ class Visit:
     def tick(self, count=1):
         for _ in range(count):
             self.now += 0.05
-            self.page.tick(self.now)
+            draw_all(self.page.tick(self.now))
 
     def rest(self, seconds=30.0):
         """Tick until no turn goes on."""

@@ -5,6 +5,7 @@ import time
 from types import SimpleNamespace
 
 from viewimit.app.control.classroom.attendance import Attendee
+from viewimit.app.control.redraw import draw_all
 from viewimit.app.control.scheduler import TICK
 from viewimit.app.control.services import Services
 from viewimit.app.control.shedding import LoadShedding
@@ -115,7 +116,7 @@ class QuietPage:
     def tick(self, seconds=0.05):
         """One tick, after that time."""
         self.now += seconds
-        self.page.tick(self.now)
+        draw_all(self.page.tick(self.now))
 
     def tick_until(self, condition, patience=30.0):
         """Tick while threads of the page work. Raises AssertionError after so many seconds."""

@@ -1,12 +1,18 @@
 """What a page has drawn last, and when: nothing is sent when nothing changes, nor more often than anybody sees."""
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Iterable
 
 import numpy as np
 
 from viewimit.snapshot import Snapshot
 
 EARLY = 0.9  # of a period: ticks jitter
+Drawing = tuple[Hashable, Callable[[], None]]  # of what kind it is, and what draws it
+
+
+def draw_all(drawings: Iterable[Drawing]) -> None:
+    for _, draw in drawings:
+        draw()
 
 
 class Redraw:

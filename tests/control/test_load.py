@@ -5,6 +5,7 @@ import time
 
 import pytest
 from viewimit.app.control.player import Player
+from viewimit.app.control.redraw import Drawing
 from viewimit.app.control.scheduler import TICK, Scheduler
 from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, LoadShedding
 from viewimit.app.server.seat_counts import SeatCounts
@@ -62,12 +63,16 @@ class Slow:
     def __init__(self, load: LoadShedding):
         self.load, self.poses, self.panels, self.next = load, 0, 0, 0.0
 
-    def tick(self, now: float) -> None:
+    def tick(self, now: float) -> list[Drawing]:
         self.poses += 1
-        if now >= self.next:
-            self.next = now + 0.1 * self.load.panels
-            self.panels += 1
-            time.sleep(0.04)
+        if now < self.next:
+            return []
+        self.next = now + 0.1 * self.load.panels
+        return [("panels", self.draw)]
+
+    def draw(self) -> None:
+        self.panels += 1
+        time.sleep(0.04)
 
     def fail(self, error: Exception) -> None:
         raise error

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from functools import partial
 
 from viewimit.app.control.scheduler import FAULTS_EVERY, Scheduler
 from viewimit.app.jobs.landscapes import LandscapeWorker
@@ -21,6 +22,7 @@ class Counting:
         self.threads.add(threading.get_ident())
         if self.fault:
             raise self.fault
+        return ()
 
     def fail(self, error):
         self.failed.append(error)
@@ -85,3 +87,59 @@ def test_a_page_that_cannot_say_its_fault_is_ticked_no_more(caplog, event_loop):
     wait_until(lambda: good.ticks >= 5)
     scheduler.stop()
     assert bad.ticks == 1 and "ZeroDivisionError" in caplog.messages[-1]
+
+
+class Drawn(Counting):
+    """drawn: what all of these have drawn, in order. while_drawing: by kind, what happens in it."""
+
+    def __init__(self, name, kinds, drawn, while_drawing=()):
+        super().__init__()
+        self.name, self.kinds, self.drawn, self.while_drawing = name, kinds, drawn, dict(while_drawing)
+
+    def tick(self, now):
+        super().tick(now)
+        return [(kind, partial(self.draw, kind)) for kind in self.kinds]
+
+    def draw(self, kind):
+        self.drawn.append(f"{kind} of {self.name}")
+        self.while_drawing.get(kind, lambda: None)()
+
+
+def one_round(event_loop, *pages):
+    scheduler = Scheduler(no_heartbeat)
+    for page in pages:
+        scheduler.add(page)
+    pages[-1].while_drawing[pages[-1].kinds[-1]] = lambda: setattr(scheduler, "_running", False)
+    scheduler.start(event_loop)
+    wait_until(lambda: scheduler._task.done())
+    return scheduler
+
+
+def test_what_is_alike_is_drawn_page_by_page_after_all_have_ticked(event_loop):
+    drawn = []
+    pages = [Drawn("a", ("scene", "images"), drawn), Drawn("b", ("scene", "curves", "images"), drawn)]
+    one_round(event_loop, *pages)
+    assert drawn == ["scene of a", "scene of b", "images of a", "images of b", "curves of b"]
+    assert [page.ticks for page in pages] == [1, 1]
+
+
+def test_a_drawing_that_fails_is_told_to_its_page_and_all_others_are_drawn(event_loop):
+    drawn = []
+    bad = Drawn("a", ("scene", "images"), drawn, {"scene": lambda: 1 / 0})
+    good = Drawn("b", ("scene", "images"), drawn)
+    one_round(event_loop, bad, good)
+    assert [type(error) for error in bad.failed] == [ZeroDivisionError] and not good.failed
+    assert drawn == ["scene of a", "scene of b", "images of a", "images of b"]
+
+
+def test_a_page_that_has_gone_meanwhile_is_not_drawn(event_loop):
+    drawn, gone = [], Drawn("b", ("scene",), [])
+    first = Drawn("a", ("scene", "images"), drawn)
+    scheduler = Scheduler(no_heartbeat)
+    first.while_drawing = {"scene": lambda: scheduler.remove(gone)}
+    first.while_drawing["images"] = lambda: setattr(scheduler, "_running", False)
+    scheduler.add(first)
+    scheduler.add(gone)
+    scheduler.start(event_loop)
+    wait_until(lambda: scheduler._task.done())
+    assert gone.ticks == 1 and gone.drawn == [] and drawn == ["scene of a", "images of a"]

@@ -32,6 +32,7 @@ from viser._messages import (
     SetOrientationMessage,
     SetPositionMessage,
 )
+from viser.infra._async_message_buffer import AsyncMessageBuffer
 from waiting import wait_until
 
 
@@ -146,3 +147,20 @@ def test_what_is_drawn_for_a_client_that_has_gone_is_no_line_in_the_log():
 def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():
     with pytest.raises(RuntimeError, match="opens its port in a way"), serving_with(lambda plain, *_, **__: None):
         pass
+
+
+def test_what_is_pushed_is_sent_at_once_and_all_that_one_tick_pushes_in_one_window():
+    async def windows():
+        buffer = AsyncMessageBuffer(asyncio.get_running_loop(), persistent_messages=False, window_duration_sec=60.0)
+        generator = buffer.window_generator(0)
+        sent = []
+        for tick in range(3):
+            coming = asyncio.ensure_future(anext(generator))
+            await asyncio.sleep(0)  # it waits for something to come
+            for joint in "ab":
+                buffer.push(SetOrientationMessage(joint, (1.0, 0.0, 0.0, float(tick))))
+            sent.append([(message.name, message.wxyz[3]) for message in await asyncio.wait_for(coming, 5.0)])
+        await generator.aclose()
+        return sent
+
+    assert asyncio.run(windows()) == [[("a", tick), ("b", tick)] for tick in range(3)]

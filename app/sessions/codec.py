@@ -8,6 +8,7 @@ says it is `stored` as.
 import dataclasses
 import re
 from collections.abc import Sequence
+from functools import cache
 
 import msgspec
 import numpy as np
@@ -129,7 +130,12 @@ def _classes() -> dict[str, type]:
 
 def _fields(one) -> dict:
     """What of an object is kept."""
-    return {field.name: getattr(one, field.name) for field in dataclasses.fields(one)}
+    return {name: getattr(one, name) for name in _names(type(one))}
+
+
+@cache  # thousands of objects a session are of few kinds, whose fields take longer to list than to pack
+def _names(kind: type) -> tuple[str, ...]:
+    return tuple(field.name for field in dataclasses.fields(kind))
 
 
 def _value(one, objects: list):

@@ -28,21 +28,21 @@ class Labels:
     def __init__(self, left: float, top: float, right: float, bottom: float):
         self.bounds, self.letter = (left, top, right, bottom), CHARACTER
         self._taken: list[Rectangle] = []
-        self._strips: dict[int, list[Rectangle]] = {}
+        self._first = int(top // STRIP)
+        self._strips: list[list[Rectangle]] = [[] for _ in range(self._first, int(bottom // STRIP) + 1)]
         self.placed: list[Rectangle] = []
 
     def copy(self) -> "Labels":
         other = Labels(*self.bounds)
         other.letter, other.placed, other._taken = self.letter, self.placed.copy(), self._taken.copy()
-        other._strips = {strip: there.copy() for strip, there in self._strips.items()}
+        other._strips = [there.copy() for there in self._strips]
         return other
 
     def take(self, *rectangles: Rectangle) -> None:
         self._taken += rectangles
-        strips = self._strips
         for rectangle in rectangles:
-            for strip in self._strips_of(rectangle[1], rectangle[3]):
-                strips.setdefault(strip, []).append(rectangle)
+            for there in self._met(rectangle[1], rectangle[3]):
+                there.append(rectangle)
 
     def take_points(self, places: NDArray, radius: float) -> None:
         """places: (2,) or (k, 2) px"""
@@ -59,8 +59,8 @@ class Labels:
     def covers(self, place: Rectangle) -> bool:
         """Whether it meets what is taken; within bounds."""
         left, top, right, bottom = place
-        for strip in self._strips_of(top, bottom):
-            for a, b, c, d in self._strips.get(strip, ()):
+        for there in self._met(top, bottom):
+            for a, b, c, d in there:
                 if left < c and a < right and top < d and b < bottom:
                     return True
         return False
@@ -104,11 +104,11 @@ class Labels:
         leader = f'<path class="{kind}" d="M{from_x:.1f} {from_y:.1f}L{end_x:.1f} {end_y:.1f}"/>'
         return leader + text_at(place, words, "vi-halo")
 
-    def _strips_of(self, top: float, bottom: float) -> range:
-        """Those that are met between two heights, px, as far as they are within bounds."""
-        _, highest, _, lowest = self.bounds
-        first, last = top if top > highest else highest, bottom if bottom < lowest else lowest
-        return range(int(first // STRIP), int(last // STRIP) + 1)
+    def _met(self, top: float, bottom: float) -> list[list[Rectangle]]:
+        """Strips between two heights, px; of what lies beyond the bounds the outermost one."""
+        first = int(top // STRIP) - self._first
+        last = int(bottom // STRIP) - self._first + 1
+        return self._strips[first if first > 0 else 0 : last if last > 1 else 1] or self._strips[-1:]
 
 
 def line_taken(points: NDArray, radius: float) -> list[Rectangle]:

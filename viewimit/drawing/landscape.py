@@ -4,8 +4,10 @@ The picture with shading and contours is made once a landscape; the path and all
 element of its own that lies over it, so that a motion resends only that.
 """
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,17 +37,32 @@ AHEAD = 4.0  # px around the big dot that labels leave free for the next motions
 @dataclass
 class Placed:
     """Labels over a path. since: the motion for which they were placed; about: the path's moments and its cursor;
-    present: the last of it; line: what the path and the marks take; free: that, and the labels but the learner's own,
-    with their leaders; others: where these labels stand; own, words: the drawings of both."""
+    present: the last of it; path: what that and the marks take; line: with the big dot, wherever it has been since;
+    labels: what the labels but the learner's own take, with their leaders; others: where these labels stand; own,
+    words: the drawings of both."""
 
     since: int
     about: tuple[int, int]
     present: Snapshot
+    path: Labels
     line: Labels
-    free: Labels
+    labels: list[Rectangle]
     others: Labels
     own: str
     words: str
+
+    @cached_property
+    def free(self) -> Labels:
+        """With the line and these labels taken. Mostly the next motion covers one before it is asked for."""
+        free = self.line.copy()
+        free.take(*self.labels)
+        return free
+
+    def take(self, rectangles: Sequence[Rectangle]) -> None:
+        """By the line."""
+        self.line.take(*rectangles)
+        if "free" in vars(self):
+            self.free.take(*rectangles)
 
 
 class LandscapePicture:
@@ -99,7 +116,7 @@ class LandscapePicture:
         kept = svg.thinned(len(history), PATH_LIMIT, cursor)
         moments = history[:]  # a list, of which each is found sooner
         points = self._plane.place(np.degrees(np.concatenate([moments[k].theta for k in kept]).reshape(-1, 2)))
-        done = int(np.searchsorted(kept, cursor, side="right"))
+        done = bisect_right(kept, cursor)
         shown = history[cursor].theta if theta is None else theta
         now = self._plane.place(np.degrees(shown))
         line = np.concatenate([points[: done - 1], now[None]])
@@ -120,19 +137,38 @@ class LandscapePicture:
         """All labels; those but the learner's own stay while the arm is on its way. points: (k, 2) px of the path."""
         about, present = (len(history), cursor), history[cursor]
         if self._placed is None or (self._placed.about, self._placed.present) != (about, present):
-            if not self._gone_on(history, cursor):
-                self._placed = self._place(history, cursor, points)
+            new = self._since(history, cursor)
+            if new is None or not self._gone_on(history, cursor, new):
+                self._placed = self._place(history, cursor, points, new)
         placed = self._placed
         return placed.words + (placed.own if theta is None else self._now(placed.free, theta, cursor))
 
-    def _place(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> "Placed":
-        """All labels, off the path. points: (k, 2) px of it."""
+    def _since(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:
+        """What the motions since labels were drawn last take; None if the path is another one."""
+        placed = self._placed
+        if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
+            return None
+        since = history[placed.about[1] : cursor + 1]
+        if since[0] is not placed.present:
+            return None
+        new = line_taken(self._plane.place(np.degrees([moment.theta for moment in since])), CLEAR)
+        placed.path.take(*new)
+        return new
+
+    def _place(
+        self, history: Sequence[Snapshot], cursor: int, points: NDArray, new: list[Rectangle] | None
+    ) -> "Placed":
+        """All labels, off the path. points: (k, 2) px of it; new: what of it has just been taken; None: nothing is."""
         present = history[cursor]
-        line = self._plane.labels.copy()
-        line.take_line(points, CLEAR)
+        if self._placed is not None and new is not None:
+            path = self._placed.path
+        else:
+            path = self._plane.labels.copy()
+            path.take_line(points, CLEAR)
+        line, others = path.copy(), Labels(*path.bounds)
         now, start = self._plane.place(np.degrees(present.theta)), points[0]
         line.take_points(now, NOW + AHEAD)
-        labels, words, others = line.copy(), "", Labels(*line.bounds)
+        labels, words = line.copy(), ""
         own, place = self._own(labels, present.theta, cursor)
         if place is not None:
             labels.take(place)
@@ -140,25 +176,21 @@ class LandscapePicture:
             words = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
         words += self._labels(labels)
         others.take(*labels.placed)
-        free = line.copy()
-        free.take(*labels.since(line)[place is not None :])
-        return Placed(cursor, (len(history), cursor), present, line, free, others, own, words)
+        taken = labels.since(line)[place is not None :]
+        return Placed(cursor, (len(history), cursor), present, path, line, taken, others, own, words)
 
-    def _gone_on(self, history: Sequence[Snapshot], cursor: int) -> bool:
-        """While more motions keep off the labels, these stay: they do not jump, and need not be placed."""
+    def _gone_on(self, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]) -> bool:
+        """While more motions keep off the labels, these stay: they do not jump, and need not be placed. new: what these
+        motions take."""
         placed, present = self._placed, history[cursor]
-        if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
+        assert placed is not None
+        if cursor - placed.since > STAYS:
             return False
-        since = history[placed.about[1] : cursor + 1]
-        if since[0] is not placed.present or cursor - placed.since > STAYS:
-            return False
-        line = self._plane.place(np.degrees([moment.theta for moment in since]))
-        x, y = line[-1].tolist()
-        new = [*line_taken(line, CLEAR), (x - NOW, y - NOW, x + NOW, y + NOW)]
+        x, y = self._plane.place(np.degrees(present.theta)).tolist()
+        new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]
         if any(map(placed.others.covers, new)):
             return False
-        placed.line.take(*new)
-        placed.free.take(*new)
+        placed.take(new)
         placed.own = self._now(placed.free, present.theta, cursor)
         if not placed.own and self._now(placed.line, present.theta, cursor):
             return False  # it would have room if the others stood elsewhere

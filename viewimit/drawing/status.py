@@ -197,11 +197,12 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
 
 def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -> str:
     """How far off the learner is, which it cannot know. joints: numbers from 1; theta, theta_demo: (m,) rad."""
-    off = np.abs(theta - theta_demo)
-    k = int(off.argmax())
+    is_at, should_be = theta.tolist(), theta_demo.tolist()
+    off = [abs(own - demo) for own, demo in zip(is_at, should_be)]
+    k = off.index(max(off))
     if off[k] < EXACT:
         return "The demonstrator's posture, to 0.1°."
-    instead = f"{svg.degrees(theta[k])} instead of {svg.degrees(theta_demo[k])}"
+    instead = f"{svg.degrees(is_at[k])} instead of {svg.degrees(should_be[k])}"
     return f"{svg.degrees(off[k])} off, at {svg.joint_symbol(joints[k])}: {instead}."
 
 

@@ -1,5 +1,6 @@
 """Text of drawings: numbers with a real minus, and paths from arrays of points."""
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from html import escape
@@ -25,7 +26,7 @@ def short_E(E: float, one_digit_to: float = 1000) -> str:
 
 def degrees(rad: float, digits: int = 1) -> str:
     """An angle in rad as degrees."""
-    return number(np.degrees(rad), digits) + "°"
+    return number(math.degrees(rad), digits) + "°"
 
 
 def joint_symbol(joint: int) -> str:

@@ -1,11 +1,11 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
 import reprlib
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from numbers import Integral, Real
 from pathlib import PurePath
-from typing import Annotated, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 import msgspec
 import numpy as np
@@ -148,10 +148,17 @@ DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much o
 }
 
 
-@cache  # asked for several times a motion
 def disturbances(kind: type[D]) -> dict[str, D]:
     """Those of one kind, by their field."""
+    return _of_kind(kind)
+
+
+@cache  # asked for several times a motion
+def _found(kind: Any) -> dict[str, Any]:
     return {name: found for name, found in DISTURBANCES.items() if isinstance(found, kind)}
+
+
+_of_kind: Callable[[Any], dict[str, Any]] = _found
 
 
 def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -82,7 +83,7 @@ class Scheduler:
         next, which takes a seventh off what a class of pages costs."""
         drawings: dict[Hashable, list[tuple[Ticked, Callable[[], None]]]] = {}
         for page in pages:
-            for kind, draw in self._let(page, lambda page=page: page.tick(time.monotonic())) or ():
+            for kind, draw in self._let(page, partial(page.tick, time.monotonic())) or ():
                 drawings.setdefault(kind, []).append((page, draw))
         for alike in drawings.values():
             for page, draw in alike:

@@ -130,7 +130,8 @@ def _classes() -> dict[str, type]:
 
 def _fields(one) -> dict:
     """What of an object is kept."""
-    return {name: getattr(one, name) for name in _names(type(one))}
+    kind: type = type(one)
+    return {name: getattr(one, name) for name in _names(kind)}
 
 
 @cache  # thousands of objects a session are of few kinds, whose fields take longer to list than to pack

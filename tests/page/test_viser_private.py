@@ -149,7 +149,7 @@ def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():
         pass
 
 
-def test_what_is_pushed_is_sent_at_once_and_all_that_one_tick_pushes_in_one_window():
+def test_what_is_pushed_is_sent_at_once_and_all_that_one_tick_pushes_in_one_window(event_loop):
     async def windows():
         buffer = AsyncMessageBuffer(asyncio.get_running_loop(), persistent_messages=False, window_duration_sec=60.0)
         generator = buffer.window_generator(0)
@@ -163,4 +163,5 @@ def test_what_is_pushed_is_sent_at_once_and_all_that_one_tick_pushes_in_one_wind
         await generator.aclose()
         return sent
 
-    assert asyncio.run(windows()) == [[("a", tick), ("b", tick)] for tick in range(3)]
+    sent = asyncio.run_coroutine_threadsafe(windows(), event_loop).result(20.0)
+    assert sent == [[("a", tick), ("b", tick)] for tick in range(3)]

@@ -141,6 +141,7 @@ class LandscapePicture:
             if new is None or not self._gone_on(history, cursor, new):
                 self._placed = self._place(history, cursor, points, new)
         placed = self._placed
+        assert placed is not None
         return placed.words + (placed.own if theta is None else self._now(placed.free, theta, cursor))
 
     def _since(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
 
@@ -90,6 +91,10 @@ class Page:
     def busy(self) -> bool:
         """Whether a turn goes on beside the scheduler."""
         return self._commands.busy
+
+    def held(self) -> AbstractContextManager:
+        """Nothing of it is sent inside, but as a whole afterwards."""
+        return self._client.atomic()
 
     def tick(self, now: float) -> list[Drawing]:
         """What is to be drawn but the poses, which are."""

@@ -105,14 +105,15 @@ _async_message_buffer.asyncio = AtOnce()  # type: ignore[assignment]
 
 
 class LoopEvent(asyncio.Event):
-    """It is set in its loop's thread alone: another's would change what the loop may be iterating over."""
+    """It is set in its loop's thread alone: another's would change what the loop may be iterating over. held():
+    whether nothing is to be sent yet, for which nobody needs to be woken."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop):
+    def __init__(self, loop: asyncio.AbstractEventLoop, held: Callable[[], bool]):
         super().__init__()
-        self._its_loop = loop
+        self._its_loop, self._held = loop, held
 
     def set(self) -> None:
-        if asyncio._get_running_loop() is self._its_loop:
+        if asyncio._get_running_loop() is self._its_loop and not self._held():
             super().set()
 
 
@@ -123,7 +124,7 @@ def wake_in_loop(source: ViserServer | ClientHandle) -> None:
     pushes = source._websock_server if isinstance(source, ViserServer) else source._websock_connection
     buffer: Any = pushes.get_message_buffer()
     loop, replaced = buffer.event_loop, buffer.message_event
-    buffer.message_event, buffer.event_loop = LoopEvent(loop), NearLoop(loop)
+    buffer.message_event, buffer.event_loop = LoopEvent(loop, lambda: buffer.atomic_counter > 0), NearLoop(loop)
     loop.call_soon_threadsafe(replaced.set)  # who waits for it goes on with its successor
 
 

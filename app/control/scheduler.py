@@ -10,6 +10,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from pathlib import Path
 from typing import Protocol, TypeVar
@@ -19,6 +20,7 @@ from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
 TOGETHER = 16  # pages that are ticked and drawn before anything of them is sent
+AT_ONCE = 0.002  # s that may pass before what comes in is read
 FAULTS_EVERY = 1.0  # s between two faults that are logged, of all pages: each is one line
 FRAMES = 4  # of a fault, innermost
 log = logging.getLogger(__name__)
@@ -26,8 +28,10 @@ T = TypeVar("T")
 
 
 class Ticked(Protocol):
-    """A page. tick(now): s of a monotonic clock → what it is to draw, each independent of the others; fail(error): what
-    that raised, for it to say."""
+    """A page. held(): nothing of it is sent inside; tick(now): s of a monotonic clock → what it is to draw, each
+    independent of the others; fail(error): what that raised, for it to say."""
+
+    def held(self) -> AbstractContextManager: ...
 
     def tick(self, now: float) -> Iterable[Drawing]: ...
 
@@ -45,6 +49,7 @@ class Scheduler:
         self._logged_at = -FAULTS_EVERY  # when a fault was, s
         self._unlogged = 0  # faults since
         self.shedding = LoadShedding(TICK)
+        self._gave_way = 0.0  # s
         self._running = False
         self._task: concurrent.futures.Future | None = None
 
@@ -78,16 +83,35 @@ class Scheduler:
             self._log(worse, anyway=True)
             self.remove(page)
 
-    def _tick(self, pages: Sequence[Ticked]) -> None:
+    async def _tick(self, pages: Sequence[Ticked]) -> None:
         """Let them tick, then draw kind by kind: code that has just run for one page is still near at hand for the
-        next, which takes a seventh off what a class of pages costs."""
+        next, which takes a seventh off what a class of pages costs. What comes in is read meanwhile; what is drawn of a
+        page is sent as a whole, with its last drawing."""
         drawings: dict[Hashable, list[tuple[Ticked, Callable[[], None]]]] = {}
-        for page in pages:
-            for kind, draw in self._let(page, partial(page.tick, time.monotonic())) or ():
-                drawings.setdefault(kind, []).append((page, draw))
-        for alike in drawings.values():
-            for page, draw in alike:
-                self._let(page, draw)
+        left: dict[Ticked, int] = {}  # drawings of a page
+        with ExitStack() as all_held:
+            held = {page: all_held.enter_context(ExitStack()) for page in pages}
+            for page in pages:
+                held[page].enter_context(page.held())
+                for kind, draw in self._let(page, partial(page.tick, time.monotonic())) or ():
+                    drawings.setdefault(kind, []).append((page, draw))
+                    left[page] = left.get(page, 0) + 1
+                if page not in left:
+                    held[page].close()
+                await self._give_way()
+            for alike in drawings.values():
+                for page, draw in alike:
+                    self._let(page, draw)
+                    left[page] -= 1
+                    if not left[page]:
+                        held[page].close()
+                    await self._give_way()
+
+    async def _give_way(self) -> None:
+        """To all else that the loop has to do, now and then."""
+        if time.monotonic() - self._gave_way >= AT_ONCE:
+            await asyncio.sleep(0)
+            self._gave_way = time.monotonic()
 
     def _let(self, page: Ticked, do: Callable[[], T]) -> T | None:
         """What it does for a page; None if that has just been removed, or if it fails."""
@@ -121,7 +145,7 @@ class Scheduler:
             with self._lock:
                 pages = list(self._pages)
             for first in range(0, len(pages), TOGETHER):
-                self._tick(pages[first : first + TOGETHER])
+                await self._tick(pages[first : first + TOGETHER])
                 await asyncio.sleep(0)  # what was drawn is sent
             self.shedding.ticked(time.monotonic() - began)
             # one long tick is made up for by the next short one; further behind, ticks are skipped, not chased

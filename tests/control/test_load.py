@@ -1,5 +1,6 @@
 """What gives way when there is too much to do, in which order, and that it comes back."""
 
+import contextlib
 import itertools
 import time
 
@@ -62,6 +63,8 @@ class Slow:
 
     def __init__(self, load: LoadShedding):
         self.load, self.poses, self.panels, self.next = load, 0, 0, 0.0
+
+    held = staticmethod(contextlib.nullcontext)
 
     def tick(self, now: float) -> list[Drawing]:
         self.poses += 1

@@ -1,5 +1,6 @@
 """One task for all pages: each ticks, one that fails does not stop the others."""
 
+import contextlib
 import threading
 import time
 from functools import partial
@@ -16,6 +17,8 @@ def no_heartbeat() -> None:
 class Counting:
     def __init__(self, fault=None):
         self.ticks, self.fault, self.failed, self.threads = 0, fault, [], set()
+
+    held = staticmethod(contextlib.nullcontext)
 
     def tick(self, now):
         self.ticks += 1

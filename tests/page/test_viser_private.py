@@ -96,7 +96,7 @@ def test_the_loop_is_woken_for_other_threads_only(event_loop):
 
 
 def test_an_event_is_set_in_its_loop_alone(event_loop):
-    event = LoopEvent(event_loop)
+    event = LoopEvent(event_loop, lambda: False)
     waiting = asyncio.run_coroutine_threadsafe(event.wait(), event_loop)
     event.set()
     assert not event.is_set()

@@ -11,6 +11,7 @@ from drawn import LABELS, LEARNERS_PATH, LEVEL_NUMBERS, marked, only, parsed, pa
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.drawing.labels import CHARACTER, LINE, Labels
 from viewimit.drawing.landscape import LandscapePicture
+from viewimit.drawing.path_labels import PathLabels
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -140,8 +141,8 @@ def test_a_plot_without_room_for_the_inset_has_none():
 
 
 def test_labels_are_not_placed_anew_when_the_path_crosses_the_lines_that_lead_to_them(monkeypatch):
-    placed, place = [], LandscapePicture._place
-    monkeypatch.setattr(LandscapePicture, "_place", lambda *args: placed.append(0) or place(*args))
+    placed, place = [], PathLabels._place
+    monkeypatch.setattr(PathLabels, "_place", lambda *args: placed.append(0) or place(*args))
     session = Session(SITUATIONS["paper"])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
     made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))

@@ -6,8 +6,6 @@ element of its own that lies over it, so that a motion resends only that.
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +15,9 @@ from ..settings import Settings
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from . import relief, svg
-from .labels import Labels, Rectangle, line_taken, text_at
+from .labels import Labels
 from .observability import described, draw_observability
+from .path_labels import NOW, PathLabels
 from .plots import figure
 from .posture_plane import PosturePlane
 from .theme import OBSERVED
@@ -28,41 +27,6 @@ PATH_LIMIT, DOT_LIMIT = 90, 60  # vertices of the path; motions up to which each
 INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
-NOW = 5.8  # px, radius of the big dot
-STAYS = 100  # motions for which labels that nothing covers stay; what a path takes of the plot grows with each
-CLEAR = 3.0  # px on both sides of the path that labels leave free
-AHEAD = 4.0  # px around the big dot that labels leave free for the next motions when they are placed
-
-
-@dataclass
-class Placed:
-    """Labels over a path. since: the motion for which they were placed; about: the path's moments and its cursor;
-    present: the last of it; path: what that and the marks take; line: with the big dot, wherever it has been since;
-    labels: what the labels but the learner's own take, with their leaders; others: where these labels stand; own,
-    words: the drawings of both."""
-
-    since: int
-    about: tuple[int, int]
-    present: Snapshot
-    path: Labels
-    line: Labels
-    labels: list[Rectangle]
-    others: Labels
-    own: str
-    words: str
-
-    @cached_property
-    def free(self) -> Labels:
-        """With the line and these labels taken. Mostly the next motion covers one before it is asked for."""
-        free = self.line.copy()
-        free.take(*self.labels)
-        return free
-
-    def take(self, rectangles: Sequence[Rectangle]) -> None:
-        """By the line."""
-        self.line.take(*rectangles)
-        if "free" in vars(self):
-            self.free.take(*rectangles)
 
 
 class LandscapePicture:
@@ -85,7 +49,7 @@ class LandscapePicture:
         self._above = ""  # marks, over the path
         self._named: list[tuple[NDArray, str, str, bool]] = []  # marks to be led to: px, words, class, from the left
         self._levels: list[relief.Level] = []
-        self._placed: Placed | None = None
+        self._over = PathLabels(plane, self._labels)
         self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
         if not plane.has_plane and spread is not None:
@@ -129,85 +93,9 @@ class LandscapePicture:
             parts.append(f'<path class="vi-dot-own" d="{svg.dots(points[: done - 1][~probe])}"/>')
             if probe.any():
                 parts.append(f'<path class="vi-probe-own" d="{svg.circles(points[: done - 1][probe], 2.6)}"/>')
-        words = self._words(history, cursor, theta, points)
+        words = self._over.words(history, cursor, theta, points)
         parts += [_dot(now), self._in_inset(line), self._above, words]
         return self._plane.wrap("".join(parts), "vi-over")
-
-    def _words(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None, points: NDArray) -> str:
-        """All labels; those but the learner's own stay while the arm is on its way. points: (k, 2) px of the path."""
-        about, present = (len(history), cursor), history[cursor]
-        if self._placed is None or (self._placed.about, self._placed.present) != (about, present):
-            new = self._since(history, cursor)
-            if new is None or not self._gone_on(history, cursor, new):
-                self._placed = self._place(history, cursor, points, new)
-        placed = self._placed
-        assert placed is not None
-        return placed.words + (placed.own if theta is None else self._now(placed.free, theta, cursor))
-
-    def _since(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:
-        """What the motions since labels were drawn last take; None if the path is another one."""
-        placed = self._placed
-        if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
-            return None
-        since = history[placed.about[1] : cursor + 1]
-        if since[0] is not placed.present:
-            return None
-        new = line_taken(self._plane.place(np.degrees([moment.theta for moment in since])), CLEAR)
-        placed.path.take(*new)
-        return new
-
-    def _place(
-        self, history: Sequence[Snapshot], cursor: int, points: NDArray, new: list[Rectangle] | None
-    ) -> "Placed":
-        """All labels, off the path. points: (k, 2) px of it; new: what of it has just been taken; None: nothing is."""
-        present = history[cursor]
-        if self._placed is not None and new is not None:
-            path = self._placed.path
-        else:
-            path = self._plane.labels.copy()
-            path.take_line(points, CLEAR)
-        line, others = path.copy(), Labels(*path.bounds)
-        now, start = self._plane.place(np.degrees(present.theta)), points[0]
-        line.take_points(now, NOW + AHEAD)
-        labels, words = line.copy(), ""
-        own, place = self._own(labels, present.theta, cursor)
-        if place is not None:
-            labels.take(place)
-        if cursor and np.abs(now - start).max() > 20:
-            words = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
-        words += self._labels(labels)
-        others.take(*labels.placed)
-        taken = labels.since(line)[place is not None :]
-        return Placed(cursor, (len(history), cursor), present, path, line, taken, others, own, words)
-
-    def _gone_on(self, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]) -> bool:
-        """While more motions keep off the labels, these stay: they do not jump, and need not be placed. new: what these
-        motions take."""
-        placed, present = self._placed, history[cursor]
-        assert placed is not None
-        if cursor - placed.since > STAYS:
-            return False
-        x, y = self._plane.place(np.degrees(present.theta)).tolist()
-        new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]
-        if any(map(placed.others.covers, new)):
-            return False
-        placed.take(new)
-        placed.own = self._now(placed.free, present.theta, cursor)
-        if not placed.own and self._now(placed.line, present.theta, cursor):
-            return False  # it would have room if the others stood elsewhere
-        placed.about, placed.present = (len(history), cursor), present
-        return True
-
-    def _now(self, labels: Labels, theta: NDArray, cursor: int) -> str:
-        """The learner's own label at theta, (m,) rad, beside the others."""
-        return self._own(labels, theta, cursor)[0]
-
-    def _own(self, labels: Labels, theta: NDArray, cursor: int) -> tuple[str, Rectangle | None]:
-        """The learner's own label at theta, (m,) rad, and its place, which is not taken."""
-        x, y = self._plane.place(np.degrees(theta)).tolist()
-        words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
-        place = labels.free_beside(x, y, words, 11)
-        return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
 
     def _labels(self, labels: Labels) -> str:
         """Of the marks and of the contours, where there is room."""

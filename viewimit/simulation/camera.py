@@ -86,7 +86,8 @@ class Cameras:
         depth = in_camera[..., 2]
         if nearest is not None:
             depth = np.maximum(depth, nearest)
-        return self._projected(in_camera, depth), depth
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self._projected(in_camera, depth), depth
 
     def images_on(self, T_world_links: NDArray, points: NDArray, nearest: float) -> NDArray:
         """T_world_links: (k, 4, 4); points: (k, N, 4) m in these frames, the last coordinate 1 → (cameras, k, N, 2) px.
@@ -98,10 +99,10 @@ class Cameras:
 
     def _projected(self, in_camera: NDArray, depth: NDArray) -> NDArray:
         """in_camera: (cameras, N, 3) m; depth: (cameras, N) m in place of theirs → (cameras, N, 2) px."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            images = in_camera[..., :2] * (self._focal / depth)[..., None]
-            if self._bends:
-                squared = (images * images).sum(-1) / self._focal**2
+        images = in_camera[..., :2] * (self._focal / depth)[..., None]
+        if self._bends:
+            squared = (images * images).sum(-1) / self._focal**2
+            with np.errstate(divide="ignore", invalid="ignore"):
                 images *= np.stack([camera.lens.stretch(r) for camera, r in zip(self.cameras, squared)])[..., None]
         if self._aspects is not None:
             images[..., 1] *= self._aspects[:, None]

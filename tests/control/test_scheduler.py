@@ -146,3 +146,18 @@ def test_a_page_that_has_gone_meanwhile_is_not_drawn(event_loop):
     scheduler.start(event_loop)
     wait_until(lambda: scheduler._task.done())
     assert gone.ticks == 1 and gone.drawn == [] and drawn == ["scene of a", "images of a"]
+
+
+def test_a_page_is_sent_with_its_last_drawing_and_at_once_without_any(event_loop):
+    drawn = []
+
+    class Sent(Drawn):
+        @contextlib.contextmanager
+        def held(self):
+            yield
+            self.drawn.append(f"{self.name} is sent")
+
+    pages = [Sent("a", ("scene",), drawn), Sent("b", (), drawn), Sent("c", ("scene", "images"), drawn)]
+    one_round(event_loop, *pages)
+    scenes = ["scene of a", "a is sent", "scene of c"]
+    assert drawn == ["b is sent", *scenes, "images of c", "c is sent"]

@@ -19,7 +19,7 @@ from .redraw import Drawing
 from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
-TOGETHER = 16  # pages that are ticked and drawn before anything of them is sent
+TOGETHER = 16  # pages that are drawn kind by kind
 AT_ONCE = 0.002  # s that may pass before what comes in is read
 FAULTS_EVERY = 1.0  # s between two faults that are logged, of all pages: each is one line
 FRAMES = 4  # of a fault, innermost

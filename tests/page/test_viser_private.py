@@ -102,6 +102,13 @@ def test_an_event_is_set_in_its_loop_alone(event_loop):
     assert not event.is_set()
     event_loop.call_soon_threadsafe(event.set)
     assert waiting.result(5) and event.is_set()
+    held = LoopEvent(event_loop, lambda: True)
+    asyncio.run_coroutine_threadsafe(_in_loop(held.set), event_loop).result(5)
+    assert not held.is_set()
+
+
+async def _in_loop(do):
+    do()
 
 
 def test_what_another_thread_pushes_wakes_every_page():

@@ -99,6 +99,12 @@ class Scheduler:
                 if page not in left:
                     held[page].close()
                 await self._give_way()
+            if self.shedding.strain:  # poses do not wait for drawings, of which there are too many
+                for page in left:
+                    held[page].close()
+                await asyncio.sleep(0)
+                for page in left:
+                    held[page].enter_context(page.held())
             for alike in drawings.values():
                 for page, draw in alike:
                     self._let(page, draw)

@@ -108,8 +108,8 @@ class Drawn(Counting):
         self.while_drawing.get(kind, lambda: None)()
 
 
-def one_round(event_loop, *pages):
-    scheduler = Scheduler(no_heartbeat)
+def one_round(event_loop, *pages, scheduler=None):
+    scheduler = scheduler or Scheduler(no_heartbeat)
     for page in pages:
         scheduler.add(page)
     pages[-1].while_drawing[pages[-1].kinds[-1]] = lambda: setattr(scheduler, "_running", False)
@@ -148,15 +148,23 @@ def test_a_page_that_has_gone_meanwhile_is_not_drawn(event_loop):
     assert gone.ticks == 1 and gone.drawn == [] and drawn == ["scene of a", "images of a"]
 
 
+class Sent(Drawn):
+    @contextlib.contextmanager
+    def held(self):
+        yield
+        self.drawn.append(f"{self.name} is sent")
+
+
+def test_poses_do_not_wait_for_drawings_of_which_there_are_too_many(event_loop):
+    drawn, scheduler = [], Scheduler(no_heartbeat)
+    pages = [Sent("a", ("scene",), drawn), Sent("b", ("scene",), drawn)]
+    scheduler.shedding.strain = 0.1
+    one_round(event_loop, *pages, scheduler=scheduler)
+    assert drawn == ["a is sent", "b is sent", "scene of a", "a is sent", "scene of b", "b is sent"]
+
+
 def test_a_page_is_sent_with_its_last_drawing_and_at_once_without_any(event_loop):
     drawn = []
-
-    class Sent(Drawn):
-        @contextlib.contextmanager
-        def held(self):
-            yield
-            self.drawn.append(f"{self.name} is sent")
-
     pages = [Sent("a", ("scene",), drawn), Sent("b", (), drawn), Sent("c", ("scene", "images"), drawn)]
     one_round(event_loop, *pages)
     scenes = ["scene of a", "a is sent", "scene of c"]

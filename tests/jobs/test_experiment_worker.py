@@ -1,5 +1,6 @@
 """Experiments in processes of their own: in order, told as they go on, ended at once, never in anybody's way."""
 
+import contextlib
 import io
 import json
 import multiprocessing
@@ -194,8 +195,11 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
     ticks = []
 
     class Page:
+        held = staticmethod(contextlib.nullcontext)
+
         def tick(self, now):
             ticks.append(time.monotonic())
+            return ()
 
     scheduler, told = Scheduler(SeatCounts().rows[0].live), Told()
     scheduler.add(Page())

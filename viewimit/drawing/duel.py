@@ -185,7 +185,7 @@ def _words(standing: Standing, k: int) -> str:
 
 def _path(plane: PosturePlane, racer: Racer, k: int) -> str:
     """The motions up to the present, with the mark of that learner at their end."""
-    kept = svg.thinned(racer.cursor + 1, LIMIT)
+    kept = svg.thinned_between(racer.cursor + 1, LIMIT, racer.cursor)
     points = plane.place(np.degrees(np.array([racer.history[i].theta for i in kept])))
     (x, y), line = points[-1], ("vi-line-own", "vi-line-opponent")[k]
     now = f'<circle class="vi-now" cx="{x:.1f}" cy="{y:.1f}" r="4.6"/>'

@@ -23,7 +23,7 @@ from .posture_plane import PosturePlane
 from .theme import OBSERVED
 
 CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than that: an inset of ±CLOSE_DEG, px wide
-PATH_LIMIT, DOT_LIMIT = 90, 60  # vertices of the path; motions up to which each has a dot
+PATH_LIMIT, DOT_LIMIT = 180, 60  # vertices of the path; motions up to which each has a dot
 INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
@@ -77,7 +77,7 @@ class LandscapePicture:
         """The motions up to the cursor, later ones faint. theta: (m,) rad, where the arm is seen while it moves."""
         if not self._plane.has_plane:
             return self._plane.wrap("", "vi-over")
-        kept = svg.thinned(len(history), PATH_LIMIT, cursor)
+        kept = svg.thinned_between(len(history), PATH_LIMIT, cursor)
         moments = history[:]  # a list, of which each is found sooner
         points = self._plane.place(np.degrees(np.concatenate([moments[k].theta for k in kept]).reshape(-1, 2)))
         done = bisect_right(kept, cursor)

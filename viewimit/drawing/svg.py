@@ -164,3 +164,16 @@ def thinned(count: int, limit: int, keep: int = 0) -> Sequence[int]:
         return range(count)
     kept = set(range(0, count, -(-count // (limit - 2))))
     return sorted(kept | {keep, count - 1})
+
+
+def thinned_between(count: int, limit: int, keep: int) -> Sequence[int]:
+    """As `thinned`, but all next to the first and to `keep`, and ever fewer the farther from both: thousands of motions
+    begin with a few long ones, and go on with those that are made now."""
+    if count <= limit:
+        return range(count)
+    families = (0, 1), (keep, -1), (keep, 1)
+    room = [max(count - 1 - end if way > 0 else end, 0) for end, way in families]
+    each = (limit - 2) // sum(map(bool, room))
+    apart = [np.unique(np.geomspace(1, most, each).astype(int)) if most else np.empty(0, int) for most in room]
+    kept = [end + way * steps for (end, way), steps in zip(families, apart)]
+    return np.unique(np.concatenate([*kept, [0, keep]])).tolist()

@@ -85,8 +85,7 @@ class Scheduler:
 
     async def _tick(self, pages: Sequence[Ticked]) -> None:
         """Let them tick, then draw kind by kind: code that has just run for one page is still near at hand for the
-        next, which takes a seventh off what a class of pages costs. What comes in is read meanwhile; what is drawn of a
-        page is sent as a whole, with its last drawing."""
+        next. What comes in is read meanwhile; what is drawn of a page is sent as a whole, with its last drawing."""
         drawings: dict[Hashable, list[tuple[Ticked, Callable[[], None]]]] = {}
         left: dict[Ticked, int] = {}  # drawings of a page
         with ExitStack() as all_held:

@@ -110,8 +110,8 @@ def test_a_label_without_room_is_left_out():
 def test_a_line_is_kept_free_between_its_corners():
     labels = Labels(0, 0, 200, 200)
     labels.take_line(np.array([[0.0, 100.0], [200.0, 100.0]]), 2)
-    assert labels.take_first_free(np.array([[90.0, 95, 110, 105]])) is None
-    assert labels.take_first_free(np.array([[90.0, 103, 110, 115]])) is not None
+    assert labels.first_free(np.array([[90.0, 95, 110, 105]])) is None
+    assert labels.first_free(np.array([[90.0, 103, 110, 115]])) is not None
 
 
 def test_a_label_is_told_of_all_that_it_meets_and_of_nothing_else():

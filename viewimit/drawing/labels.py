@@ -1,9 +1,10 @@
 """Places for labels in a plot, so that none covers another, a mark or a line. What finds no room is left out."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from math import hypot
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,24 +23,38 @@ STRIP = 16.0  # px: what a label meets is looked for in strips of that height
 Rectangle = Sequence[float]  # left, top, right, bottom: px
 
 
+class Label(NamedTuple):
+    """What looks for room. places: for its words, the better ones first; draw(place): it there, and what it takes
+    besides."""
+
+    places: Sequence[Rectangle]
+    draw: Callable[[Rectangle], tuple[str, Sequence[Rectangle]]]
+
+
+class Put(NamedTuple):
+    """A label where it stands, None if there was no room; as it is drawn, with all that it takes."""
+
+    label: Label
+    place: Rectangle | None = None
+    drawn: str = ""
+    takes: Sequence[Rectangle] = ()
+
+
 class Labels:
-    """Rectangles that are taken, within bounds. letter: px of one; placed: where labels stand."""
+    """Rectangles that are taken, within bounds. letter: px of one."""
 
     def __init__(self, left: float, top: float, right: float, bottom: float):
         self.bounds, self.letter = (left, top, right, bottom), CHARACTER
-        self._taken: list[Rectangle] = []
         self._first = int(top // STRIP)
         self._strips: list[list[Rectangle]] = [[] for _ in range(self._first, int(bottom // STRIP) + 1)]
-        self.placed: list[Rectangle] = []
 
     def copy(self) -> "Labels":
         other = Labels(*self.bounds)
-        other.letter, other.placed, other._taken = self.letter, self.placed.copy(), self._taken.copy()
+        other.letter = self.letter
         other._strips = [there.copy() for there in self._strips]
         return other
 
     def take(self, *rectangles: Rectangle) -> None:
-        self._taken += rectangles
         for rectangle in rectangles:
             for there in self._met(rectangle[1], rectangle[3]):
                 there.append(rectangle)
@@ -51,10 +66,6 @@ class Labels:
     def take_line(self, points: NDArray, radius: float) -> None:
         """points: (k, 2) px"""
         self.take(*line_taken(points, radius))
-
-    def since(self, before: "Labels") -> list[Rectangle]:
-        """What has been taken since this was a copy of `before`."""
-        return self._taken[len(before._taken) :]
 
     def covers(self, place: Rectangle) -> bool:
         """Whether it meets what is taken; within bounds."""
@@ -74,35 +85,27 @@ class Labels:
                 return place
         return None
 
-    def take_first_free(self, places: Iterable[Rectangle]) -> Rectangle | None:
-        """`first_free`, which is taken for a label."""
-        place = self.first_free(places)
-        if place is not None:
-            self.take(place)
-            self.placed.append(place)
-        return place
+    def put(self, label: Label) -> Put:
+        """Take the first of its places that is free."""
+        place = self.first_free(label.places)
+        if place is None:
+            return Put(label)
+        drawn, besides = label.draw(place)
+        takes = (place, *besides)
+        self.take(*takes)
+        return Put(label, place, drawn, takes)
 
-    def free_beside(self, x: float, y: float, words: str, distance: float) -> Rectangle | None:
-        """Where a label next to a mark would stand: on the first side with room."""
-        return self.first_free(_places_beside(x, y, self.letter * len(words), distance))
+    def draw(self, labels: Iterable[Label]) -> str:
+        """Those for which there is room, the first of them first."""
+        return "".join([self.put(label).drawn for label in labels])
 
     def beside(self, x: float, y: float, words: str, classes: str, distance: float) -> str:
         """A label next to a mark, on the first side with room."""
-        place = self.take_first_free(_places_beside(x, y, self.letter * len(words), distance))
-        return "" if place is None else text_at(place, words, classes)
+        return self.put(beside(x, y, words, classes, distance, self.letter)).drawn
 
     def led(self, x: float, y: float, words: str, kind: str, to_left: bool) -> str:
         """A label with a line of class `kind` that leads from the mark to it."""
-        place = self.take_first_free(_led_places(x, y, self.letter * len(words), to_left))
-        if place is None:
-            return ""
-        left, top, right, _ = place
-        end_x, end_y = (right + 3 if right < x else left - 3), top + LINE / 2
-        share = 7 / max(((end_x - x) ** 2 + (end_y - y) ** 2) ** 0.5, 7.0)
-        from_x, from_y = x + share * (end_x - x), y + share * (end_y - y)
-        self.take_line(np.array([[from_x, from_y], [end_x, end_y]]), 1)
-        leader = f'<path class="{kind}" d="M{from_x:.1f} {from_y:.1f}L{end_x:.1f} {end_y:.1f}"/>'
-        return leader + text_at(place, words, "vi-halo")
+        return self.put(led(x, y, words, kind, to_left, self.letter)).drawn
 
     def _met(self, top: float, bottom: float) -> list[list[Rectangle]]:
         """Strips between two heights, px; of what lies beyond the bounds the outermost one."""
@@ -111,9 +114,36 @@ class Labels:
         return self._strips[first if first > 0 else 0 : last if last > 1 else 1] or self._strips[-1:]
 
 
+def beside(x: float, y: float, words: str, classes: str, distance: float, letter: float = CHARACTER) -> Label:
+    """Next to a mark, around which its places are. letter: px of one."""
+    places = list(places_beside(x, y, letter * len(words), distance))
+    return Label(places, lambda place: (text_at(place, words, classes), ()))
+
+
+def led(x: float, y: float, words: str, kind: str, to_left: bool, letter: float = CHARACTER) -> Label:
+    """With a line of class `kind` that leads to it from the mark."""
+
+    def draw(place: Rectangle) -> tuple[str, Sequence[Rectangle]]:
+        left, top, right, _ = place
+        end_x, end_y = (right + 3 if right < x else left - 3), top + LINE / 2
+        share = 7 / max(((end_x - x) ** 2 + (end_y - y) ** 2) ** 0.5, 7.0)
+        from_x, from_y = x + share * (end_x - x), y + share * (end_y - y)
+        leader = f'<path class="{kind}" d="M{from_x:.1f} {from_y:.1f}L{end_x:.1f} {end_y:.1f}"/>'
+        taken = line_taken(np.array([[from_x, from_y], [end_x, end_y]]), 1)
+        return leader + text_at(place, words, "vi-halo"), taken
+
+    return Label(_led_places(x, y, letter * len(words), to_left), draw)
+
+
 def line_taken(points: NDArray, radius: float) -> list[Rectangle]:
     """What a line through these, (k, 2) px, takes."""
     return _around(_along(points.tolist()), radius)
+
+
+def meet(one: Rectangle, other: Rectangle) -> bool:
+    left, top, right, bottom = one
+    a, b, c, d = other
+    return left < c and a < right and top < d and b < bottom
 
 
 def _around(places: Iterable[Sequence[float]], radius: float) -> list[Rectangle]:
@@ -137,7 +167,7 @@ def _along(points: list[list[float]]) -> Iterator[tuple[float, float]]:
     yield x, y
 
 
-def _places_beside(x: float, y: float, w: float, distance: float) -> Iterator[Rectangle]:
+def places_beside(x: float, y: float, w: float, distance: float) -> Iterator[Rectangle]:
     """Around a mark, the better ones first. w: px of the words."""
     for across, down in BESIDE:
         left, top = x + across * (distance + w / 2) - w / 2, y + down * (distance + LINE / 2) - LINE / 2

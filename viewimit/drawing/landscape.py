@@ -15,7 +15,7 @@ from ..settings import Settings
 from ..simulation.scene import Scene
 from ..snapshot import Snapshot
 from . import relief, svg
-from .labels import Labels
+from .labels import Label, led
 from .observability import described, draw_observability
 from .path_labels import NOW, PathLabels
 from .plots import figure
@@ -47,9 +47,7 @@ class LandscapePicture:
     ):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks, over the path
-        self._named: list[tuple[NDArray, str, str, bool]] = []  # marks to be led to: px, words, class, from the left
-        self._levels: list[relief.Level] = []
-        self._over = PathLabels(plane, self._labels)
+        self._labels: list[Label] = []  # of marks and contours, where there is room
         self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
         if not plane.has_plane and spread is not None:
@@ -66,10 +64,11 @@ class LandscapePicture:
             plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.camera])
         )
         self.html = plane.wrap(self._ground)
+        self._over = PathLabels(plane, self._labels)
 
     def draw_alone(self, settings: Settings) -> str:
         """The picture without a path, with the words of what it was made."""
-        labels = self._labels(self._plane.labels.copy())
+        labels = self._plane.labels.copy().draw(self._labels)
         inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._above}{labels}</g>'
         return figure(settings, inside, height=self._plane.height + CAPTION)
 
@@ -97,11 +96,6 @@ class LandscapePicture:
         parts += [_dot(now), self._in_inset(line), self._above, words]
         return self._plane.wrap("".join(parts), "vi-over")
 
-    def _labels(self, labels: Labels) -> str:
-        """Of the marks and of the contours, where there is room."""
-        led = "".join(labels.led(x, y, words, kind, to_left) for (x, y), words, kind, to_left in self._named)
-        return led + relief.draw_levels(self._levels, labels)
-
     def _draw(self, landscape: Landscape, snapshot: Snapshot) -> str:
         plane, labels = self._plane, self._plane.labels
         grid = plane.grid(landscape.axes)
@@ -119,8 +113,9 @@ class LandscapePicture:
         named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))
         for k, (name, posture, kind) in enumerate(named):
             words = f"{name} ({svg.number(posture[0], 0)}°, {svg.number(posture[1], 0)}°)"
-            self._named.append((marks[k], words, kind, (k == 0) == left_first))
-        self._levels = relief.level_places(grid, landscape.E, labels.bounds, marks[1])
+            x, y = marks[k].tolist()
+            self._labels.append(led(x, y, words, kind, (k == 0) == left_first))
+        self._labels += relief.level_labels(grid, landscape.E, labels.bounds, marks[1])
         return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E) + inset
 
     def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:

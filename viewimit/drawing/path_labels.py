@@ -1,6 +1,6 @@
 """Labels over a path that grows: they keep off it, and stay where they are as long as it keeps off them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,36 +9,49 @@ from numpy.typing import NDArray
 
 from ..snapshot import Snapshot
 from . import svg
-from .labels import Labels, Rectangle, line_taken, text_at
+from .labels import Label, Labels, Put, Rectangle, beside, line_taken, meet, places_beside, text_at
 from .posture_plane import PosturePlane
 
 NOW = 5.8  # px, radius of the big dot
 STAYS = 100  # motions for which labels that nothing covers stay; what a path takes of the plot grows with each
 CLEAR = 3.0  # px on both sides of the path that labels leave free
+APART = 20.0  # px from the start to the learner, from which on each has a label
 AHEAD = 4.0  # px around the big dot that labels leave free for the next motions when they are placed
 
 
 @dataclass
 class Placed:
-    """since: the motion for which they were placed; about: the path's moments and its cursor; present: the last of it;
-    line: what the path, the marks and the big dot, wherever it has been since, take; labels: what the labels but the
-    learner's own take, with their leaders; others: where these labels stand; own, words: the drawings of both."""
+    """since: the motion for which all were placed; about: the path's moments and its cursor; theta: where it ends;
+    line: what the path, the marks and the big dot, wherever it has been since, take; labels: all but the learner's
+    own, the start's first; own: that one as it is drawn; away: whether the learner is where both have room."""
 
     since: int
     about: tuple[int, int]
-    present: Snapshot
+    theta: NDArray
     line: Labels
-    labels: list[Rectangle]
-    others: Labels
+    labels: list[Put]
     own: str
-    words: str
+    away: bool
 
     @cached_property
     def free(self) -> Labels:
-        """With the line and these labels taken. Mostly the next motion covers one before it is asked for."""
+        """With the line and the labels taken. Mostly the next motion covers one before it is asked for."""
         free = self.line.copy()
-        free.take(*self.labels)
+        for label in self.labels:
+            free.take(*label.takes)
         return free
+
+    @cached_property
+    def places(self) -> Labels:
+        """Where the labels stand, without what leads to them."""
+        places = Labels(*self.line.bounds)
+        places.take(*[label.place for label in self.labels if label.place is not None])
+        return places
+
+    @cached_property
+    def words(self) -> str:
+        """The drawings of these labels."""
+        return "".join([label.drawn for label in self.labels])
 
     def take(self, rectangles: Sequence[Rectangle]) -> None:
         """By the line."""
@@ -48,33 +61,26 @@ class Placed:
 
 
 class PathLabels:
-    """In a plane. draw(labels): those of marks and contours, where there is room."""
+    """In a plane. labels: of marks and contours, where there is room."""
 
-    def __init__(self, plane: PosturePlane, draw: Callable[[Labels], str]):
-        self._plane, self._draw = plane, draw
+    def __init__(self, plane: PosturePlane, labels: Sequence[Label]):
+        self._plane, self._labels = plane, labels
         self._placed: Placed | None = None
-        self._path = plane.labels  # what the path and the marks take
-        self._begun = 0  # the motion until which that was made of the path as it is drawn
 
     def words(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None, points: NDArray) -> str:
         """All labels; those but the learner's own stay while the arm is on its way. theta: (m,) rad, where it is seen
         then; points: (k, 2) px of the path as it is drawn."""
         placed = self._placed
-        if placed is None or (placed.about, placed.present) != ((len(history), cursor), history[cursor]):
+        if placed is None or placed.about != (len(history), cursor) or placed.theta is not history[cursor].theta:
             placed = self._placed = self._follow(history, cursor, points)
         return placed.words + (placed.own if theta is None else self._own(placed.free, theta, cursor)[0])
 
     def _follow(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> Placed:
         """Go on with more motions, or with another path."""
         placed, new = self._placed, self._since(history, cursor)
-        if new is None or cursor - self._begun > STAYS:
-            self._path, self._begun = self._plane.labels.copy(), cursor
-            self._path.take_line(points, CLEAR)
-        else:
-            self._path.take(*new)
-        if placed is not None and new is not None and self._gone_on(placed, history, cursor, new):
-            return placed
-        return self._place(history, cursor, points[0])
+        if placed is None or new is None or cursor - placed.since > STAYS:
+            return self._place(history, cursor, points)
+        return self._gone_on(placed, history, cursor, new)
 
     def _since(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:
         """What the motions since labels were drawn last take; None if the path is another one."""
@@ -82,47 +88,62 @@ class PathLabels:
         if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
             return None
         since = history[placed.about[1] : cursor + 1]
-        if since[0] is not placed.present:
+        if since[0].theta is not placed.theta:
             return None
         return line_taken(self._plane.place(np.degrees([moment.theta for moment in since])), CLEAR)
 
-    def _place(self, history: Sequence[Snapshot], cursor: int, start: NDArray) -> Placed:
-        """All labels, off the path. start: (2,) px of it."""
-        present = history[cursor]
-        line, others = self._path.copy(), Labels(*self._path.bounds)
-        now = self._plane.place(np.degrees(present.theta))
-        line.take_points(now, NOW + AHEAD)
-        labels, words = line.copy(), ""
-        own, place = self._own(labels, present.theta, cursor)
-        if place is not None:
-            labels.take(place)
-        if cursor and np.abs(now - start).max() > 20:
-            words = labels.beside(float(start[0]), float(start[1]), "start", "vi-2nd vi-halo", 8)
-        words += self._draw(labels)
-        others.take(*labels.placed)
-        taken = labels.since(line)[place is not None :]
-        return Placed(cursor, (len(history), cursor), present, line, taken, others, own, words)
+    def _place(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> Placed:
+        """All labels, off the path. points: (k, 2) px of it as it is drawn."""
+        line, (x, y) = self._plane.labels.copy(), points[0].tolist()
+        line.take_line(points, CLEAR)
+        line.take_points(self._plane.place(np.degrees(history[cursor].theta)), NOW + AHEAD)
+        labels = beside(x, y, "start", "vi-2nd vi-halo", 8), *self._labels
+        return self._put([Put(label) for label in labels], line, history, cursor, cursor)
 
-    def _gone_on(self, placed: Placed, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]) -> bool:
-        """While more motions keep off the labels, these stay: they do not jump, and need not be placed. new: what these
-        motions take."""
-        if cursor - placed.since > STAYS:
-            return False
-        present = history[cursor]
-        x, y = self._plane.place(np.degrees(present.theta)).tolist()
+    def _put(self, labels: Sequence[Put], line: Labels, history: Sequence[Snapshot], cursor: int, since: int) -> Placed:
+        """The learner's own label, and those that stand nowhere; that of the start only while the learner is away."""
+        theta, away, free = history[cursor].theta, self._away(history, cursor), line.copy()
+        for label in labels:
+            free.take(*label.takes)
+        own, place = self._own(free, theta, cursor)
+        if place is not None:
+            free.take(place)
+        put = [
+            free.put(label.label) if label.place is None and (k or away) else label for k, label in enumerate(labels)
+        ]
+        return Placed(since, (len(history), cursor), theta, line, put, own, away)
+
+    def _away(self, history: Sequence[Snapshot], cursor: int) -> bool:
+        """Whether the learner's own label is not the start's."""
+        start, now = self._plane.place(np.degrees([history[0].theta, history[cursor].theta]))
+        return cursor > 0 and bool(np.abs(now - start).max() > APART)
+
+    def _gone_on(self, placed: Placed, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]) -> Placed:
+        """While more motions keep off the labels, these stay: they do not jump, and need not be placed; only those that
+        are met make room. new: what these motions take."""
+        theta, away = history[cursor].theta, self._away(history, cursor)
+        x, y = self._plane.place(np.degrees(theta)).tolist()
         new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]
-        if any(map(placed.others.covers, new)):
-            return False
         placed.take(new)
-        placed.own = self._own(placed.free, present.theta, cursor)[0]
-        if not placed.own and self._own(placed.line, present.theta, cursor)[0]:
-            return False  # it would have room if the others stood elsewhere
-        placed.about, placed.present = (len(history), cursor), present
-        return True
+        met = [one for one in new if placed.places.covers(one)]
+        placed.own = "" if met else self._own(placed.free, theta, cursor)[0]
+        if not met and not placed.own:
+            place = self._own(placed.line, theta, cursor)[1]  # where it has room once others make some
+            met = [] if place is None else [place]
+        if met or away != placed.away:
+            start, *others = [Put(label.label) if _meets(label.place, met) else label for label in placed.labels]
+            start = start if away else Put(start.label)
+            return self._put([start, *others], placed.line, history, cursor, placed.since)
+        placed.about, placed.theta = (len(history), cursor), theta
+        return placed
 
     def _own(self, labels: Labels, theta: NDArray, cursor: int) -> tuple[str, Rectangle | None]:
         """The learner's own label at theta, (m,) rad, and its place, which is not taken."""
         x, y = self._plane.place(np.degrees(theta)).tolist()
         words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
-        place = labels.free_beside(x, y, words, 11)
+        place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
+
+
+def _meets(place: Rectangle | None, others: Sequence[Rectangle]) -> bool:
+    return place is not None and any(meet(place, other) for other in others)

@@ -7,7 +7,7 @@ import base64
 import io
 import itertools
 import secrets
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from . import svg
-from .labels import CHARACTER, LINE, Labels, Rectangle
+from .labels import CHARACTER, LINE, Label, Rectangle
 
 LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
 MOST_LEVELS = 9
@@ -29,7 +29,6 @@ AWAY = np.radians(40)  # a label may stand off its ray by that
 _OWN, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes meet in one page
 
 Grid = tuple[NDArray, NDArray]
-Level = tuple[str, list[Rectangle]]  # words, and places for them
 
 
 def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
@@ -93,27 +92,24 @@ def contours(grid: Grid, E: NDArray) -> str:
     return f'<path class="vi-contour" d="{"".join(map(svg.path, lines))}"/>'
 
 
-def level_places(grid: Grid, E: NDArray, bounds: Sequence[float], lowest: NDArray) -> list[Level]:
-    """Where the contours' levels may stand, the better places first: each on two rays from `lowest`, (2,) px, to the
-    plot's far corners. bounds: left, top, right, bottom px."""
+def level_labels(grid: Grid, E: NDArray, bounds: Sequence[float], lowest: NDArray) -> list[Label]:
+    """Of the contours: each level on two rays from `lowest`, (2,) px, to the plot's far corners, and beside these.
+    bounds: left, top, right, bottom px."""
     generator, found = _generator(grid, E), []
     rays = _rays(bounds, lowest)
     for level in _levels(E):
         lines = [_thin(line) for line in _lines(generator, level)]
         if lines:
-            found += [(f"{level:g}", _places(np.concatenate(lines), f"{level:g}", lowest, ray)) for ray in rays]
+            found += [_level_label(np.concatenate(lines), f"{level:g}", lowest, ray) for ray in rays]
     return found
 
 
-def draw_levels(levels: Iterable[Level], labels: Labels) -> str:
-    """Those for which there is room."""
-    drawn = []
-    for words, places in levels:
-        place = labels.take_first_free(places)
-        if place is not None:
-            left, top, right, bottom = place
-            drawn.append(svg.text((left + right) / 2, (top + bottom) / 2 + 4, words, "vi-2nd vi-halo vi-mid"))
-    return "".join(drawn)
+def _level_label(line: NDArray, words: str, lowest: NDArray, ray: float) -> Label:
+    def draw(place: Rectangle) -> tuple[str, Sequence[Rectangle]]:
+        left, top, right, bottom = place
+        return svg.text((left + right) / 2, (top + bottom) / 2 + 4, words, "vi-2nd vi-halo vi-mid"), ()
+
+    return Label(_places(line, words, lowest, ray), draw)
 
 
 def fine_contours(grid: Grid, E: NDArray) -> str:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...analysis.landscape import Landscape
 from ...simulation.scene import Scene
 from .. import relief, svg
-from ..labels import Labels
+from ..labels import Label, Labels
 from ..posture_plane import PosturePlane
 from ..theme import OBSERVED
 from . import mark, narrow
@@ -39,7 +39,7 @@ class Hills:
 
     parts: tuple[str, ...] = ()
     lowest: NDArray | None = None
-    levels: Sequence[relief.Level] = ()
+    levels: Sequence[Label] = ()
 
 
 def plane_of(scene: Scene, in_narrow: bool = False) -> PosturePlane:
@@ -101,7 +101,7 @@ def draw_bowl(
             above.append(mark.distance(at, lowest, distance))
         above.append(mark.cross_hair(at, "your mark", (width, plane.height)))
     axes = plane.axes(note, named=not in_narrow)
-    inside = "".join(parts) + relief.draw_levels(hills.levels, labels) + axes + "".join(above)
+    inside = "".join(parts) + labels.draw(hills.levels) + axes + "".join(above)
     label = "The landscape of E over both joints"
     box, kind = f"0 0 {width} {plane.height:.1f}", narrow.CLASS if in_narrow else ""
     return f'<svg class="vi vi-bowl{kind}" viewBox="{box}" role="img" aria-label="{label}">{inside}</svg>'
@@ -115,7 +115,7 @@ def _hills(plane: PosturePlane, found: Landscape | None, labels: Labels) -> Hill
         return Hills((plane.message("nowhere are five points seen in all four images"),))
     grid, lowest = plane.grid(found.axes), plane.place(np.degrees(found.minimum))
     drawn = relief.shading(grid, found.E, plane.box), relief.contours(grid, found.E)
-    return Hills(drawn, lowest, relief.level_places(grid, found.E, labels.bounds, lowest))
+    return Hills(drawn, lowest, relief.level_labels(grid, found.E, labels.bounds, lowest))
 
 
 def _name(way: Way, plane: PosturePlane, labels: Labels) -> str:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ...analysis.landscape import Landscape
 from ...simulation.scene import Scene
 from .. import relief, svg
+from ..labels import Label
 from ..posture_plane import PosturePlane
 from ..theme import OBSERVED
 from . import narrow
@@ -54,7 +55,7 @@ def _case(plane: PosturePlane, case: Case, theta_demo: NDArray, shown: bool) -> 
     left, _, width, _ = plane.box
     parts, above, found = [plane.frame("vi-plane")], [], case.found
     labels = plane.labels.copy()
-    levels: list[relief.Level] = []
+    levels: list[Label] = []
     words = ""
     if shown and found is None:
         parts.append(plane.message("computing …"))
@@ -65,7 +66,7 @@ def _case(plane: PosturePlane, case: Case, theta_demo: NDArray, shown: bool) -> 
         parts += [relief.shading(grid, found.E, plane.box), relief.contours(grid, found.E)]
         parts.append(f'<path class="vi-apart" d="{svg.segments(lowest[None], demo[None])}"/>')
         labels.take_points(np.stack([lowest, demo]), 9)
-        levels = relief.level_places(grid, found.E, labels.bounds, lowest)
+        levels = relief.level_labels(grid, found.E, labels.bounds, lowest)
         above.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 2)}"/>' + svg.cross(lowest, 8))
         left_first = bool(demo[0] <= lowest[0])
         above.append(labels.led(float(demo[0]), float(demo[1]), "demonstrator", "vi-lead-demo", left_first))
@@ -73,5 +74,5 @@ def _case(plane: PosturePlane, case: Case, theta_demo: NDArray, shown: bool) -> 
         words = f"{svg.number(case.off_deg, 1)}° off"
     head = svg.text(left, 20, case.title if shown else "", "vi-b vi-mended-title")
     head += svg.text(left + width, 20, words, "vi-b vi-end vi-mended-title vi-of-E")
-    inside = "".join(parts) + relief.draw_levels(levels, labels) + plane.axes() + "".join(above)
+    inside = "".join(parts) + labels.draw(levels) + plane.axes() + "".join(above)
     return f'{head}<g transform="translate(0 {HEAD - 4})">{inside}</g>'

@@ -56,8 +56,8 @@ def _relief(plane: PosturePlane, found: Fig7, surface: Surface) -> str:
     minima = plane.place(np.degrees(surface.minima.theta))
     lowest = minima[0] if len(minima) else demo
     plane.labels.take_points(np.stack([demo, *minima]), 9)
-    levels = relief.level_places(grid, E, plane.labels.bounds, lowest)
-    parts = [relief.shading(grid, E, plane.box), relief.contours(grid, E), relief.draw_levels(levels, plane.labels)]
+    levels = relief.level_labels(grid, E, plane.labels.bounds, lowest)
+    parts = [relief.shading(grid, E, plane.box), relief.contours(grid, E), plane.labels.draw(levels)]
     parts.append(_ellipse(plane, surface))
     parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
     parts += [svg.cross(place, CROSS if k == 0 else CROSS / 2) for k, place in enumerate(minima)]

@@ -46,7 +46,7 @@ def _panel(plane: PosturePlane, found: Fig8, name: str) -> tuple[str, str, str]:
     grid, lowest = plane.grid(surface.landscape.axes), plane.place(np.degrees(surface.landscape.minimum))
     labels = plane.labels.copy()
     labels.take_points(np.stack([lowest, plane.place(found.demonstrator_deg)]), 9)
-    levels = relief.draw_levels(relief.level_places(grid, E, labels.bounds, lowest), labels)
+    levels = labels.draw(relief.level_labels(grid, E, labels.bounds, lowest))
     drawn = relief.shading(grid, E, plane.box) + relief.contours(grid, E) + levels + _marks(plane, found, surface)
     return name, f"E {svg.short(np.nanmin(E), 10)} … {svg.short(np.nanmax(E), 10)} px²", background + drawn
 

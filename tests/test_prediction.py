@@ -3,7 +3,7 @@
 import msgspec
 import numpy as np
 
-from viewimit.prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
+from viewimit.prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
@@ -17,7 +17,7 @@ def drift_of(session):
 def test_a_servo_may_ask_another_transfer_and_for_weights():
     session = Session(Settings(transfer="epipolar"))
     now = session.snapshot
-    ask, own = predicted_conflict(now), now.views.own
+    ask, own = PredictedConflict(now), now.views.own
     np.testing.assert_allclose(ask(own), now.e)
     other = Session(Settings(transfer="linear")).snapshot
     np.testing.assert_allclose(ask(own, "linear"), other.e)
@@ -31,7 +31,7 @@ def test_a_servo_may_ask_another_transfer_and_for_weights():
 
 def test_images_of_a_batch_are_answered_as_each_of_them():
     now = Session(Settings(transfer="projective")).snapshot
-    ask, own = predicted_conflict(now), now.views.own
+    ask, own = PredictedConflict(now), now.views.own
     batch = own + np.random.default_rng(0).normal(0, 2, (2, 3, *own.shape))
     for by in (None, "epipolar"):
         together = ask(batch, by)
@@ -45,29 +45,29 @@ def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays
         session.step()
     now, moments = session.snapshot, list(session.history)
     own = np.array([moment.views.own for moment in moments])
-    anew, fitted = predicted_conflict(now)(own), []
+    anew, fitted = PredictedConflict(now)(own), []
     fit = Snapshot.fit
     monkeypatch.setattr(Snapshot, "fit", lambda self, *args: fitted.append(self) or fit(self, *args))
-    np.testing.assert_allclose(predicted_conflict(now, moments=moments)(own), anew, atol=1e-10)
+    np.testing.assert_allclose(PredictedConflict(now, moments=moments)(own), anew, atol=1e-10)
     assert not fitted
     elsewhere = now.views.demo.copy()
     elsewhere[:, ::2] += 3.0 * np.arange(len(elsewhere))[:, None]
     moved = now.with_fields(views=FourViews(elsewhere, now.views.own, now.views.visible))
     other = now.with_fields(settings=msgspec.structs.replace(now.settings, transfer="linear"))
     for changed in (moved, other):
-        asked = predicted_conflict(changed, moments=moments)(own)
-        np.testing.assert_allclose(asked, predicted_conflict(changed)(own), atol=1e-10)
+        asked = PredictedConflict(changed, moments=moments)(own)
+        np.testing.assert_allclose(asked, PredictedConflict(changed)(own), atol=1e-10)
         assert not np.allclose(asked, anew, atol=0.1)
     ahead = np.full_like(now.views.demo, 3.0) * np.arange(len(elsewhere))[:, None]
-    drifted = predicted_conflict(now, ahead, moments=moments)(own)
-    np.testing.assert_allclose(drifted, predicted_conflict(now, ahead)(own), atol=1e-10)
+    drifted = PredictedConflict(now, ahead, moments=moments)(own)
+    np.testing.assert_allclose(drifted, PredictedConflict(now, ahead)(own), atol=1e-10)
 
 
 def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
     now = Session(Settings(transfer="linear")).snapshot
     drift = np.full_like(now.views.demo, 3.0)
     ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
-    np.testing.assert_allclose(predicted_conflict(now, drift)(now.views.own), ahead.e)
+    np.testing.assert_allclose(PredictedConflict(now, drift)(now.views.own), ahead.e)
 
 
 def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
@@ -79,10 +79,10 @@ def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_whe
     def of_frozen(by_px):
         return own - then.recover(now.views.demo_left + by_px, now.views.demo_right + by_px)
 
-    np.testing.assert_allclose(predicted_conflict(now, drift, noise_px=0.5)(own), of_frozen(1.0))
-    assert not np.allclose(predicted_conflict(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
-    assert not np.allclose(predicted_conflict(now, drift)(own), of_frozen(1.0), atol=0.1)
-    assert not np.allclose(predicted_conflict(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
+    np.testing.assert_allclose(PredictedConflict(now, drift, noise_px=0.5)(own), of_frozen(1.0))
+    assert not np.allclose(PredictedConflict(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(PredictedConflict(now, drift)(own), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(PredictedConflict(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
 
 
 def test_one_jump_of_the_demonstrator_is_no_drift():

@@ -1,7 +1,7 @@
 """The conflict that images would have which a servo predicts: no motion is made for it, and no posture is known."""
 
-from collections.abc import Callable, Sequence
-from functools import cache
+from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from .views import FourViews
 DRIFT_MOMENTS = 3  # two displacements
 NO_DRIFT = np.zeros(())
 NEAR, NEAR_NOISE = 4.0, 1600.0  # px²; times the noise's square: E up to which own images are near the demonstrator's
+Likeness = tuple[bytes, bytes]  # own images, and which of their points are known
 NEAR_POINTS = 8  # a homography of space is told by five; it takes more to tell their noise
 
 
@@ -43,17 +44,22 @@ def _near(now: Snapshot, views: FourViews, noise_px: float) -> Residuals | None:
     return near(views, now.rectification) if E < max(NEAR, NEAR_NOISE * noise_px**2) else None
 
 
-def _answers(now: Snapshot, moments: Sequence[Snapshot]) -> Callable[[NDArray], NDArray | None]:
-    """What was found already: residuals (n, N, 4) px of own images (n, N, 4) px if each was seen at one of the moments,
-    all else being as it is now; else None. A servo asks about all its visits at every motion."""
+class _Answers:
+    """What was found already, at moments at which all was as it is now but the own images: a servo asks about all its
+    visits at every motion."""
 
-    @cache
-    def known() -> dict[bytes, NDArray]:
+    def __init__(self, now: Snapshot, moments: Sequence[Snapshot]):
+        self._now, self._moments = now, moments
+
+    @cached_property
+    def _known(self) -> dict[bytes, NDArray]:
+        """Residuals (N, 4) px by the own images of a moment."""
+        now = self._now
         if now.transfer is None or not now.views.visible.all():
             return {}
         alike = (
             moment
-            for moment in moments
+            for moment in self._moments
             if moment.views.demo is now.views.demo
             and moment.views.visible is now.views.visible
             and moment.rectification is now.rectification
@@ -61,21 +67,18 @@ def _answers(now: Snapshot, moments: Sequence[Snapshot]) -> Callable[[NDArray], 
         )
         return {moment.views.own.tobytes(): moment.residual for moment in alike}
 
-    def answer(own: NDArray) -> NDArray | None:
+    def to(self, own: NDArray) -> NDArray | None:
+        """Residuals (n, N, 4) px of own images (n, N, 4) px; None if one of them was seen at none of the moments."""
         found: list[NDArray] = []
         for image in own:
-            e = known().get(image.tobytes())
+            e = self._known.get(image.tobytes())
             if e is None:
                 return None
             found.append(e)
         return np.array(found) if found else None
 
-    return answer
 
-
-def predicted_conflict(
-    now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float = 0.0, moments: Sequence[Snapshot] = ()
-) -> Conflict:
+class PredictedConflict:
     """What a servo may ask: residuals (..., n, C) px that own images (..., N, 4) px would have against the
     demonstrator as now seen, and displaced by `drift`, (N, 4) px; both rectified as now, if at all.
 
@@ -86,48 +89,61 @@ def predicted_conflict(
     transfer of the last convergence serves (Section 5.4): fitted anew at postures apart it would add its own noise to
     theirs. moments: of the history, whose own images may be asked about again.
     """
-    demo, demo_seen = now.views.demo + drift, np.asarray(now.views.visible[:, :2].all(-1))
-    frozen = now.frozen if drift.any() and noise_px > 0 else None
 
-    def alike(like: bytes, known: bytes) -> FourViews:
-        points = np.frombuffer(known, bool)
-        return FourViews(demo[points], np.frombuffer(like).reshape(-1, 4)[points], now.views.visible[points])
+    def __init__(
+        self, now: Snapshot, drift: NDArray = NO_DRIFT, noise_px: float = 0.0, moments: Sequence[Snapshot] = ()
+    ):
+        self._now, self._drift, self._noise_px = now, drift, noise_px
+        self._demo = now.views.demo + drift
+        self._demo_seen = np.asarray(now.views.visible[:, :2].all(-1))
+        self._frozen = now.frozen if noise_px > 0 and drift.any() else None
+        self._answers = _Answers(now, () if drift.any() else moments)
+        self._near: dict[Likeness, Residuals | None] = {}
+        self._weights: dict[Likeness, NDArray] = {}
+        self._heads: dict[int, Conflict] = {}
 
-    @cache  # a servo asks about many images that are like the same one
-    def near(like: bytes, known: bytes) -> Residuals | None:
-        return _near(now, alike(like, known), noise_px)
-
-    @cache
-    def weight(like: bytes, known: bytes) -> NDArray:
-        return noise_weight(alike(like, known))
-
-    @cache
-    def of_head(head: int) -> Conflict:
-        assert now.rectification is not None
-        other = now.with_fields(rectification=now.rectification.others[head - 1])
-        return predicted_conflict(other, drift, noise_px)
-
-    answer = _answers(now, () if drift.any() else moments)
-
-    def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
+    def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
         if head:
-            return of_head(head)(own, by, like)
-        answered = answer(own) if own.ndim == 3 and by is None and like is None else None
+            return self._of_head(head)(own, by, like)
+        answered = self._answers.to(own) if own.ndim == 3 and by is None and like is None else None
         if answered is not None:
             return answered
         told = np.isfinite(own)
-        known = demo_seen if told.all() else demo_seen & told.all(-1).reshape(-1, len(demo_seen)).all(0)
-        if np.count_nonzero(known) < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
+        seen = self._demo_seen
+        known = seen if told.all() else seen & told.all(-1).reshape(-1, len(seen)).all(0)
+        count = np.count_nonzero(known)
+        if count < MIN_POINTS:  # nothing can be told of such images: they are to be avoided
             return np.full((*own.shape[:-2], 1, 4), np.inf)
-        imagined = FourViews(demo, own, now.views.visible)
-        imagined = imagined if np.count_nonzero(known) == len(known) else imagined.select(known)
+        imagined = FourViews(self._demo, own, self._now.views.visible)
+        imagined = imagined if count == len(known) else imagined.select(known)
         one = None if like is None else (np.asarray(like, float).tobytes(), known.tobytes())
-        if one and not by and frozen is None:
-            weighed = near(*one)
+        if one and not by and self._frozen is None:
+            weighed = self._weighed_near(one)
             if weighed is not None:
                 return weighed.residual(imagined)
-        transfer = now.fit(imagined, by) if by or frozen is None else frozen
+        transfer = self._now.fit(imagined, by) if by or self._frozen is None else self._frozen
         e = transfer.residual(imagined)
-        return e if one is None or transfer.weighs_noise else e @ weight(*one)
+        return e if one is None or transfer.weighs_noise else e @ self._weight(one)
 
-    return conflict
+    def _weighed_near(self, one: Likeness) -> Residuals | None:
+        if one not in self._near:  # a servo asks about many images that are like the same one
+            self._near[one] = _near(self._now, self._alike(one), self._noise_px)
+        return self._near[one]
+
+    def _weight(self, one: Likeness) -> NDArray:
+        if one not in self._weights:
+            self._weights[one] = noise_weight(self._alike(one))
+        return self._weights[one]
+
+    def _alike(self, one: Likeness) -> FourViews:
+        like, known = one
+        points = np.frombuffer(known, bool)
+        own = np.frombuffer(like).reshape(-1, 4)[points]
+        return FourViews(self._demo[points], own, self._now.views.visible[points])
+
+    def _of_head(self, head: int) -> Conflict:
+        if head not in self._heads:
+            assert self._now.rectification is not None
+            other = self._now.with_fields(rectification=self._now.rectification.others[head - 1])
+            self._heads[head] = PredictedConflict(other, self._drift, self._noise_px)
+        return self._heads[head]

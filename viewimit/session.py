@@ -9,7 +9,6 @@ Every pass leaves one immutable Snapshot, which panels, plots, exports and tests
 
 import copy
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import Any
 
 import msgspec
@@ -21,7 +20,7 @@ from .contradictions import believed
 from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
 from .embodiment.in_scene import OpenEyes, degrees, told
 from .history import MAX_HISTORY, RECENT, History
-from .prediction import DRIFT_MOMENTS, demo_drift, predicted_conflict
+from .prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
 from .rectifying import POOLED, rectification_for
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
 from .servo import SERVOS, Observation
@@ -211,18 +210,9 @@ class Session:
         )
 
     def predicted_conflict(self, now: Snapshot) -> Conflict:
-        """What a servo may ask at a moment, the present one, about images that it predicts: `predicted_conflict`, made
-        up once it is asked. Laws that follow a slope never do."""
-
-        @cache
-        def made_up() -> Conflict:
-            drift, noise_px = demo_drift(self.history.recent(DRIFT_MOMENTS)), self.observer.noise_at_rest(now.settings)
-            return predicted_conflict(now, drift, noise_px, self.history.recent(RECENT))
-
-        def conflict(own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
-            return made_up()(own, by, like, head)
-
-        return conflict
+        """What a servo may ask at a moment, the present one, about images that it predicts."""
+        moments, noise_px = self.history.recent(RECENT), self.observer.noise_at_rest(now.settings)
+        return PredictedConflict(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout or start begins anew; all else re-observes the present.

@@ -82,7 +82,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     def amounts(self, kind: type[D]) -> tuple[tuple[D, float], ...]:
         """Of every disturbance of a kind, those that are 0 too."""
-        return tuple((found, getattr(self, name)) for name, found in disturbances(kind).items())
+        return tuple([(found, getattr(self, name)) for name, found in disturbances(kind).items()])
 
     def __post_init__(self) -> None:
         for name in (*_SEQUENCES, *_NUMBERS):

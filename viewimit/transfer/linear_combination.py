@@ -7,7 +7,7 @@ becomes singular where the epipolar lines of [l] and [r] are parallel.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,15 +36,31 @@ class LinearTransfer(AffineTransfer):
 def fit(views: FourViews) -> LinearTransfer:
     """For N ≥ 5 points. `condition` is σ1/σ3 of the centred [l r]: inf for coplanar points."""
     require_points(views.own.shape[-2])
-    demo_mean, demo = centred(views.demo)
+    demo = np.asarray(views.demo, float)
+    demo_mean, sigma, inverse = _kept(demo.tobytes()) if demo.ndim == 2 else _inverted(demo)
     own_mean, own = centred(views.own)
-    U, sigma, Vt = np.linalg.svd(demo, full_matrices=False)
+    matrix = scatter(inverse, own).transpose(2, 1, 0).reshape(own.shape[:-2] + (4, 4))
+    return LinearTransfer(matrix, demo_mean, own_mean, sigma)
+
+
+def _inverted(demo: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """[l r], (..., N, 4) px → its mean (..., 4) px, its σ (..., 3) px, and the transposed pseudo-inverse of what is
+    left of rank 3, (..., N, 4) in 1/px."""
+    mean, centred_demo = centred(demo)
+    U, sigma, Vt = np.linalg.svd(centred_demo, full_matrices=False)
     kept = sigma[..., :3] > sigma[..., :1] * np.finfo(float).eps * demo.shape[-2]
     sigma = np.where(kept, sigma[..., :3], 0.0)
     weight = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=kept)
-    inverse = (U[..., :3] * weight[..., None, :]) @ Vt[..., :3, :]  # transposed pseudo-inverse of [l r] at rank 3
-    matrix = scatter(inverse, own).transpose(2, 1, 0).reshape(own.shape[:-2] + (4, 4))
-    return LinearTransfer(matrix, demo_mean, own_mean, sigma)
+    return mean, sigma, (U[..., :3] * weight[..., None, :]) @ Vt[..., :3, :]
+
+
+@lru_cache(64)  # the demonstrator mostly rests while a servo asks about own images
+def _kept(demo: bytes) -> tuple[NDArray, NDArray, NDArray]:
+    """Of points (N, 4) px, not to be written to."""
+    found = _inverted(np.frombuffer(demo).reshape(-1, 4))
+    for array in found:
+        array.flags.writeable = False
+    return found
 
 
 def equations(fitted: LinearTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:

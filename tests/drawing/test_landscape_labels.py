@@ -100,6 +100,34 @@ def test_while_the_path_grows_labels_give_way_to_it_and_else_stay_where_they_are
     assert stayed >= least
 
 
+@pytest.mark.parametrize("name", ("paper", "searching", "corner"))
+def test_a_label_moves_only_where_the_path_or_the_learners_own_label_needs_its_place(name):
+    """Margins: what is kept free of a path, and by how much a label's place is larger than its letters."""
+    session = Session(SITUATIONS[name])
+    views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
+    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    picture, plane = LandscapePicture(made, session.scene, session.snapshot), PosturePlane(session.scene)
+    before, moved = set(), 0
+    for _ in range(60):
+        root = parsed(picture.draw_path(session.history, session.cursor))
+        numbers = {(float(one.get("x")), float(one.get("y")), one.text) for one in marked(root, "text", LEVEL_NUMBERS)}
+        last = plane.place(np.degrees([moment.theta for moment in session.history[max(session.cursor - 1, 0) :]]))
+        line = last[0] + np.linspace(0, 1, 200)[:, None] * (last[-1] - last[0])
+        own = marked(root, "text", "vi-of-own")
+        for x, y, words in before - numbers:
+            half = CHARACTER * len(words) / 2 + 4 + 10
+            met = inside(line, (x - half, y - 12 - 10, x + half, y + 4 + 10)).any()
+            assert met or any(
+                abs(float(one.get("x")) - x) < half + CHARACTER * len(one.text) / 2
+                and abs(float(one.get("y")) - y) < LINE + 3
+                for one in own
+            )
+            moved += 1
+        before = numbers
+        session.step()
+    assert moved
+
+
 def test_a_label_without_room_is_left_out():
     labels = Labels(0, 0, 100, 20)
     assert "E" in labels.beside(50, 10, "E", "", 4)

@@ -32,7 +32,7 @@ class Label(NamedTuple):
 
 
 class Put(NamedTuple):
-    """A label where it stands, None if there was no room; as it is drawn, with all that it takes."""
+    """A label where it stands, None if there was no room; as it is drawn, with all that it takes, its place first."""
 
     label: Label
     place: Rectangle | None = None

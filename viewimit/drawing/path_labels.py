@@ -126,14 +126,15 @@ class PathLabels:
         new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]
         placed.take(new)
         met = [one for one in new if placed.places.covers(one)]
+        gone = [_meet(label.takes[:1], met) for label in placed.labels]
         placed.own = "" if met else self._own(placed.free, theta, cursor)[0]
         if not met and not placed.own:
             place = self._own(placed.line, theta, cursor)[1]  # where it has room once others make some
-            met = [] if place is None else [place]
-        if met or away != placed.away:
-            start, *others = [Put(label.label) if _meets(label.place, met) else label for label in placed.labels]
-            start = start if away else Put(start.label)
-            return self._put([start, *others], placed.line, history, cursor, placed.since)
+            gone = [place is not None and _meet(label.takes, [place]) for label in placed.labels]
+        if any(gone) or away != placed.away:
+            gone[0] |= not away
+            labels = [Put(label.label) if goes else label for label, goes in zip(placed.labels, gone)]
+            return self._put(labels, placed.line, history, cursor, placed.since)
         placed.about, placed.theta = (len(history), cursor), theta
         return placed
 
@@ -145,5 +146,5 @@ class PathLabels:
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
 
 
-def _meets(place: Rectangle | None, others: Sequence[Rectangle]) -> bool:
-    return place is not None and any(meet(place, other) for other in others)
+def _meet(some: Sequence[Rectangle], others: Sequence[Rectangle]) -> bool:
+    return any(meet(one, other) for one in some for other in others)

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from viewimit.history import RECENT, STRIDE, History
+from viewimit.history import EARLY, RECENT, STRIDE, History
 from viewimit.session import Session
 from viewimit.settings import Settings
 
@@ -82,19 +82,20 @@ def test_what_another_holds_of_an_old_moment_stays_as_it_was():
 
 
 @pytest.mark.parametrize("dense", [0, 8, STRIDE + 8, RECENT, 5 * STRIDE])
-def test_of_old_motions_every_stride_th_stands_for_those_after_it(dense):
-    motions = 8 * STRIDE + 5
+def test_after_the_first_motions_every_stride_th_of_old_ones_stands_for_those_after_it(dense):
+    motions = EARLY + 8 * STRIDE + 5
     history = written(motions, dense, heavy)
-    thinned = (motions - dense) // STRIDE * STRIDE
-    stands = [k // STRIDE * STRIDE if k < thinned else k for k in range(motions + 1)]
+    thinned = EARLY + (motions - dense - EARLY) // STRIDE * STRIDE
+    stands = [k // STRIDE * STRIDE if EARLY <= k < thinned else k for k in range(motions + 1)]
     assert [one.motion for one in history] == stands
     assert len(set(map(id, history))) == len(set(stands))
-    assert history.scrub(STRIDE + 3) and history.cursor == STRIDE and history.undo() and history.cursor == 0
+    assert history.scrub(EARLY + STRIDE + 3) and history.cursor == EARLY + STRIDE
+    assert history.undo() and history.cursor == EARLY and history.undo() and history.cursor == EARLY - 1
 
 
 @pytest.mark.parametrize("dense", [None, 8, RECENT, 5 * STRIDE])
 def test_a_history_taken_over_is_as_one_written_here(dense):
-    motions = 8 * STRIDE + 5
+    motions = EARLY + 8 * STRIDE + 5
     here, there = written(motions, dense, heavy), History(written(motions, make=heavy), motions, dense)
     assert [one.motion for one in there] == [one.motion for one in here]
     assert heavy_ones(there) == heavy_ones(here)

@@ -9,7 +9,7 @@ import pytest
 from viewimit.assets import ROOT
 
 from viewimit.experiments.bench import baselines
-from viewimit.history import MOST_OLD, RECENT, STRIDE, History
+from viewimit.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -88,18 +88,20 @@ def test_scrubbing_keeps_the_future_and_stepping_drops_it():
 
 
 def test_of_a_long_history_some_old_motions_stand_for_those_after_them():
-    """Every STRIDE-th, from the start on; the last ones are all there, and what follows is what would have followed."""
-    dense, motions = 40, 40 + 3 * STRIDE + 5
+    """Every STRIDE-th, but for the first motions; the last ones are all there, and what follows is what would have
+    followed."""
+    dense, motions = 40, 40 + EARLY + 3 * STRIDE + 5
     kept, whole = (walked(Session(RESTLESS, dense=d), motions) for d in (dense, None))
-    thinned = 3 * STRIDE
+    thinned = EARLY + 3 * STRIDE
     for k, (moment, expected) in enumerate(zip(kept.history, whole.history, strict=True)):
-        stands = k // STRIDE * STRIDE if k < thinned else k
+        stands = k // STRIDE * STRIDE if EARLY <= k < thinned else k
         assert moment.motion == stands
         assert k != stands or same(moment, expected)
-    assert len(set(map(id, kept.history))) == 3 + len(kept.history) - thinned
-    assert kept.scrub(STRIDE + 3) and kept.cursor == STRIDE == kept.snapshot.motion
-    assert kept.undo() and kept.cursor == 0 and kept.scrub(2 * STRIDE - 1) and kept.cursor == STRIDE
-    whole.scrub(STRIDE)
+    assert len(set(map(id, kept.history))) == EARLY + 3 + len(kept.history) - thinned
+    second = EARLY + STRIDE
+    assert kept.scrub(second + 3) and kept.cursor == second == kept.snapshot.motion
+    assert kept.undo() and kept.cursor == EARLY and kept.scrub(second + STRIDE - 1) and kept.cursor == second
+    whole.scrub(second)
     for _ in range(dense + 2 * STRIDE):
         assert kept.step() and whole.step()
         assert same(kept.snapshot, whole.snapshot) and kept.history[kept.cursor] is kept.snapshot
@@ -122,13 +124,14 @@ def test_however_long_a_history_is_it_keeps_no_more_moments(dense):
         history.append(Moment(motion))
         if motion % 500 == 0:
             kept = sorted({moment.motion for moment in history})
-            stride = kept[1] - kept[0]
-            long_past = [k for k in kept if k <= motion - dense - 2 * stride]
+            assert kept[:EARLY] == list(range(EARLY))
+            stride = kept[EARLY + 1] - kept[EARLY]
+            long_past = [k for k in kept if EARLY <= k <= motion - dense - 2 * stride]
             assert (np.diff(long_past) == stride).all() and len(long_past) <= 2 * MOST_OLD
             assert all(0 <= k - moment.motion < stride for k, moment in enumerate(history))
             assert kept[-dense:] == list(range(motion + 1 - dense, motion + 1))[-dense:] or dense == 0
             most = max(most, len(kept))
-    assert stride == 16 * STRIDE and most < 2 * MOST_OLD + dense + 2 * stride
+    assert stride == 16 * STRIDE and most < EARLY + 2 * MOST_OLD + dense + 2 * stride
     assert [m.motion for m in History(history, history.cursor, dense)] == [m.motion for m in history]
 
 

@@ -7,15 +7,16 @@ from .snapshot import Snapshot
 
 MAX_HISTORY = 100_000  # motions a session makes
 RECENT = 64  # of the last motions, transfer and residuals stay as they were computed; those of older ones are let go
+EARLY = 64  # of the first motions, which are the longest, all are kept
 STRIDE, MOST_OLD = 32, 64  # of motions long past one in so many is kept, if not all are, and so many of them at most
 
 
 class History(Sequence[Snapshot]):
     """moments: by motion, from 0 on; cursor: the motion that the session is at.
 
-    dense: how many of the last motions are kept, None for all. Of older ones every STRIDE-th is, and stands in place
-    of those after it; every second one of these as soon as they are MOST_OLD, and so on: a history of whatever length
-    takes no more memory.
+    dense: how many of the last motions are kept, None for all. Of older ones the EARLY first are, and then every
+    STRIDE-th, which stands in place of those after it; every second one of these as soon as they are MOST_OLD, and so
+    on: a history of whatever length takes no more memory.
     """
 
     def __init__(self, moments: Iterable[Snapshot], cursor: int = 0, dense: int | None = None):
@@ -81,8 +82,8 @@ class History(Sequence[Snapshot]):
 
     def _thin(self) -> None:
         """Let each of the old moments that are kept stand for those until the next one."""
-        old, stride = 0 if self._dense is None else self.cursor - self._dense, STRIDE
+        old, stride = 0 if self._dense is None else self.cursor - self._dense - EARLY, STRIDE
         while old >= MOST_OLD * stride:
             stride *= 2
-        for first in range(0, old - stride + 1, stride):
+        for first in range(EARLY, EARLY + old - stride + 1, stride):
             self._moments[first + 1 : first + stride] = [self._moments[first]] * (stride - 1)

@@ -147,6 +147,7 @@ def test_the_table_says_every_figure_in_120_columns():
         postures=16471,
         loop_postures=1647,
         landscape_s={"epipolar": 0.010, "linear": 0.003},
+        many_s={"epipolar": 0.060, "linear": 0.042},
         condition_s=0.0125,
         batch_s=0.2,
         batch_condition_s=0.25,
@@ -163,6 +164,8 @@ def test_the_table_says_every_figure_in_120_columns():
     )
     rows = {line[:62].strip(): line[62:].split() for line in tables.speed_table(found).splitlines()}
     assert max(map(len, tables.speed_table(found).splitlines())) <= 120
+    assert rows["epipolar, 100 points"] == ["60.0", "ms", "6.0", "x"]
+    assert rows["linear, 100 points"] == ["42.0", "ms", "14.0", "x"]
     assert rows["numpy batch: eigh and solve"] == ["200.0", "ms", "20.0", "x"]
     assert rows["numpy loop: eigh and lstsq (1647 postures, scaled)"] == ["4000.0", "ms", "400.0", "x"]
     assert rows["OpenCV loop: perspective, another E (1647 postures, scaled)"] == ["6000.0", "ms", "600.0", "x"]

@@ -47,6 +47,8 @@ def _landscape_rows(found: speed.Benchmark, timed: str) -> list[str]:
         row("epipolar with cond(A)", with_condition, with_condition),
         row("numpy batch, without cond(A)", found.batch_s, with_condition),
         row("numpy batch with cond(A), eigvalsh of its AᵀA", found.batch_condition_s, with_condition),
+        "the same postures, points on the robot's surface, beside the same transfer above",
+        *(row(f"{name}, {speed.MANY} points", s, found.landscape_s[name]) for name, s in found.many_s.items()),
     ]
 
 

@@ -21,12 +21,14 @@ from ...simulation.world import World
 from ...transfer import TRANSFERS
 from ...views import FourViews
 from . import baselines, opencv_baseline
+from .surface import surface_points
 
 LOOP_SHARE = 10  # loops are timed on every tenth posture in a seeded order, unless all are asked for
 SINGLE_CALLS = 200  # calls timed together, well above the clock's resolution
 BATCH = 8  # postures that a servo asks for together
 ROUNDS = 15
 SLOW_ROUNDS = 5
+MANY = 100  # points, as a tracker of textures gives
 MOTIONS = 300  # of each servo
 STAGES = 6
 
@@ -47,7 +49,8 @@ class Benchmark:
     """Seconds of CPU time. agreement: largest relative difference of E to a baseline, over the postures it had.
 
     landscape_s: by transfer, condition_s: epipolar with its condition; batch_s, batch_condition_s: numpy batch;
-    loop_s: for all postures, from `loop_postures` that were timed; all with kinematics and projection.
+    loop_s: for all postures, from `loop_postures` that were timed; many_s: by transfer, with MANY points on the robot's
+    surface; all with kinematics and projection.
     fit_s: by transfer and number of postures, one fit, recovery, residual and E of given images;
     loop_posture_s, batch_posture_s: the baselines given the images of one posture.
     motion_s: by transfer and servo, one whole `Session.step`. opencv: None if it cannot run, and opencv_why_not.
@@ -58,6 +61,7 @@ class Benchmark:
     postures: int
     loop_postures: int
     landscape_s: dict[str, float]
+    many_s: dict[str, float]
     condition_s: float
     batch_s: float
     batch_condition_s: float
@@ -84,16 +88,21 @@ def run(
     world = World(load_scene(scene), points)
     theta = np.radians(world.scene.posture_deg)[world.scene.moving]
     demo, _ = world.demo_images(theta)
-    seen = np.ones((points, 2), bool)
     postures = np.stack(np.meshgrid(*grid_axes(world), indexing="ij"), -1).reshape(-1, 2)
-    sample = np.random.default_rng(seed).permutation(len(postures))
+    rng = np.random.default_rng(seed)
+    sample = rng.permutation(len(postures))
     sample = sample if full_loop else sample[: len(postures) // LOOP_SHARE]
 
-    def over_grid(transfer: str, with_condition: bool = False):
-        return landscape(world, TRANSFERS[transfer], demo, seen, with_condition=with_condition)
+    def over_grid(transfer: str, world: World = world, with_condition: bool = False):
+        images, _ = world.demo_images(theta)
+        seen = np.ones((len(images), 2), bool)
+        return landscape(world, TRANSFERS[transfer], images, seen, with_condition=with_condition)
 
+    links = range(len(world.scene.posture_deg) + 1)
+    many = World(world.scene, body=surface_points(world.scene.robot, links, MANY, rng)[0])
     landscape_s = {name: _median_s(lambda: over_grid(name), ROUNDS) for name in TRANSFERS}  # noqa: B023
-    condition_s = _median_s(lambda: over_grid("epipolar", True), ROUNDS)
+    many_s = {name: _median_s(lambda: over_grid(name, many), SLOW_ROUNDS) for name in TRANSFERS}  # noqa: B023
+    condition_s = _median_s(lambda: over_grid("epipolar", with_condition=True), ROUNDS)
     tell(1 / STAGES)
     batch_s = _median_s(lambda: baselines.batch(world, demo, postures), SLOW_ROUNDS)
     batch_condition_s = _median_s(lambda: baselines.batch(world, demo, postures, True), SLOW_ROUNDS)
@@ -110,7 +119,7 @@ def run(
     opencv = None if why_not else _opencv(world, theta, demo, postures, sample)
     tell(5 / STAGES)
     motion_s = {name: {servo: _motion_s(scene, points, name, servo) for servo in SERVOS} for name in TRANSFERS}
-    found = over_grid("epipolar", True)
+    found = over_grid("epipolar", with_condition=True)
     batch_E, batch_condition = baselines.batch(world, demo, postures, True)
     tell(1.0)
     assert found.condition is not None and batch_condition is not None  # both were asked for
@@ -120,6 +129,7 @@ def run(
         postures=len(postures),
         loop_postures=len(sample),
         landscape_s=landscape_s,
+        many_s=many_s,
         condition_s=condition_s,
         batch_s=batch_s,
         batch_condition_s=batch_condition_s,

@@ -171,6 +171,16 @@ def test_no_constructor_takes_more_than_anybody_keeps_apart():
                 assert len(arguments) - 1 <= MOST_ARGUMENTS, f"{path}:{node.lineno}"
 
 
+def test_no_constructor_hands_on_what_is_made_only_after_it():
+    """A lambda in it that reaches into self finds there whatever comes to be later."""
+    for path in SOURCES:
+        for node in nodes_of(path):
+            if isinstance(node, ast.FunctionDef) and node.name == "__init__":
+                for inner in ast.walk(node):
+                    if isinstance(inner, ast.Lambda):
+                        assert "self." not in ast.unparse(inner), f"{path}:{inner.lineno}"
+
+
 @pytest.mark.parametrize("part", ESTIMATORS_SEE)
 def test_estimators_and_servos_know_image_points_only(part):
     for path in in_part(part):

@@ -8,7 +8,9 @@ from viewimit.experiments import EXPERIMENTS
 from viewimit.session import Session
 
 from ..jobs.experiments import ExperimentWorker, Request, Run
+from .commands.command import Arrival
 from .motions import Motions
+from .queue import CommandQueue
 
 
 def titles() -> dict[str, str]:
@@ -28,11 +30,11 @@ class Experiments:
         page_id: int,
         session: Session,
         motions: Motions,
-        tell: Callable[[Run], None],
+        queue: CommandQueue,
         send: Callable[[str, bytes], None],
     ):
         self._worker, self._page_id, self._session, self._motions = worker, page_id, session, motions
-        self._tell, self._send = tell, send
+        self._queue, self._send = queue, send
         self.chosen = next(iter(EXPERIMENTS))
         self.latest: Run | None = None
         self.runs: dict[str, Run] = {}
@@ -58,7 +60,7 @@ class Experiments:
         offered = {"motion": self._motions.asked_for}
         options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options if name in offered}
         settings = msgspec.structs.replace(self._session.settings, camera="points")
-        self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._tell)
+        self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._take_later)
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
@@ -70,3 +72,6 @@ class Experiments:
         if self.shown is None or not self.shown.archive:
             raise ValueError("there is nothing to download before the experiment is done")
         self._send(f"viewimit-{self.chosen}.zip", self.shown.archive)
+
+    def _take_later(self, run: Run) -> None:
+        self._queue.put(Arrival(("run", run.name), self.take, run))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.motion import FRAMES, MOTIONS, STEP_S, TITLES, Motion, decode, encode, require_motion
 from viewimit.session import Session
 
+from .queue import Aside
 from .recorder import NAME as RECORDED
 from .recorder import Playback, Recorder
 
@@ -20,15 +21,15 @@ FILE = "viewimit-motion.json"
 class Motions:
     """A made-up motion goes about the posture that the demonstrator has.
 
-    pose(theta): moves the demonstrator; aside(make): makes what takes long beside the sessions, and hands it to
-    `take`; send(name, data): a file for the visitor.
+    pose(theta): moves the demonstrator; aside(make, take): makes what takes long beside the sessions, and hands it
+    over in the page's own time; send(name, data): a file for the visitor.
     """
 
     def __init__(
         self,
         session: Session,
         pose: Callable[[NDArray], None],
-        aside: Callable[[Callable[[], object]], None],
+        aside: Aside,
         send: Callable[[str, bytes], None],
         clock: Callable[[], float] = time.monotonic,
     ):
@@ -159,7 +160,7 @@ class Motions:
             raise ValueError(f"a motion's file has at most {MOST_BYTES >> 20} MB, this one {data / 2**20:.1f} MB")
         self._keep(decode(data, self._session.scene))
 
-    def take(self, made: tuple | Exception) -> None:
+    def _take(self, made: tuple | Exception) -> None:
         """A motion that was made aside, if it still goes about the demonstrator's posture in this scene."""
         then, self._then = self._then, None
         if isinstance(made, Exception):
@@ -183,7 +184,7 @@ class Motions:
             self._forget_shown()
             self._then = then
             name, world, scene = self.name, session.world, session.scene
-            self._aside(lambda: (name, scene, here, MOTIONS[name](world, here)))
+            self._aside(lambda: (name, scene, here, MOTIONS[name](world, here)), self._take)
 
     def _show(self, shown: Playback) -> None:
         self._pose(shown.theta)

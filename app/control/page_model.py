@@ -5,6 +5,8 @@ Commands are carried out on it; `state` tells the panels what to show.
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 from numpy.typing import NDArray
 
@@ -57,32 +59,12 @@ class PageModel:
         self.view, self.freedom = View(chosen=farthest_off(self.session.snapshot)), Freedom()
         self.moments = SeenMoments(self.session, self.player)
         beside = services.landscapes
-        self.motions = Motions(
-            self.session,
-            self.undoable.pose,
-            lambda make: beside.ask(page_id, make, queue.taker("motion", self.motions.take, MovingArrival), "motion"),
-            send,
-        )
-        self.points = PointEditing(
-            self.session,
-            self.undoable.lay_points,
-            lambda make: beside.ask(page_id, make, queue.taker("point", self.points.take), "point"),
-            send,
-        )
-        self.experiments = Experiments(
-            services.experiments,
-            page_id,
-            self.session,
-            self.motions,
-            lambda run: queue.put(Arrival(("run", run.name), self.experiments.take, run)),
-            send,
-        )
-        self.saving = Saving(
-            page_id,
-            services.files,
-            send,
-            lambda kind, take, made: queue.put(Arrival(("saved", kind), take, made)),
-        )
+        aside = partial(_aside, partial(beside.ask, page_id), queue)
+        self.motions = Motions(self.session, self.undoable.pose, partial(aside, "motion", MovingArrival), send)
+        point_aside = partial(aside, "point", Arrival)
+        self.points = PointEditing(self.session, self.undoable.lay_points, point_aside, send)
+        self.experiments = Experiments(services.experiments, page_id, self.session, self.motions, queue, send)
+        self.saving = Saving(page_id, services.files, queue, send)
         self.landscape = OwnLandscape(page_id, beside, queue)
         self.duel_landscapes = DuelLandscapes(page_id, beside, queue)
         self.comparison = Comparison(page_id, beside, queue)
@@ -228,3 +210,15 @@ class PageModel:
             self.view = replace(self.view, chosen=min(self.view.chosen, len(self.session.world.body) - 1))
         self.moments.let_go()
         self.generation += 1
+
+
+def _aside(
+    ask: Callable[..., None],
+    queue: CommandQueue,
+    kind: str,
+    arrival: type[Arrival],
+    make: Callable[[], Any],
+    take: Callable[[Any], None],
+) -> None:
+    """take(made) follows in the page's own time; of a kind the newest is enough. ask: a worker, for this page."""
+    ask(make, queue.taker(kind, take, arrival), kind)

@@ -9,6 +9,7 @@ from .commands.command import Arrival, Command, Refused
 
 PENDING_LIMIT = 200  # actions that wait, per page
 APART = 0.05  # s on average between two equal actions; a held key repeats itself that fast
+Aside = Callable[[Callable[[], Any], Callable[[Any], None]], None]  # (make, take): make beside, then take what is made
 HELD_UP = 0.2  # s by which a network may bring one late, so that several come at once
 
 

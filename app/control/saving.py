@@ -25,6 +25,7 @@ from ..lessons.course import Course
 from ..lessons.figure_area import draw_figures
 from ..static import LESSON_CSS
 from .moments.images import draw_shown
+from .queue import CommandQueue
 from .state import PageState
 
 FORMATS = ("SVG", "PNG")
@@ -51,16 +52,10 @@ class Picture(NamedTuple):
 
 
 class Saving:
-    """send(name, data): a file for the visitor; arrived(kind, take, made): take(made) in the page's own time."""
+    """send(name, data): a file for the visitor."""
 
-    def __init__(
-        self,
-        page_id: int,
-        worker: LandscapeWorker,
-        send: Callable[[str, bytes], None],
-        arrived: Callable[[str, Callable, object], None],
-    ):
-        self._page_id, self._worker, self._send, self._arrived = page_id, worker, send, arrived
+    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue, send: Callable[[str, bytes], None]):
+        self._page_id, self._worker, self._queue, self._send = page_id, worker, queue, send
 
     def replay(self, session: Session, chosen: int | None) -> None:
         """Of all moments that the session has now."""
@@ -91,7 +86,7 @@ class Saving:
         self._make("picture", partial(_saved, f"viewimit-lesson.{form.lower()}", form, lambda: figure, citation))
 
     def _make(self, kind: str, make: Callable[[], Saved]) -> None:
-        self._worker.ask(self._page_id, make, partial(self._arrived, kind, self._take), kind=kind)
+        self._worker.ask(self._page_id, make, self._queue.taker(("saved", kind), self._take), kind=kind)
 
     def _take(self, made: Saved | Exception) -> None:
         if isinstance(made, Exception):

@@ -102,14 +102,13 @@ class Desk:
     def __init__(self):
         self.session, self.now = Session(Settings()), 10.0
         self.aside, self.sent = [], []
-        self.motions = Motions(
-            self.session, self.session.pose, self.aside.append, lambda *file: self.sent.append(file), lambda: self.now
-        )
+        aside, send = lambda *asked: self.aside.append(asked), lambda *file: self.sent.append(file)
+        self.motions = Motions(self.session, self.session.pose, aside, send, lambda: self.now)
 
     def make(self):
         waiting, self.aside[:] = list(self.aside), []
-        for make in waiting:
-            self.motions.take(make())
+        for make, take in waiting:
+            take(make())
 
     def tick(self, count=1, seconds=STEP_S):
         for _ in range(count):

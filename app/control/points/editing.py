@@ -21,6 +21,8 @@ from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 from viewimit.views import FourViews
 
+from ..queue import Aside
+
 MOST_POINTS = 64
 DIGITS = 4  # of a metre
 HEADING = "Body points by hand, from viewimit's page: use it by --scene, or edit it"
@@ -39,14 +41,14 @@ class EditedPoints:
 
 
 class PointEditing:
-    """Of one session. lay(points): makes it begin anew with these; aside(make): makes what takes long beside the
-    sessions, and hands it to `take`; send(name, data): a file for the visitor."""
+    """Of one session. lay(points): makes it begin anew with these; aside(make, take): makes what takes long beside
+    the sessions, and hands it over in the page's own time; send(name, data): a file for the visitor."""
 
     def __init__(
         self,
         session: Session,
         lay: Callable[[tuple[BodyPoint, ...]], None],
-        aside: Callable[[Callable[[], object]], None],
+        aside: Aside,
         send: Callable[[str, bytes], None],
     ):
         self._session, self._lay, self._aside, self._send = session, lay, aside, send
@@ -106,10 +108,10 @@ class PointEditing:
         if not self._searching:
             world, moment = self._session.world, self._session.snapshot
             self._asked = world, moment.theta_demo
-            self._aside(lambda: _search(world, moment))
+            self._aside(lambda: _search(world, moment), self._take)
         return False
 
-    def take(self, made: tuple[World, Snapshot, Proposal] | Exception) -> None:
+    def _take(self, made: tuple[World, Snapshot, Proposal] | Exception) -> None:
         """A proposal that was made aside, if it is still of these points in this posture."""
         searching, self._asked = self._searching, None
         if isinstance(made, Exception):

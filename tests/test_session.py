@@ -13,6 +13,7 @@ from viewimit.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
+from viewimit.simulation.scene import Scene
 from viewimit.transfer import TRANSFERS
 
 DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
@@ -305,6 +306,21 @@ def test_a_posture_that_cannot_be_leaves_the_demonstrator_as_it_was(posture):
     with pytest.raises(ValueError, match="demonstrator's"):
         session.pose(posture)
     assert session.snapshot is before
+
+
+def test_a_demonstrators_posture_is_checked_once_and_lies_within_its_limits(monkeypatch):
+    session, checked, require = Session(), [], Scene.require_posture
+    monkeypatch.setattr(Scene, "require_posture", lambda *args: checked.append(args) or require(*args))
+    lower, upper = session.scene.lower, session.scene.upper
+    for theta in (upper + 1e-9, lower - 1e-9, np.radians((45.1, -90.2))):
+        session.pose(theta)
+        assert (lower <= session.snapshot.theta_demo).all() and (session.snapshot.theta_demo <= upper).all()
+        again = Session(session.settings)
+        np.testing.assert_array_equal(again.snapshot.theta_demo, session.snapshot.theta_demo)
+    checked.clear()
+    session.pose(np.radians((45, -80)))
+    session.change(noise_px=0.1)
+    assert len(checked) == 2
 
 
 def test_a_new_servo_goes_on_where_the_arm_stands_and_learns_afresh():

@@ -371,9 +371,9 @@ class Session:
         return commanded, self.embodiment.drive(now.settings, now.theta, now.commanded, commanded)
 
     def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot, deed: Deed) -> None:
-        """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad."""
+        """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad, within its limits."""
         if np.isfinite(theta_demo).all():
-            theta_demo = told(theta_demo, self.embodiment.require_posture, "demonstrator's")
+            theta_demo = told(theta_demo, self.embodiment.lower, self.embodiment.upper)
             settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
         theta_demo = self.embodiment.pose(theta_demo)
         now = self._observed(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))

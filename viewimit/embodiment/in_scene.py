@@ -92,8 +92,8 @@ def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDAr
     anyway = settings.points == USUAL_POINTS or settings.body_points is not None
     points = scene.layout_near(USUAL_POINTS) if anyway else settings.points
     start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
-    demo = told(_demonstrator(settings, scene), scene.require_posture, "demonstrator's")
-    start = told(np.radians(start_deg), scene.require_posture, "learner's start")
+    demo = told(_demonstrator(settings, scene), scene.lower, scene.upper)
+    start = told(scene.require_posture(np.radians(start_deg), "learner's start"), scene.lower, scene.upper)
     fields = {"points": points, "demonstrator_deg": degrees(demo), "start_deg": degrees(start)}
     return msgspec.structs.replace(settings, **fields), demo, start
 
@@ -107,10 +107,10 @@ def _demonstrator(settings: Settings, scene: Scene) -> NDArray:
     return scene.require_posture(np.radians(posture_deg), "demonstrator's")
 
 
-def told(theta: NDArray, require: Callable[[ArrayLike, str], NDArray], whose: str) -> NDArray:
-    """A posture, (m,) rad, as settings that tell of it in degrees have it, to the last bit: with them a run is to
-    repeat itself. require: raises ValueError for one that cannot be."""
-    return require(np.radians(degrees(require(theta, whose))), whose)
+def told(theta: NDArray, lower: NDArray, upper: NDArray) -> NDArray:
+    """A posture within its limits, (m,) rad each, as settings that tell of it in degrees have it, to the last bit: with
+    them a run is to repeat itself."""
+    return np.clip(np.radians(degrees(theta)), lower, upper)
 
 
 def degrees(theta: NDArray) -> tuple[float, ...]:

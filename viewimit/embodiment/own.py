@@ -78,7 +78,7 @@ class OwnOpener:
     def __call__(self, settings: Settings) -> Beginning:
         _require(settings)
         wanted = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
-        start = told(wanted, lambda theta, whose: _within(theta, self._lower, self._upper, whose), "the start")
+        start = told(_within(wanted, self._lower, self._upper, "the start"), self._lower, self._upper)
         points = len(look_with(self._eyes).demo) if self._own is None else self._own.points
         _require_found(settings, {"scene": self._name, "points": points})
         own = Own(self._arm, self._eyes, self._name, points, self._lower, self._upper)

@@ -120,6 +120,14 @@ def test_imitate_writes_its_history(ask_json, tmp_path, name):
     assert table["status"][0] == "ready" and table["status"][-1] == told["status"] == "converged"
 
 
+def test_a_table_tells_no_digits_that_conversion_to_degrees_has_added(ask, tmp_path):
+    ask("imitate", "--start", "25,-25", "--demonstrator", "45,-90", "--out", tmp_path / "a.csv")
+    header, start, probe, *_ = (tmp_path / "a.csv").read_text().splitlines()
+    row = dict(zip(header.split(","), probe.split(",")))
+    assert (row["theta2_deg"], row["moved2_deg"], row["moved4_deg"], row["probe"]) == ("40", "15", "0", "True")
+    assert max(map(len, f"{start},{probe}".split(","))) <= 14
+
+
 @pytest.mark.parametrize("name", ["a.npz", "B.NPZ"])
 def test_a_landscape_is_written_under_the_name_that_is_told(ask, tmp_path, name):
     assert f"written to {tmp_path / name}" in ask("landscape", "--step-deg", 30, "--out", tmp_path / name)[2]

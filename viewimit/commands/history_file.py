@@ -1,4 +1,5 @@
-"""The history of a run as a file, a row a motion: .csv, and .npz with the same names; degrees and px²."""
+"""The history of a run as a file, a row a motion: .csv, with DIGITS, and .npz, in full, with the same names; degrees
+and px²."""
 
 import csv
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ import numpy as np
 from ..snapshot import Snapshot
 
 TABLES = (".csv", ".npz")
+DIGITS = 12  # of a number in a table: without those that conversion to degrees adds
 
 
 def require_format(path: Path, others: Sequence[str] = ()) -> None:
@@ -29,11 +31,11 @@ def write(path: Path, history: Sequence[Snapshot], joints: Sequence[int]) -> Non
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(columns)
-        rows.writerows(zip(*(column.tolist() for column in columns.values())))
+        rows.writerows(zip(*(map(_cell, column.tolist()) for column in columns.values())))
 
 
 def _columns(history: Sequence[Snapshot], joints: Sequence[int]) -> dict[str, Any]:
-    """Each of one value a motion, in full: moved is the motion that led there; usable, the points seen in all views."""
+    """Each of one value a motion: moved is the motion that led there; usable, the points seen in all views."""
     angles: dict[str, Any] = {
         "theta": [moment.theta for moment in history],
         "demonstrator": [moment.theta_demo for moment in history],
@@ -52,3 +54,7 @@ def _columns(history: Sequence[Snapshot], joints: Sequence[int]) -> dict[str, An
         "probe": np.array([bool(moment.probe) for moment in history]),
         "status": np.array([moment.status for moment in history]),
     }
+
+
+def _cell(value: object) -> object:
+    return f"{value:.{DIGITS}g}" if isinstance(value, float) else value

@@ -152,10 +152,11 @@ class QuietExperiments:
         self.cancelled += 1
 
 
-def quiet_model(settings, experiments=None, send=lambda *file: None, landscapes=None):
+def quiet_model(settings, experiments=None, send=lambda *file: None, landscapes=None, basins=None):
     """A page's model whose workers make nothing unless they are given, and the queue that they would hand it to."""
     workers = landscapes or QuietLandscapes(), experiments or QuietExperiments()
-    services = Services(*workers, CameraProcess(), LoadShedding(TICK), lambda robot, arm: None)
+    others = {} if basins is None else {"basins": basins}
+    services = Services(*workers, CameraProcess(), LoadShedding(TICK), lambda robot, arm: None, **others)
     queue = CommandQueue()
     return PageModel(1, settings, services, queue, send), queue
 

@@ -118,13 +118,17 @@ class QuietPage:
         self.now += seconds
         draw_all(self.page.tick(self.now))
 
-    def tick_until(self, condition, patience=30.0):
-        """Tick while threads of the page work. Raises AssertionError after so many seconds."""
+    def tick_until(self, condition, patience=60.0, seconds=0.5):
+        """Tick while threads of the page work. Raises AssertionError after so many seconds of patience."""
         until = time.monotonic() + patience
         while not condition():
             assert time.monotonic() < until, "it did not come"
             time.sleep(0.01)
-            self.tick(0.5)
+            self.tick(seconds)
+
+    def settle(self):
+        """Tick, in no time, until no turn goes on beside the page."""
+        self.tick_until(lambda: not self.page.busy, seconds=0.0)
 
     @property
     def shown(self):

@@ -64,6 +64,7 @@ APP_ORDER = (
     {"serve"},
 )
 MOST_ARGUMENTS = 6  # of a constructor, besides self
+OF_OTHERS = {"_exit", "_repr_html_", "_prop_hints"}  # names of Python's, IPython's and viser's
 # image points, nothing of the world
 ESTIMATORS_SEE = {
     "transfer": {"geometry", "views", "evaluation", "equations"},
@@ -179,6 +180,19 @@ def test_no_constructor_hands_on_what_is_made_only_after_it():
                 for inner in ast.walk(node):
                     if isinstance(inner, ast.Lambda):
                         assert "self." not in ast.unparse(inner), f"{path}:{inner.lineno}"
+
+
+def test_tests_reach_into_nothing_private():
+    """Of the project: what they do is what its users could."""
+    for path in sorted(ROOT.joinpath("tests").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = set()
+            if isinstance(node, ast.Attribute) and ast.unparse(node.value) not in ("self", "cls", "super()"):
+                names = {node.attr}
+            elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("setattr", "getattr", "delattr")):
+                names = {one.value for one in node.args if isinstance(one, ast.Constant) and isinstance(one.value, str)}
+            private = {name for name in names if re.match("_[^_]", name)} - OF_OTHERS
+            assert not private, f"{path}:{node.lineno}: {', '.join(private)}"
 
 
 @pytest.mark.parametrize("part", ESTIMATORS_SEE)

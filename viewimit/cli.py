@@ -41,7 +41,7 @@ def main(argv: list[str] | None = None) -> int:
     argv = list(sys.argv[1:] if argv is None else argv)
     if not argv or (argv[0].startswith("-") and argv[0] not in ("-h", "--help", "--version")):
         argv.insert(0, "serve")
-    args = _parser(argv[0]).parse_args(_attached(argv))
+    args = parser_of(argv[0]).parse_args(attached(argv))
     try:
         status = args.run(args)
         sys.stdout.flush()
@@ -65,7 +65,7 @@ def _print_no_more() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _parser(chosen: str) -> argparse.ArgumentParser:
+def parser_of(chosen: str) -> argparse.ArgumentParser:
     """All commands are listed, but only the chosen one is loaded, with what it needs."""
     top = argparse.ArgumentParser(
         prog="viewimit", description="View-based imitation. Alone: serve.", allow_abbrev=False
@@ -81,7 +81,7 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
     return top
 
 
-def _attached(argv: list[str]) -> list[str]:
+def attached(argv: list[str]) -> list[str]:
     """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
     joined: list[str] = []
     for word in argv:

@@ -87,12 +87,12 @@ class Moment:
 
     def draw(self, state: PageState, own: NDArray, demo: NDArray) -> None:
         """own, demo: (N, 3) m, the points on both arms."""
-        on_plates, seen = self._on_plates(state.shown)
+        on_plates, seen = self.on_plates(state.shown)
         self._draw_rays(on_plates, seen, demo, own, state.view)
         self._draw_residuals(state, own)
         self._draw_chosen(own, demo, state.view.chosen)
 
-    def _on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
+    def on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
         """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
         views = snapshot.views
         if self._demo is None or self._demo[0] is not views.demo:  # the demonstrator mostly rests

@@ -129,9 +129,9 @@ class Dispatcher:
             except OSError:
                 return
             if head:
-                self._hand(connection, self._worker(head))
+                self._hand(connection, self.worker_for(head))
 
-    def _worker(self, head: bytes) -> int:
+    def worker_for(self, head: bytes) -> int:
         """A touch goes where its page is, be that full or not; all else where its browser goes."""
         worker = worker_of(head)
         return self._placing.place(_token(head)) if worker is None or worker >= len(self._to) else worker

@@ -22,7 +22,7 @@ class Commands(SphinxDirective):
 
 
 def _parser(name: str) -> argparse.ArgumentParser:
-    top = cli._parser(name)
+    top = cli.parser_of(name)
     commands = next(action for action in top._actions if isinstance(action, argparse._SubParsersAction))
     return commands.choices[name]
 

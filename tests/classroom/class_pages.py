@@ -40,7 +40,7 @@ class Class:
             for page in self.pages:
                 page.now = self.now - 0.05
                 page.tick()
-                page.page._commands.wait(30)
+                page.settle()
                 page.tick(0.0)
             self.classroom.turn()
 

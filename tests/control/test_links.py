@@ -31,7 +31,7 @@ def settled(page: QuietPage) -> None:
     """Until no turn goes on beside the scheduler."""
     for _ in range(3):
         page.tick(0.1)
-        assert page.page._commands.wait(60)
+        page.settle()
     page.tick(0.1)
 
 

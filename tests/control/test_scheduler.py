@@ -1,6 +1,7 @@
 """One task for all pages: each ticks, one that fails does not stop the others."""
 
 import contextlib
+import itertools
 import threading
 import time
 from functools import partial
@@ -108,14 +109,23 @@ class Drawn(Counting):
         self.while_drawing.get(kind, lambda: None)()
 
 
-def one_round(event_loop, *pages, scheduler=None):
-    scheduler = scheduler or Scheduler(no_heartbeat)
+def one_round(event_loop, *pages, before=lambda scheduler: None):
+    """Of a new scheduler, after before(scheduler). Its second heartbeat removes the pages, before they tick again."""
+    beats, done = itertools.count(), threading.Event()
+
+    def beat():
+        if next(beats):
+            for page in pages:
+                scheduler.remove(page)
+            done.set()
+
+    scheduler = Scheduler(beat)
+    before(scheduler)
     for page in pages:
         scheduler.add(page)
-    pages[-1].while_drawing[pages[-1].kinds[-1]] = lambda: setattr(scheduler, "_running", False)
     scheduler.start(event_loop)
-    wait_until(lambda: scheduler._task.done())
-    return scheduler
+    assert done.wait(20)
+    scheduler.stop()
 
 
 def test_what_is_alike_is_drawn_page_by_page_after_all_have_ticked(event_loop):
@@ -138,13 +148,8 @@ def test_a_drawing_that_fails_is_told_to_its_page_and_all_others_are_drawn(event
 def test_a_page_that_has_gone_meanwhile_is_not_drawn(event_loop):
     drawn, gone = [], Drawn("b", ("scene",), [])
     first = Drawn("a", ("scene", "images"), drawn)
-    scheduler = Scheduler(no_heartbeat)
-    first.while_drawing = {"scene": lambda: scheduler.remove(gone)}
-    first.while_drawing["images"] = lambda: setattr(scheduler, "_running", False)
-    scheduler.add(first)
-    scheduler.add(gone)
-    scheduler.start(event_loop)
-    wait_until(lambda: scheduler._task.done())
+    leaves = lambda scheduler: first.while_drawing.update(scene=lambda: scheduler.remove(gone))
+    one_round(event_loop, first, gone, before=leaves)
     assert gone.ticks == 1 and gone.drawn == [] and drawn == ["scene of a", "images of a"]
 
 
@@ -156,10 +161,9 @@ class Sent(Drawn):
 
 
 def test_poses_do_not_wait_for_drawings_of_which_there_are_too_many(event_loop):
-    drawn, scheduler = [], Scheduler(no_heartbeat)
+    drawn = []
     pages = [Sent("a", ("scene",), drawn), Sent("b", ("scene",), drawn)]
-    scheduler.shedding.strain = 0.1
-    one_round(event_loop, *pages, scheduler=scheduler)
+    one_round(event_loop, *pages, before=lambda scheduler: setattr(scheduler.shedding, "strain", 0.1))
     assert drawn == ["a is sent", "b is sent", "scene of a", "a is sent", "scene of b", "b is sent"]
 
 

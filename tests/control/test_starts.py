@@ -14,9 +14,8 @@ from viewimit.settings import BEST, Settings
 @pytest.fixture
 def visit():
     """A model, its visitor, and what stands for the worker."""
-    model, queue = quiet_model(Settings(start_deg=(25, -45)))
     worker = QuietExperiments()
-    model.basins._worker = worker
+    model, queue = quiet_model(Settings(start_deg=(25, -45)), basins=worker)
     return model, Hands(model, queue), worker
 
 

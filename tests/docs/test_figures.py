@@ -44,7 +44,7 @@ def test_a_figure_names_a_command_that_exists_and_its_settings(command, settings
     assert program == "viewimit"
     if "rendered" in words:
         pytest.importorskip("pybullet")
-    args = cli._parser(words[0]).parse_args(cli._attached(words))
+    args = cli.parser_of(words[0]).parse_args(cli.attached(words))
     meant = {name: plain(value) for name, value in vars(args).items() if name not in HOW_TOLD}
     if words[0] in OF_A_RUN:
         meant |= msgspec.to_builtins(settings_from(args))

@@ -55,7 +55,7 @@ def test_results_come_in_the_order_of_the_tasks_whatever_the_executor():
 
 def test_batches_depend_on_the_number_of_tasks_alone_and_hold_them_all():
     for count in (1, 999, 1000, 2500, 250_000):
-        batches = study._batches(range(count))
+        batches = study.in_batches(range(count))
         assert [number for number, _ in batches] == list(range(len(batches)))
         assert [task for _, batch in batches for task in batch] == list(range(count))
         assert all(len(batch) <= 100 for _, batch in batches) and len(batches) < 2600

@@ -97,7 +97,7 @@ def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypat
 
 def test_the_page_hands_out_a_replay_and_every_picture():
     page, got = QuietPage(BEST), {}
-    page.page.model.saving._send = got.__setitem__
+    page.client.send_file_download = lambda name, data, **_: got.update({name: data})
     page.page.put(Step())
     page.tick(1.0)
 
@@ -169,7 +169,7 @@ def test_without_what_sets_equations_it_is_said(session, monkeypatch):
 
 def test_a_lesson_hands_out_its_figures():
     page, got = QuietPage(address="/page/x"), {}
-    page.page.model.saving._send = got.__setitem__
+    page.client.send_file_download = lambda name, data, **_: got.update({name: data})
     lesson = next(iter(page.page.model.guided.lessons))
     page.page.model.guided.begin(lesson)
     course = page.page.model.guided.course

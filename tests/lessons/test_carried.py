@@ -23,9 +23,13 @@ def at_once(name, make, take):
     take(make())
 
 
+def begun():
+    return Course(shipped()["motion"], Progress(lesson="motion"), at_once)
+
+
 @pytest.fixture(scope="module")
 def course():
-    return Course(shipped()["motion"], Progress(lesson="motion"), at_once)
+    return begun()
 
 
 def told(course, name):
@@ -45,7 +49,8 @@ def hands_of(course, thetas, base, cameras):
     return np.stack([camera.project(ends)[0].T for camera in cameras], 1)
 
 
-def test_it_is_walked_from_begin_to_end(course):
+def test_it_is_walked_from_begin_to_end():
+    course = begun()
     go_to(course, "frozen")
     for answer in (lambda: course.choose(0), lambda: course.guess(5)):
         with pytest.raises(ValueError, match="an answer comes first"):
@@ -56,8 +61,6 @@ def test_it_is_walked_from_begin_to_end(course):
         drawn = draw_lesson(course, "/x")
         assert "Now you can say" in drawn and "–" not in re.sub("<[^>]+>", "", drawn), "every number is computed"
         course.go(1)
-    course.progress = Progress(lesson="motion")
-    course._enter()
 
 
 @pytest.mark.parametrize(("step", "start"), [("frozen", (30, -70)), ("overlap", (35, -90))])

@@ -145,5 +145,5 @@ def test_points_on_the_plates_follow_a_demonstrator_that_moves():
             expected = [
                 on_plate(camera, image, session.scene.size) for camera, image in zip(cameras_of(session.world), seen)
             ]
-            np.testing.assert_array_equal(moment._on_plates(session.snapshot)[0], expected)
+            np.testing.assert_array_equal(moment.on_plates(session.snapshot)[0], expected)
         session.pose(session.snapshot.theta_demo + 0.1)

@@ -195,6 +195,6 @@ def test_without_a_cookie_a_page_has_no_links(server):
 
 def test_a_head_that_is_no_touch_goes_where_its_browser_goes():
     dispatcher = Dispatcher(Placing(ServerOptions(workers=2), SeatCounts(2)), socket.socketpair())
-    where = lambda line: dispatcher._worker(f"{line} HTTP/1.1\r\nHost: a\r\n\r\n".encode())
+    where = lambda line: dispatcher.worker_for(f"{line} HTTP/1.1\r\nHost: a\r\n\r\n".encode())
     assert [where(f"GET /touch/{k}.x/point/1") for k in (0, 1)] == [0, 1]
     assert where("GET /touch/1x/point/1") == where("POST /touch/1.x/point/1") == where("GET /") == 0

@@ -22,19 +22,15 @@ SOON = 0.2  # s, in place of ANSWERS_WITHIN and STOPS_WITHIN
 KEY, OTHER = "key", "other"
 
 
-class Hanging(SqliteStore):
-    """Answers nothing while it hangs."""
+class Hanging:
+    """A store that answers nothing while it hangs."""
 
     def __init__(self, folder):
-        self.goes_on = threading.Event()
+        self.goes_on, self.store = threading.Event(), SqliteStore(folder)
         self.goes_on.set()
-        super().__init__(folder)
 
-    @contextlib.contextmanager
-    def _using(self):
-        self.goes_on.wait(20)
-        with super()._using() as run:
-            yield run
+    def __getattr__(self, name):
+        return lambda *asked: (self.goes_on.wait(20), getattr(self.store, name)(*asked))[1]
 
 
 @pytest.fixture(scope="module")
@@ -223,14 +219,22 @@ def test_the_oldest_of_a_file_make_room(tmp_path):
     assert sum(path.stat().st_size for path in tmp_path.iterdir()) < 8 * LARGE
 
 
+def emptied(redis_url):
+    """A connection to it."""
+    import redis
+
+    there = redis.Redis.from_url(redis_url)
+    there.flushall()
+    return there
+
+
 def test_the_oldest_of_a_redis_make_room(redis_url):
     from viewimit.app.sessions.redis_store import RedisStore
 
-    store = RedisStore(redis_url, most_bytes=LARGE)
-    store._redis.flushall()
+    there, store = emptied(redis_url), RedisStore(redis_url, most_bytes=LARGE)
     for k in range(12):
         assert store.save(f"session {k}", "a", {"0": secrets.token_bytes(PART)})
-        store._redis.expire(f"viewimit:session {k}", 1_000 + k)  # as if seconds had passed
+        there.expire(f"viewimit:session {k}", 1_000 + k)  # as if seconds had passed
     assert [k for k in range(12) if store.names(f"session {k}")] == [8, 9, 10, 11]
     store.close()
 
@@ -238,11 +242,10 @@ def test_the_oldest_of_a_redis_make_room(redis_url):
 def test_a_redis_that_others_fill_is_looked_at_before_long(redis_url):
     from viewimit.app.sessions.redis_store import LOOKED_AT_AFTER_S, RedisStore
 
-    now = [0.0]
+    now, whole = [0.0], emptied(redis_url)
     own = RedisStore(redis_url, most_bytes=LARGE, clock=lambda: now[0])
-    own._redis.flushall()
     assert own.save("own", "a", {"0": b"little"})
-    with own._redis.pipeline() as others:
+    with whole.pipeline() as others:
         for k in range(12):
             others.hset(f"viewimit:other {k}", "part:0", secrets.token_bytes(PART))
             others.expire(f"viewimit:other {k}", 1_000 + k)

@@ -35,7 +35,7 @@ def urdf_of(folder, *names, more=""):
 
 def anew(reference):
     """As the next process has it."""
-    shapes._shapes.cache_clear()
+    shapes.shapes_in.cache_clear()
     return shapes.shapes_of(reference)
 
 

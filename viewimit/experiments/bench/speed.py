@@ -112,8 +112,8 @@ def run(
     own, _ = world.own_images(postures[:: len(postures) // BATCH][:BATCH].T)
     own = np.ascontiguousarray(own)
     fit_s = {name: _fit_s(fit, demo, own) for name, fit in TRANSFERS.items()}
-    loop_posture_s = _call_s(lambda: baselines.conflict(demo, own[0]))
-    batch_posture_s = _call_s(lambda: baselines.conflicts(demo, own[:1]))
+    loop_posture_s = call_s(lambda: baselines.conflict(demo, own[0]))
+    batch_posture_s = call_s(lambda: baselines.conflicts(demo, own[:1]))
     tell(4 / STAGES)
     why_not = opencv_baseline.why_not(points)
     opencv = None if why_not else _opencv(world, theta, demo, postures, sample)
@@ -159,7 +159,7 @@ def _opencv(world: World, theta: NDArray, demo: NDArray, postures: NDArray, samp
     own = baselines.own_image(world, postures[0])
     return OpenCV(
         loop_s=loop_s,
-        posture_s=_call_s(lambda: opencv_baseline.conflict(demo, own)),
+        posture_s=call_s(lambda: opencv_baseline.conflict(demo, own)),
         E_at_demonstrator=opencv_baseline.conflict(demo, baselines.own_image(world, theta)),
         E_median=float(np.median(E)),
     )
@@ -170,7 +170,7 @@ def _fit_s(fit: Callable, demo: NDArray, own: NDArray) -> dict[int, float]:
 
     def of(images: NDArray) -> float:
         views = FourViews(demo, images, np.ones(1, bool))
-        return _call_s(lambda: conflict(residual(fit(views), views)))
+        return call_s(lambda: conflict(residual(fit(views), views)))
 
     return {1: of(own[0]), BATCH: of(own)}
 
@@ -192,7 +192,7 @@ def _motion_s(scene: str, points: int, transfer: str, servo: str) -> float:
     return float(np.median(times))
 
 
-def _call_s(call: Callable[[], object]) -> float:
+def call_s(call: Callable[[], object]) -> float:
     def calls():
         for _ in range(SINGLE_CALLS):
             call()

@@ -29,7 +29,7 @@ class Study:
         """work(*task) of every task, in their order, wherever it is done. With a folder, what `work` gives must be told
         by the types that it declares."""
         stage, self._stages = self._stages, self._stages + 1
-        batches = _batches(tasks)
+        batches = in_batches(tasks)
         there = {number for number, _ in batches if self._read(stage, number, work) is not None}
         found = self.executor.run(work, [batch for batch in batches if batch[0] not in there])
         ready: dict[int, Done] = {}
@@ -56,7 +56,7 @@ def each(work: Callable, tasks: Sequence[tuple], by: int | Study | None = None) 
     return (by if isinstance(by, Study) else Study(LocalPool(by))).each(work, tasks)
 
 
-def _batches(tasks: Sequence[tuple]) -> list[tuple[int, Batch]]:
+def in_batches(tasks: Sequence[tuple]) -> list[tuple[int, Batch]]:
     """Numbered. They depend on the number of tasks alone, so that any executor goes on with what another has kept."""
     size = min(max(len(tasks) // BATCHES, 1), MOST_TASKS)
     return [(k, tasks[first : first + size]) for k, first in enumerate(range(0, len(tasks), size))]

@@ -34,11 +34,11 @@ class Shapes:
 def shapes_of(reference: Reference) -> Shapes:
     """Raises ValueError as `read_tree` and `arm_of`; a mesh that cannot be had is a fault and a rod."""
     tree = read_tree(reference.path)
-    return _shapes(tree, arm_of(tree, reference.base, reference.tip).base, reference)
+    return shapes_in(tree, arm_of(tree, reference.base, reference.tip).base, reference)
 
 
 @lru_cache(8)
-def _shapes(tree: Tree, base: str, reference: Reference) -> Shapes:
+def shapes_in(tree: Tree, base: str, reference: Reference) -> Shapes:
     files = dict.fromkeys(shape.file for shapes in tree.shapes.values() for shape in shapes if shape.kind == "mesh")
     if not files:  # others take no time
         meshes, missing = _made(tree, reference)

@@ -1,4 +1,5 @@
-"""What is seen in the drawings, and how it is marked up: the only place where tests know a class's name.
+"""What is seen in the drawings, and how it is marked up: the only place where tests know a class's name, but for what
+they point at in a browser.
 
 What is seen is named by the classes that mark it, separated by spaces, as the attribute has them.
 """
@@ -14,7 +15,9 @@ CHOSEN_POINT = "vi-ring"
 SPREAD = "vi-spread"  # ellipse, where it may be recovered
 STEPS = "vi-steps"  # from the middle of all points to it
 HOW = "vi-how"  # words
-IMAGE_L = "vi-at-L"
+IMAGE_L, IMAGE_R = "vi-at-L", "vi-at-R"
+NEAREST = "vi-nearest"  # to a finger: what a click chooses
+SWAPPED, SWAPPED_NAME = "vi-pair-ring", "vi-pair-name"  # that the learner takes to be
 EPIPOLAR_LINE = "vi-line"  # of any of the three other images
 FROM_LEFT = "vi-line"
 FROM_RIGHT = "vi-line vi-from-right"
@@ -36,6 +39,9 @@ CENTRED = "vi-mid"
 CELL_NUMBERS = "vi-mid"
 SMALLEST_E = "vi-cross"
 DEMONSTRATORS_POSTURE = "vi-seen"
+INSET = "vi-inset"  # frame, of what lies closest together
+TO_THE_LEFT = "vi-end"  # of where it stands
+START, WAY_FROM_START = "vi-basin-mark", "vi-basin-way"
 LEARNERS_PATH, OPPONENTS_PATH = "vi-line-own", "vi-line-opponent"
 LEARNER_NOW, OPPONENT_NOW = "vi-now", "vi-now-opponent"
 
@@ -52,6 +58,7 @@ PARABOLAS_LEVEL = "vi-x-ellipse"
 PAPERS_MINIMUM = "vi-x-paper"
 NOT_ARRIVED = "vi-x-off-mark"
 SCALE_BAR = "vi-lead"
+LED = "vi-lead"  # line to a label
 JOINT_LABELS = "vi-of-own"
 TITLE = "vi-b"
 LARGE_FIGURE = "vi-big"  # the value of E over the curves, first of all
@@ -76,7 +83,17 @@ EXPERIMENT = "vi-figure"
 PROGRESS = "vi-progress"
 VERDICT = "vi-claims"
 MOTION = "vi-said"  # of the demonstrator, that is chosen
+MOTIONS_MADE = "vi-count"
+QR_CODE = "vi-qr"
+SEE_THROUGH = "vi-aim"  # the arm that is
+SCALE_OF_MORE = "vi-scale vi-scale-up"  # of a word of which more is better
+GUIDE, OFFER, LESSONS, REFUSED = "vi-guide", "vi-offer", "vi-lessons", "vi-guide-refused"
 DRAWING = "vi"  # any
+
+# Of a class
+INVITATION = "vi-join"
+TALLY, RIGHT_ANSWERS, ANSWERS_NOW = "vi-tally", "vi-bar-right", "vi-tally-now"
+OTHERS_MARKS = "vi-crowd"
 
 LAYOUT_ONLY = {EXPERIMENT, SOLID}  # classes of figures that need no style
 LAYOUT_ONLY_OF_DUELS = {DUEL, ALL_TRANSFERS, SOLID}

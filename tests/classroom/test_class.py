@@ -6,6 +6,7 @@ import io
 import numpy as np
 import pytest
 from class_pages import NAME, Class
+from drawn import OTHERS_MARKS, RIGHT_ANSWERS, TALLY
 from quiet_page import QuietPage
 from viewimit.app.classroom.board import LED_S
 from viewimit.app.classroom.classroom import Classroom
@@ -221,9 +222,9 @@ def test_a_question_is_asked_counted_revealed_and_asked_again():
     answer(of, 0, 1, 1)
     tally = model(of.lecturer).role.view(0.0).tally
     assert (tally.total, tally.counts) == (3, (1, 2, 0)) and "3</b> of 4 answered" in of.lecturer.shown
-    assert "vi-tally" not in of.lecturer.shown + student.shown
+    assert TALLY not in of.lecturer.shown + student.shown
     of.do("tell")
-    assert "vi-tally" in of.lecturer.shown and "vi-bar-right" not in of.lecturer.shown
+    assert TALLY in of.lecturer.shown and RIGHT_ANSWERS not in of.lecturer.shown
     of.do("again")
     assert "0</b> of 4 answered" in of.lecturer.shown and model(student).guided.course.given.choice is None
     answer(of, 0, 0, 1, 0)
@@ -231,7 +232,7 @@ def test_a_question_is_asked_counted_revealed_and_asked_again():
     tally = model(of.lecturer).role.view(0.0).tally
     assert (tally.total, tally.counts, tally.right, tally.moved) == (4, (3, 1, 0), 3, (1, 1, 0, 1))
     for page in (of.lecturer, student):
-        assert "1 moved from wrong to right" in page.shown and "vi-bar-right" in page.shown
+        assert "1 moved from wrong to right" in page.shown and RIGHT_ANSWERS in page.shown
     files = []
     of.lecturer.page.model.send = lambda name, data: files.append((name, data.decode()))
     of.do("save")
@@ -256,12 +257,12 @@ def test_clicks_of_a_class_are_a_cloud_in_the_figure_of_all_once_it_is_revealed(
     for page, x in zip(of.students, (100.0, 200.0)):
         page.page.put(InLesson("place", (x, 250.0)))
     of.go_on(3.0)
-    assert "vi-crowd" not in of.students[0].shown + of.lecturer.shown
+    assert OTHERS_MARKS not in of.students[0].shown + of.lecturer.shown
     of.do("reveal", 3.0)
     places = model(of.lecturer).role.view(0.0).tally.places
     given = [model(page).guided.course.given.place for page in of.students]
     assert np.allclose(sorted(places), sorted(given), atol=0.051)
-    assert all("vi-crowd" in page.shown for page in of.pages)
+    assert all(OTHERS_MARKS in page.shown for page in of.pages)
 
 
 def test_what_a_student_has_answered_elsewhere_is_not_touched_by_a_question(of):

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from class_pages import SHARED, Class
+from drawn import INVITATION
 from quiet_page import QuietPage
 from viewimit.app.classroom.classroom import Classroom
 from viewimit.app.classroom.local_board import LocalBoard
@@ -12,7 +13,7 @@ from viewimit.app.control.classroom.attendance import Attendee
 from viewimit.app.panels.qr import draw_qr
 from viewimit.app.server import address
 
-JOIN = 'class="vi-join"'
+JOIN = f'class="{INVITATION}"'
 
 
 def test_the_lecturer_sees_the_address_and_shows_it_large_until_the_next_click():

@@ -7,6 +7,7 @@ import re
 import msgspec
 import numpy as np
 import pytest
+from drawn import ANSWERS_NOW, DEMONSTRATORS_POINTS, OTHERS_MARKS, written_path
 from viewimit.app.classroom.messages import Answer
 from viewimit.app.control.classroom.tally import tally_of
 from viewimit.app.lessons.course import Course
@@ -70,7 +71,7 @@ def test_numbers_are_counted_at_the_nearest_on_the_scale():
     answers = {str(k): Answer(number=number) for k, number in enumerate((ask.low, ask.low, ask.high))}
     tally = tally_of(stage, {**answers, "x": Answer(number=ask.high * 2)}, {})
     assert tally.total == 3 and tally.counts[0] == 2 and tally.counts[-1] == 1 and sum(tally.counts) == 3
-    assert tally_html(tally, stage, False).count("vi-tally-now") == 2
+    assert tally_html(tally, stage, False).count(ANSWERS_NOW) == 2
 
 
 def test_postures_are_a_cloud_in_the_plane_of_both_joints():
@@ -82,8 +83,8 @@ def test_postures_are_a_cloud_in_the_plane_of_both_joints():
     tally = tally_of(stage, {"a": Answer(place=(46.0, -90.0)), "b": Answer(place=(5.0, -5.0))}, {})
     assert tally.right == 1 and tally.places == ((46.0, -90.0), (5.0, -5.0))
     hidden, revealed = (tally_html(tally, stage, shown) for shown in (False, True))
-    crosses = re.search(r'vi-crowd" d="([^"]+)"', hidden)[1]
-    assert crosses.count("M") == 2 and "vi-seen" not in hidden and "vi-seen" in revealed
+    crosses = written_path(hidden, OTHERS_MARKS)
+    assert crosses.count("M") == 2 and DEMONSTRATORS_POINTS not in hidden and DEMONSTRATORS_POINTS in revealed
 
 
 def test_the_gain_is_of_those_who_could_gain():

@@ -6,6 +6,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
+from drawn import QR_CODE
 from quiet_page import QuietPage
 from viewimit.app.control.commands.links import FollowLink
 from viewimit.app.control.commands.session import Step, Undo
@@ -132,7 +133,7 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
     model = page.page.model
     shown = share_html(model.state(0.0), "http://here:8080")
     text = written(model.linked())
-    assert f"http://here:8080/?s={text}" in shown and "vi-qr" in shown
+    assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
     session = Session()
     from viewimit.script_player import play

@@ -1,6 +1,7 @@
 """Twenty learners beside the page: asked for, followed, cancelled when what they depend on changes."""
 
 import pytest
+from drawn import START
 from page_fakes import Hands, QuietExperiments, quiet_model
 from quiet_page import QuietPage
 from viewimit.app.control.commands.display import FromStarts, ToggleComparison
@@ -107,11 +108,11 @@ def test_the_page_shows_where_they_end():
     page.click("From these starts")
     page.tick_until(lambda: "learners have come to rest" in page.shown or "claim to have arrived" in page.shown, 60)
     page.tick_until(lambda: "claim to have arrived" in page.shown, 60)
-    assert page.shown.count("vi-basin-mark") == 20 + 3  # and those of the sentence
+    assert page.shown.count(START) == 20 + 3  # and those of the sentence
     page.tick_until(lambda: any(widget.label == "Hide the starts" for widget in page.gui.widgets), 60)
     page.click("Hide the starts")
     page.tick(1.0)
-    assert "vi-basin-mark" not in page.shown
+    assert START not in page.shown
 
 
 def test_a_process_that_is_cancelled_tells_no_more():

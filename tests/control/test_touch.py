@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn import SEE_THROUGH
 from page_fakes import Hands, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
@@ -154,7 +155,7 @@ def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
     assert page.page.touch("posture", "20,-60") and not page.page.touch("nothing", "1")
     page.tick(0.5)
     assert "nothing has moved" in page.shown and 'href="/touch/0.x/start/0"' in page.shown
-    assert "See-through arm</b> · (20.0°, −60.0°)" in page.shown and "vi-aim" in page.shown
+    assert "See-through arm</b> · (20.0°, −60.0°)" in page.shown and SEE_THROUGH in page.shown
     page.page.touch("start", "0")
     page.tick(1.0)
     assert "nothing has moved" not in page.shown and page.widget("Start θ₂").value == 20

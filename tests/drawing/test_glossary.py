@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from drawn import parsed
+from drawn import SCALE_OF_MORE, parsed
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.control.commands.session import Play, Step, Undo
@@ -61,7 +61,7 @@ def test_what_a_number_is_now_is_told_at_its_place_on_the_scale():
     assert glossary.told_now({"condition": 31.62}) == '<style>#vi-word-condition{--now:50.0%;--told:"now 31.6"}</style>'
     assert "--now:100.0%" in glossary.told_now({"E": 1e9}) and "--now:0.0%" in glossary.told_now({"E": 0.0})
     assert glossary.told_now({"E": np.nan, "condition": np.inf}) == "<style></style>"
-    scale = next(box for box in parsed(glossary.cards()).iter("div") if box.get("class") == "vi-scale vi-scale-up")
+    scale = next(box for box in parsed(glossary.cards()).iter("div") if box.get("class") == SCALE_OF_MORE)
     assert [mark.text for mark in scale.iter("span")] == ["1", "20", "10", "5"]  # of points seen, many are good
 
 

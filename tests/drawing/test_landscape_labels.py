@@ -6,7 +6,7 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
-from drawn import LABELS, LEARNERS_PATH, LEVEL_NUMBERS, marked, only, parsed, path
+from drawn import INSET, JOINT_LABELS, LABELS, LEARNERS_PATH, LED, LEVEL_NUMBERS, marked, only, parsed, path
 
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.drawing import path_labels
@@ -72,7 +72,7 @@ def require_free(session, root):
     plane = PosturePlane(session.scene)
     marks = plane.place(np.degrees([session.snapshot.theta_demo, session.snapshot.theta]))
     assert not any(inside(np.concatenate([line, marks]), box).any() for box in labels)
-    for frame in marked(root, "rect", "vi-inset"):
+    for frame in marked(root, "rect", INSET):
         x, y, w, h = (float(frame.get(side)) for side in ("x", "y", "width", "height"))
         apart = (labels[:, 2] < x) | (x + w < labels[:, 0]) | (labels[:, 3] < y) | (y + h < labels[:, 1])
         assert apart.all()
@@ -113,7 +113,7 @@ def test_a_label_moves_only_where_the_path_or_the_learners_own_label_needs_its_p
         numbers = {(float(one.get("x")), float(one.get("y")), one.text) for one in marked(root, "text", LEVEL_NUMBERS)}
         last = plane.place(np.degrees([moment.theta for moment in session.history[max(session.cursor - 1, 0) :]]))
         line = last[0] + np.linspace(0, 1, 200)[:, None] * (last[-1] - last[0])
-        own = marked(root, "text", "vi-of-own")
+        own = marked(root, "text", JOINT_LABELS)
         for x, y, words in before - numbers:
             half = CHARACTER * len(words) / 2 + 4 + 10
             met = inside(line, (x - half, y - 12 - 10, x + half, y + 4 + 10)).any()
@@ -132,7 +132,7 @@ def test_a_label_without_room_is_left_out():
     labels = Labels(0, 0, 100, 20)
     assert "E" in labels.beside(50, 10, "E", "", 4)
     labels.take((0, 0, 100, 20))
-    assert labels.beside(50, 10, "E", "", 4) == "" == labels.led(50, 10, "E", "vi-lead", True)
+    assert labels.beside(50, 10, "E", "", 4) == "" == labels.led(50, 10, "E", LED, True)
 
 
 def test_a_line_is_kept_free_between_its_corners():
@@ -160,12 +160,12 @@ def test_a_plot_without_room_for_the_inset_has_none():
     session = Session(settings)
     views = session.snapshot.views
     made = landscape(session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world))
-    assert "vi-inset" in LandscapePicture(made, session.scene, session.snapshot).html
+    assert INSET in LandscapePicture(made, session.scene, session.snapshot).html
     narrow = msgspec.structs.replace(session.scene, range_deg=((30.0, 60.0), (-180.0, 0.0)))
     rows = slice(30, 61)
     cut = replace(made, axes=(made.axes[0][rows], made.axes[1]), E=made.E[rows])
     picture = LandscapePicture(cut, narrow, session.snapshot)
-    assert "vi-inset" not in picture.html and only(parsed(picture.draw_path(session.history, 0)), "text", LEVEL_NUMBERS)
+    assert INSET not in picture.html and only(parsed(picture.draw_path(session.history, 0)), "text", LEVEL_NUMBERS)
 
 
 def test_labels_are_not_placed_anew_when_the_path_crosses_the_lines_that_lead_to_them(monkeypatch):

@@ -5,7 +5,7 @@ import zlib
 
 import numpy as np
 import pytest
-from drawn import classes, marked, parsed, paths
+from drawn import NEAREST, WAY_FROM_START, classes, marked, parsed, paths
 
 from viewimit.analysis.basin import Basin, Ending
 from viewimit.drawing.curves import axis_end, draw_curves, moment_links, moments_made
@@ -52,7 +52,7 @@ class TestPoints:
         assert {link.get("href") for link in links} == {f"{ADDRESS}/point/{i}" for i in range(10)}
         stops = [link for link in links if link.get("tabindex") is None]
         assert [link.get("aria-label") for link in stops] == [f"point {i}" for i in range(10)]
-        assert all(link.get("target") == SINK for link in links) and len(marked(root, "circle", "vi-nearest")) == 40
+        assert all(link.get("target") == SINK for link in links) and len(marked(root, "circle", NEAREST)) == 40
 
     def test_what_is_not_seen_cannot_be_touched(self, places):
         found, hidden = places
@@ -135,7 +135,7 @@ class TestBasin:
         centres = [(float(mark.get("cx")), float(mark.get("cy"))) for mark in marks["there"]]
         assert np.allclose(centres, places[:2], atol=0.06)
         assert {mark.tag for mark in marks["there"]} == {"circle"} and marks["hollow"] == marks["there"][1:]
-        (way,) = paths(html, "vi-basin-way")
+        (way,) = paths(html, WAY_FROM_START)
         end = [float(n) for n in re.findall(r"[\d.]+", way)][2:]
         assert np.allclose(end, plane.place(np.array([70, -20])), atol=0.06)
         assert "4 of 5 learners" in html

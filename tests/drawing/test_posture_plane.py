@@ -5,7 +5,7 @@ import re
 
 import msgspec
 import pytest
-from drawn import marked, parsed
+from drawn import CENTRED, TO_THE_LEFT, marked, parsed
 
 from viewimit.drawing.labels import CHARACTER
 from viewimit.drawing.posture_plane import MOST_HIGH, WIDTH, PosturePlane
@@ -26,7 +26,7 @@ SPANS = [
     (360, 90),
     (12, 80),
 ]
-ANCHORS = {"vi-end": 1.0, "vi-mid": 0.5}
+ANCHORS = {TO_THE_LEFT: 1.0, CENTRED: 0.5}
 
 
 def boxes(html):

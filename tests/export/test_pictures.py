@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from drawn import IMAGE_L, OWN_POINTS
 from quiet_page import QuietPage
 from viewimit.app.control.commands.duel import ToggleDuel
 from viewimit.app.control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
@@ -60,8 +61,8 @@ def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session)
         assert "".join(citation.command.split()) in "".join(said.split())
         assert ROLES["paper"][0] in picture and ROLES["paper"][1] not in picture
         assert float(root.get("height")) > figure.height
-    own = [one for one in drawings_in(drawn.images[0][7]) if "vi-at-L" in one.classes][0]
-    points = re.search(r'<path class="vi-own" d="[^"]*"/>', own.inside)[0]
+    own = [one for one in drawings_in(drawn.images[0][7]) if IMAGE_L in one.classes][0]
+    points = re.search(rf'<path class="{OWN_POINTS}" d="[^"]*"/>', own.inside)[0]
     assert points in figures[0].captioned(citation)  # the page's very drawing
 
 

@@ -8,6 +8,7 @@ import zlib
 import msgspec
 import numpy as np
 import pytest
+from drawn import CHOSEN_POINT, HULL, IMAGE_R, OWN_POINTS, RECOVERED_POINTS, RESIDUALS
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
@@ -72,7 +73,7 @@ def test_at_every_moment_it_shows_what_the_page_would(session, replay):
         bodies, windows = appearance.of(moment)
         outline = draw_images(moment, bodies, windows, chosen)
         shown = images(replay, k, chosen)
-        for kind in ("vi-own", "vi-found", "vi-e", "vi-hull"):
+        for kind in (OWN_POINTS, RECOVERED_POINTS, RESIDUALS, HULL):
             drawn = re.findall(rf'<path class="{kind}" d="[^"]*"', outline)
             assert drawn and all(path in shown for path in drawn)
         off = np.degrees(np.abs(moment.theta - moment.theta_demo).max())
@@ -91,7 +92,7 @@ def test_every_point_can_be_chosen_and_costs_little(session, replay):
         moment = session.history[k]
         drawn = draw_images(moment, *appearance.of(moment), point, construction=construct(moment, point))
         assert images(replay, k, point) == drawn
-        ring = re.search(r'vi-at-R.*?<circle class="vi-ring" cx="([-\d.]+)" cy="([-\d.]+)"', drawn)
+        ring = re.search(rf'{IMAGE_R}.*?<circle class="{CHOSEN_POINT}" cx="([-\d.]+)" cy="([-\d.]+)"', drawn)
         assert panels["places"][k][3][point] == [float(ring[1]), float(ring[2])]
     assert len(panels["images"]) * len(panels["points"]) * len(drawn) > 4 * len(msgspec.json.encode(panels["images"]))
 

@@ -3,6 +3,7 @@
 import msgspec
 import numpy as np
 import pytest
+from drawn import GUIDE, LESSONS, OFFER, REFUSED
 from page_fakes import BUTTONS, CONTROLS
 from quiet_page import QuietPage
 from sameness import assert_same
@@ -18,7 +19,6 @@ from viewimit.settings import BEST
 
 ADDRESS = "/touch/0.x"
 FIRST = next(iter(shipped()))
-REFUSED = "vi-guide-refused"
 
 
 @pytest.fixture
@@ -112,14 +112,14 @@ def test_a_lesson_is_offered_once_and_any_answer_ends_that():
     for reply in (lambda page: touch(page, "leave"), lambda page: page.page.put(LetGo())):
         page = QuietPage(BEST, address=ADDRESS)
         page.tick(1.0)
-        assert "vi-offer" in page.shown and "New here?" in page.shown
+        assert OFFER in page.shown and "New here?" in page.shown
         reply(page)
         page.tick(1.0)
-        assert "vi-offer" not in page.shown
+        assert OFFER not in page.shown
         memory = page.page.memory()
         again = QuietPage(BEST, resumed=memory, address=ADDRESS)
         again.tick(1.0)
-        assert "vi-offer" not in again.shown and "vi-lessons" in again.shown
+        assert OFFER not in again.shown and LESSONS in again.shown
 
 
 @pytest.mark.parametrize("name", ["play", "step", "undo", "reset", "duel", "run", "rehearse"])
@@ -149,7 +149,7 @@ def test_escape_leaves_at_once(page):
     touch(page, f"begin,{FIRST}")
     page.page.put(LetGo())
     page.tick()
-    assert course(page) is None and "vi-guide" not in page.shown
+    assert course(page) is None and GUIDE not in page.shown
 
 
 HOSTILE = ["1e300", "-1e300", "nan", "inf", "-inf", "-1", "9" * 30, "1e-320", "0x10", "x", "", "1_0"]

@@ -6,6 +6,7 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
+from drawn import SWAPPED, SWAPPED_NAME, written_path
 from viewimit.app.lessons.answers import right_answer
 from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.figures import FIGURES
@@ -19,7 +20,7 @@ from viewimit.session import Session
 @pytest.fixture(scope="module")
 def course():
     course = course_at("swapped")
-    assert "vi-pair-ring" not in draw_lesson(course, "/x") and "seem to be swapped" not in words(course)
+    assert SWAPPED not in draw_lesson(course, "/x") and "seem to be swapped" not in words(course)
     course.choose(0)
     course.show()
     return course
@@ -44,9 +45,9 @@ def test_both_points_are_ringed_and_named_in_the_images_where_they_are_seen(cour
     for view in "lL":
         drawn = FIGURES[view].draw(stage, ["pair"], True)
         body = stage.moment.views.demo if view == "l" else stage.moment.views.own
-        window_centres = re.search(r'class="vi-pair-ring" d="([^"]*)"', drawn)[1]
+        window_centres = written_path(drawn, SWAPPED)
         starts = np.array(re.findall(r"M([\d.-]+) ([\d.-]+)m", window_centres), float)
-        shown = re.findall(r"vi-pair-name[^>]*>(\d+)<", drawn)
+        shown = re.findall(rf"{SWAPPED_NAME}[^>]*>(\d+)<", drawn)
         assert [int(name) for name in shown] == list(pair) and len(starts) == 2
         apart = body[list(pair), :2]
         (dx, dy), (sx, sy) = np.diff(apart, axis=0)[0], np.diff(starts, axis=0)[0]

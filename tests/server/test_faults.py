@@ -11,7 +11,7 @@ import time
 
 import pytest
 from browsing import PAUSE
-from drawn import learners_bars
+from drawn import MOTIONS_MADE, learners_bars
 from protocol import Client
 from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of, tell_all
 from viewimit.app.control.command_loop import CommandLoop
@@ -63,7 +63,7 @@ def work(client: Client) -> None:
     last = once_drawn(client)
     client.put("History", 4)
     client.values[client.widgets["History"]] = 4
-    taken = lambda: any('vi-count"><span>4 of' in html for html in client.html.values())  # by the server
+    taken = lambda: any(f'{MOTIONS_MADE}"><span>4 of' in html for html in client.html.values())  # by the server
     wait_until(lambda: taken() and learner_of(client) != last["learner"] and client.status != last["status"])
 
 

@@ -31,14 +31,14 @@ class StoredSession:
     key: str
     writer: str
     there: Callable[[], bool] = lambda: True
-    head: SavedPage | None = None
-    history: tuple[Snapshot, ...] = ()
-    renewed: bool = True
-    taken: bool = False
-    sizes: dict[str, int] = field(default_factory=dict)
     claimed: bool = False
-    unread: bool = False
-    lost: str | None = None
+    head: SavedPage | None = field(default=None, init=False)
+    history: tuple[Snapshot, ...] = field(default=(), init=False)
+    renewed: bool = field(default=True, init=False)
+    taken: bool = field(default=False, init=False)
+    sizes: dict[str, int] = field(default_factory=dict, init=False)
+    unread: bool = field(default=False, init=False)
+    lost: str | None = field(default=None, init=False)
 
     @property
     def memory(self) -> SavedSession | None:

@@ -1,1 +1,2 @@
-"""The page. Its rooms are server, panels, scene, control, jobs and sessions; the library knows none of it."""
+"""The page. Its rooms are server, panels, scene, control, jobs, sessions, lessons, classroom and static; the library
+knows none of it."""

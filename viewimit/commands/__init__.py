@@ -1,4 +1,4 @@
-"""One file a command: add_options(parser), and run(args) -> exit status."""
+"""One file a command: add_options(parser), and run(args) -> exit status. What it prints is computed elsewhere."""
 
 
 class BadInput(Exception):

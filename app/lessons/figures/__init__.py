@@ -1,4 +1,4 @@
-"""The figures that a step can show, by name."""
+"""The figures that a step can show, by name, drawn of what measures and works have found."""
 
 from collections.abc import Collection, Mapping
 

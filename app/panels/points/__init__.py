@@ -1,1 +1,1 @@
-"""The folder Points: body points by hand."""
+"""The folder Points: body points by hand. What placing one does is in control/."""

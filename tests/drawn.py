@@ -8,6 +8,8 @@ import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 
+import numpy as np
+
 # In an image
 VIEW_NAME = "vi-name"
 IMAGE_PLANE = "vi-plane"
@@ -169,3 +171,13 @@ def styled(css: str) -> set[str]:
 def css(seen: str) -> str:
     """The selector."""
     return "".join(f".{name}" for name in seen.split())
+
+
+def words(html: str) -> str:
+    """All that is written in it."""
+    return " ".join(parsed(html).itertext())
+
+
+def numbers(text: str) -> np.ndarray:
+    """All that are written in it, in order."""
+    return np.array([float(word) for word in re.findall(r"-?\d+\.?\d*", text)])

@@ -56,6 +56,7 @@ from viewimit.app.panels.display import DisplayPanel
 from viewimit.app.panels.images import ImagesPanel
 from viewimit.app.panels.status import StatusPanel
 from viewimit.app.quiet_client import quiet_client
+from waiting import wait_until
 
 from viewimit.settings import BEST
 from viewimit.simulation.markers import load_markers
@@ -213,12 +214,8 @@ class Visit:
 
     def rest(self, seconds=30.0):
         """Tick until no turn goes on."""
-        until = time.monotonic() + seconds
         self.tick()
-        while self.page.busy:
-            assert time.monotonic() < until
-            time.sleep(0.002)
-            self.tick()
+        wait_until(lambda: not self.page.busy, seconds, lambda pause: (time.sleep(pause), self.tick()))
 
     def arrive(self):
         self.rest()

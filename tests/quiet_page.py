@@ -15,6 +15,7 @@ from viewimit.app.jobs.landscapes import LandscapeWorker
 from viewimit.app.page import Page
 from viewimit.app.panels.panel import Reach
 from viewimit.app.quiet_client import QuietClient, QuietHandle
+from waiting import wait_until
 
 from viewimit.settings import Settings
 
@@ -120,11 +121,7 @@ class QuietPage:
 
     def tick_until(self, condition, patience=60.0, seconds=0.5):
         """Tick while threads of the page work. Raises AssertionError after so many seconds of patience."""
-        until = time.monotonic() + patience
-        while not condition():
-            assert time.monotonic() < until, "it did not come"
-            time.sleep(0.01)
-            self.tick(seconds)
+        wait_until(condition, patience, lambda pause: (time.sleep(pause), self.tick(seconds)))
 
     def settle(self):
         """Tick, in no time, until no turn goes on beside the page."""

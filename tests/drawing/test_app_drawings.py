@@ -26,6 +26,7 @@ from drawn import (
     VIEW_NAME,
     classes,
     marked,
+    numbers,
     only,
     parsed,
     path,
@@ -119,10 +120,6 @@ def planes(html):
         if name:
             boxes[name] = box
     return boxes
-
-
-def numbers(text):
-    return np.array([float(word) for word in re.findall(r"-?\d+\.?\d*", text)])
 
 
 def starts(d):

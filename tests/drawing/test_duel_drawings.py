@@ -18,11 +18,13 @@ from drawn import (
     classes,
     css,
     dashed,
+    numbers,
     only,
     parsed,
     path,
     paths,
     used,
+    words,
 )
 from viewimit.app.control.duel import Duel
 from viewimit.app.control.player import Player
@@ -42,14 +44,6 @@ from viewimit.transfer import TRANSFERS
 
 PAGE_CSS = stylesheet()
 SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
-
-
-def words(html):
-    return " ".join(parsed(html).itertext())
-
-
-def numbers(text):
-    return np.array([float(word) for word in re.findall(r"-?\d+\.?\d*", text)])
 
 
 def raced(settings, motions, transfer="epipolar", servo="gradient"):

@@ -27,11 +27,13 @@ from drawn import (
     dashed,
     line_of,
     marked,
+    numbers,
     only,
     parsed,
     paths,
     styled,
     used,
+    words,
 )
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.panels import verdict
@@ -76,17 +78,9 @@ def trajectory():
     return fig10.run(Settings(), max_motions=30)
 
 
-def words(html):
-    return " ".join(parsed(html).itertext())
-
-
 def lines(html, *seen):
     """Curves, without the legend's samples."""
     return [d for d in paths(html, CURVE, *seen) if "h22" not in d]
-
-
-def numbers(text):
-    return np.array([float(word) for word in re.findall(r"-?\d+\.?\d*", text)])
 
 
 def vertices(d):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn import parsed
+from drawn import parsed, words
 
 from viewimit.analysis.construction import construct
 from viewimit.drawing.images.rectified import AS_THEY_ARE, OFF, draw_rectified, row_distance
@@ -19,10 +19,6 @@ def seen(**settings):
 
 def drawn(session):
     return draw_rectified(session.snapshot, Silhouettes({}, session.world).bodies(session.snapshot))
-
-
-def words(html):
-    return " ".join(parsed(html).itertext())
 
 
 def test_rows_that_differ_as_seen_are_equal_when_rectified():

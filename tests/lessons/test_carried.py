@@ -14,13 +14,10 @@ from viewimit.app.lessons.progress import Progress
 from viewimit.app.lessons.source import shipped
 from viewimit.app.lessons.works import WORKS
 from viewimit.app.lessons.works.work import Task
+from walking import at_once
 
 from viewimit.session import Session
 from viewimit.settings import Settings
-
-
-def at_once(name, make, take):
-    take(make())
 
 
 def begun():

@@ -6,16 +6,12 @@ from viewimit.app.lessons.card import draw_lesson
 from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.measures.crossing_angle import crossing, lines, moved
 from viewimit.app.lessons.reveal import verdict
-from walking import course_at
+from walking import course_at, told
 
 
 @pytest.fixture
 def course():
     return course_at("crossing-angle")
-
-
-def told(course, name):
-    return float(MEASURES[name].of(course.stage))
 
 
 def test_a_pixel_moves_the_crossing_by_one_over_the_sine(course):

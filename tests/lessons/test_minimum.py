@@ -10,7 +10,7 @@ from viewimit.app.lessons.reveal import verdict
 from viewimit.app.lessons.scenes import at_distance, spread
 from viewimit.app.lessons.sliders import draw_sliders
 from viewimit.app.lessons.works.minimum import TIMES
-from walking import course_at, works_kept
+from walking import course_at, told, works_kept
 
 from viewimit.analysis.landscape import conflict_at, grid_axes, landscape
 from viewimit.analysis.minima import descend
@@ -29,10 +29,6 @@ def kept_works():
 @pytest.fixture
 def course():
     return course_at("minimum")
-
-
-def told(course, name):
-    return float(MEASURES[name].of(course.stage))
 
 
 def by_descent(world, theta_demo, name):

@@ -17,6 +17,7 @@ from viewimit.app.lessons.source import load, shipped
 from viewimit.app.lessons.works import WORKS, rounds
 from viewimit.app.lessons.works.work import Task
 from viewimit.assets import ROOT
+from walking import at_once
 
 from viewimit.session import Session
 from viewimit.settings import BEST, Settings
@@ -26,10 +27,6 @@ from viewimit.simulation.world import World
 DESIGN = shipped()["design"]
 STEP = DESIGN.step[0]
 SETTINGS = msgspec.convert({**DESIGN.settings, **STEP.settings}, Settings)
-
-
-def at_once(name, make, take):
-    take(make())
 
 
 def course(progress=None, work=at_once):

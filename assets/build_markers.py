@@ -22,7 +22,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
-from ..evaluation import conflict, residual
+from ..evaluation import conflict
 from ..geometry.affine import MIN_POINTS
 from ..simulation.markers import Markers
 from ..simulation.physics.model import write_urdf
@@ -203,7 +203,7 @@ def _biases_deg(study: Study, chosen: NDArray) -> list[float]:
         bias = np.inf
         if common.sum() >= FEWEST:
             views = FourViews(demo[k][common], close[part][:, common], np.ones(1, bool))
-            bias = _minimum_deg(study.near_deg, conflict(residual(TRANSFERS[TRANSFER](views), views)))
+            bias = _minimum_deg(study.near_deg, conflict(TRANSFERS[TRANSFER](views).residual(views)))
         biases.append(min(bias, WORST_DEG))
     return biases
 
@@ -219,7 +219,7 @@ def _conflicts(demo: NDArray, own: NDArray, usable: NDArray) -> NDArray:
         centroid = (images * weight).sum(-2, keepdims=True) / count[..., None, None]
         filled.append(np.where(weight, images, centroid).reshape(-1, *images.shape[-2:]))
     views = FourViews(*filled, np.ones(1, bool))
-    E = conflict(residual(TRANSFERS[TRANSFER](views), views)).reshape(count.shape)
+    E = conflict(TRANSFERS[TRANSFER](views).residual(views)).reshape(count.shape)
     return E * usable.shape[-1] / count
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.evaluation import conflict, residual
+from viewimit.evaluation import conflict
 from viewimit.transfer.transfer import Transfer
 from viewimit.views import FourViews
 
@@ -18,7 +18,7 @@ class Constant(Transfer):
 def test_residual_points_from_the_recovered_point_to_the_learners_own():
     own = np.full((5, 4), 13.0)
     views = FourViews(np.zeros((5, 4)), own, np.ones((5, 4), bool))
-    np.testing.assert_array_equal(residual(Constant(), views), np.full((5, 4), 3.0))
+    np.testing.assert_array_equal(Constant().residual(views), np.full((5, 4), 3.0))
 
 
 def test_conflict_is_the_mean_over_points_and_both_views():

@@ -5,7 +5,7 @@ After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geomet
     Session, Settings, Snapshot     the loop: posture → views → transfer → E → servo → next posture
     FourViews                       image points in [l], [r], [L], [R], simulated or your own
     TRANSFERS, SERVOS               estimators and servo laws by name
-    residual, conflict              e and E, Eq. (6)
+    conflict                        E of the residuals that a fitted transfer gives, Eq. (6)
     fit_affine_fundamental          Eqs. (1)-(3)
     Arm, Eyes                       what to write for a robot and cameras of your own; Session.of(arm, eyes)
     World, load_scene               the simulated world, from a scene file
@@ -23,7 +23,7 @@ __version__ = "0.2.0"
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape
     from .embodiment.interface import Arm, Eyes
-    from .evaluation import conflict, residual
+    from .evaluation import conflict
     from .export.replay import replay
     from .geometry.affine import fit_affine_fundamental
     from .servo import SERVOS
@@ -50,7 +50,6 @@ _MODULES = {
     "fit_affine_fundamental": ".geometry.affine",
     "load_scene": ".simulation.scene",
     "replay": ".export.replay",
-    "residual": ".evaluation",
 }
 
 __all__ = [
@@ -68,7 +67,6 @@ __all__ = [
     "fit_affine_fundamental",
     "load_scene",
     "replay",
-    "residual",
 ]
 
 

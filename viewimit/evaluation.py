@@ -1,14 +1,7 @@
-"""The evaluation function of Section 3: residuals of a transfer, and the conflict E of Eq. (6)."""
+"""The conflict E of Eq. (6), Section 3."""
 
 import numpy as np
 from numpy.typing import NDArray
-
-from .views import FourViews
-
-
-def residual(transfer, views: FourViews) -> NDArray:
-    """e: (..., N, 4) px, from the recovered points to the learner's own; a transfer may have those in [l, r] too."""
-    return transfer.residual(views)
 
 
 def conflict(e: NDArray) -> NDArray:

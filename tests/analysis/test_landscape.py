@@ -6,7 +6,7 @@ import pytest
 
 from viewimit.analysis import landscape as landscape_module
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape
-from viewimit.evaluation import conflict, residual
+from viewimit.evaluation import conflict
 from viewimit.experiments.bench import baselines
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -113,7 +113,7 @@ def test_points_that_are_missing_somewhere_are_left_out_there(transfer):
             assert np.isnan(E) and np.isnan(found.condition[i, j])
             continue
         fitted = TRANSFERS[transfer](views)
-        assert E == pytest.approx(conflict(residual(fitted, views)), rel=1e-6, abs=1e-9)
+        assert E == pytest.approx(conflict(fitted.residual(views)), rel=1e-6, abs=1e-9)
         assert found.condition[i, j] == pytest.approx(float(fitted.condition), rel=1e-6)
     assert min(counts) < 5 and len(counts) > 3
 

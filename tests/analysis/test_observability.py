@@ -5,7 +5,6 @@ import pytest
 from scipy.optimize import least_squares
 
 from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, uncertainty, weak_joints
-from viewimit.evaluation import residual
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
@@ -36,7 +35,7 @@ def test_it_is_the_spread_of_the_smallest_E_under_noise_in_the_own_images(transf
     def minimum(noise):
         def e(theta):
             views = FourViews(demo, session.world.own_images(theta)[0] + noise, np.ones(1, bool))
-            return residual(TRANSFERS[transfer](views), views).ravel()
+            return TRANSFERS[transfer](views).residual(views).ravel()
 
         return least_squares(e, theta_demo, xtol=1e-12, ftol=1e-12).x
 

@@ -29,5 +29,5 @@ def test_labels_keep_apart_and_inside():
 
 
 def test_a_scale_may_run_downwards_as_pixels_do():
-    axes = Axes(0, 0, 100, 50, (0, 640), (240, 0))
+    axes = Axes((0, 0, 100, 50), (0, 640), (240, 0))
     np.testing.assert_allclose(axes.place([0, 640], [0, 240]), [[0, 0], [100, 50]])

@@ -385,7 +385,7 @@ class TestAll:
 
 class TestPlot:
     def test_places(self):
-        plot = Axes(10, 20, 110, 220, (0, 10), (1, 100), up=log10)
+        plot = Axes((10, 20, 110, 220), (0, 10), (1, 100), up=log10)
         np.testing.assert_allclose(plot.place([0, 5, 10], [1, 10, 100]), [[10, 220], [60, 120], [110, 20]])
         assert np.isnan(plot.place([1, 1, np.nan], [0, -3, 5])).all()
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.evaluation import conflict, residual
+from viewimit.evaluation import conflict
 from viewimit.experiments.bench import random_scenes
 from viewimit.experiments.bench.random_scenes import draw, resize, write
 from viewimit.experiments.bench.scenes import ROWS, Run, outcome, run
@@ -47,7 +47,7 @@ def test_at_the_true_posture_the_projective_transfer_leaves_nothing_in_any_of_th
     scene, world = drawn.scene, World(drawn.scene, drawn.points)
     for theta in rng.uniform(scene.lower, scene.upper, (5, 2)):
         away = theta + np.radians(1.0) * np.where(theta > (scene.lower + scene.upper) / 2, -1, 1)
-        E_true, E_away = (conflict(residual(projective.fit(views), views)) for views in
+        E_true, E_away = (conflict(projective.fit(views).residual(views)) for views in
                           (world.look(theta, theta), world.look(theta, away)))  # fmt: skip
         assert E_true < 1e-5 and E_away > 1e4 * E_true
 

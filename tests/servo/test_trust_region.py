@@ -7,7 +7,6 @@ import pytest
 
 from viewimit import evaluation
 from viewimit.disturbances import NOISE, spoil
-from viewimit.evaluation import residual
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
 from viewimit.servo.certificate import EQUAL
@@ -44,7 +43,7 @@ class Learner:
             if known.sum() < MIN_POINTS:  # as a session has it
                 return np.full((*own.shape[:-2], 1, 4), np.inf)
             views = FourViews(demo[known], own[..., known, :], np.ones(1, bool))
-            e = residual(FITS[by](views), views)
+            e = FITS[by](views).residual(views)
             return e if like is None else e @ noise_weight(views.with_own(like[known]))
 
         for motion in range(most):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viewimit.evaluation import conflict, residual
+from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.transfer import TRANSFERS, epipolar
 from viewimit.views import FourViews
@@ -22,7 +22,7 @@ def affine_views(rng, count=10, batch=(), noise=0.0):
 
 
 def conflict_of(fit, views):
-    return conflict(residual(fit(views), views))
+    return conflict(fit(views).residual(views))
 
 
 def plain_system(views):

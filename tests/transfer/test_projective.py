@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import landscape
-from viewimit.evaluation import conflict, residual
+from viewimit.evaluation import conflict
 from viewimit.geometry.rigid import rotation_from_rpy
 from viewimit.simulation.camera import StereoHead
 from viewimit.simulation.lens import Lens
@@ -38,7 +38,7 @@ def heads_views(rng, count=12, depth=2.5):
 def test_with_parallel_axes_it_is_exact_up_to_its_prior(seed):
     """The affine transfer of the same views is off by pixels; this one by what the prior holds back."""
     views = heads_views(np.random.default_rng(seed))
-    e = residual(projective.fit(views), views)
+    e = projective.fit(views).residual(views)
     assert conflict(e) < 1e-4
 
 

@@ -9,7 +9,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..evaluation import residual
 from ..geometry.affine import MIN_POINTS
 from ..servo.surroundings import UNTOLD
 from ..simulation.world import World
@@ -72,6 +71,6 @@ def joint_uncertainty(
     def residual_at(postures: NDArray) -> NDArray:
         own, _ = world.own_images(postures.T)
         views = FourViews(demo[usable], own[:, usable], np.ones(1, bool))
-        return residual(fit(views), views)
+        return fit(views).residual(views)
 
     return uncertainty(residual_jacobian(residual_at, theta))

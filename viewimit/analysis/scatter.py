@@ -9,7 +9,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..evaluation import residual
 from ..simulation.world import World
 from ..views import FourViews
 
@@ -50,7 +49,7 @@ def scatter(
 
     def residual_at(theta: NDArray) -> NDArray:
         views = FourViews(demos, world.own_images(theta.T)[0] + own_noise, np.ones(1, bool))
-        return residual(fit(views), views).reshape(runs, -1)
+        return fit(views).residual(views).reshape(runs, -1)
 
     return _least(residual_at, np.tile(theta_demo, (runs, 1)), world.scene.lower, world.scene.upper)
 

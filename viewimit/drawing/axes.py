@@ -31,17 +31,30 @@ def log10(values: ArrayLike) -> NDArray:
 
 @dataclass(frozen=True)
 class Axes:
-    """left, top, right, bottom: px; x, y: what the sides stand for, from left to right and from bottom to top;
+    """box: left, top, right, bottom px; x, y: what the sides stand for, from left to right and from bottom to top;
     across, up: what makes them even, such as log10."""
 
-    left: float
-    top: float
-    right: float
-    bottom: float
+    box: tuple[float, float, float, float]
     x: tuple[float, float]
     y: tuple[float, float]
     across: Callable[[ArrayLike], NDArray] = linear
     up: Callable[[ArrayLike], NDArray] = linear
+
+    @property
+    def left(self) -> float:
+        return self.box[0]
+
+    @property
+    def top(self) -> float:
+        return self.box[1]
+
+    @property
+    def right(self) -> float:
+        return self.box[2]
+
+    @property
+    def bottom(self) -> float:
+        return self.box[3]
 
     def x_px(self, values: ArrayLike) -> NDArray:
         low, high = self._even[0]

@@ -66,7 +66,7 @@ def moment_links(address: str, last: int, width: int = 424) -> str:
     those with a number below. It stays the same until the axis changes, so that a click survives a motion."""
     left, top, right, bottom = box = _box(width)
     step, every = _x_step(last), _between_links(last)
-    axes, motions = Axes(*box, (0.0, 4.0 * step), (0.0, 1.0)), np.arange(0, 4 * step + 1, every)
+    axes, motions = Axes(box, (0.0, 4.0 * step), (0.0, 1.0)), np.arange(0, 4 * step + 1, every)
     edges = axes.x_px(np.append(motions - every / 2, motions[-1] + every / 2))
     edges[0], edges[-1] = left - 4, right + 4
     cells = "".join(
@@ -134,7 +134,7 @@ def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cu
     E = np.maximum([snapshot.E for snapshot in snapshots], FLOOR_E)
     E_true = max(E_true, FLOOR_E) if E_true is not None and np.isfinite(E_true) else None
     y = decades(E if E_true is None else np.append(E, E_true))
-    axes = Axes(*box, (0.0, 4.0 * step), y, up=log10)
+    axes = Axes(box, (0.0, 4.0 * step), y, up=log10)
     parts = [_frame(axes, step, cursor, "Conflict E", "px², log; hollow = probe", decade_ticks(*y))]
     labels = []
     if E_true is not None:
@@ -157,7 +157,7 @@ def _draw_angles(
     low, high = min(own.min(), demo.min()), max(own.max(), demo.max())
     every = 30 if high - low <= 110 else 60
     low, high = every * np.floor((low - 4) / every), every * np.ceil((high + 4) / every)
-    axes = Axes(*box, (0.0, 4.0 * step), (low, high))
+    axes = Axes(box, (0.0, 4.0 * step), (low, high))
     ticks = [(float(angle), svg.number(angle, 0) + "°") for angle in np.arange(low, high + 1, every)]
     parts = [_frame(axes, step, cursor, "Joint angles", "dashed = demonstrator", ticks)]
     done = int(np.searchsorted(motions, cursor, side="right"))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +20,25 @@ APART = 20.0  # px from the start to the learner, from which on each has a label
 AHEAD = 4.0  # px around the big dot that labels leave free for the next motions when they are placed
 
 
+class End(NamedTuple):
+    """Of a path: how many moments there are, the one that is shown, and the learner's posture there, (m,) rad."""
+
+    moments: int
+    cursor: int
+    theta: NDArray
+
+    def same(self, other: "End") -> bool:
+        return self[:2] == other[:2] and self.theta is other.theta
+
+
 @dataclass
 class Placed:
-    """since: the motion for which all were placed; about: the path's moments and its cursor; theta: where it ends;
-    line: what the path, the marks and the big dot, wherever it has been since, take; labels: all but the learner's
-    own, the start's first; own: that one as it is drawn; away: whether the learner is where both have room."""
+    """since: the motion for which all were placed; end: of the path; line: what the path, the marks and the big dot,
+    wherever it has been since, take; labels: all but the learner's own, the start's first; own: that one as it is
+    drawn; away: whether the learner is where both have room."""
 
     since: int
-    about: tuple[int, int]
-    theta: NDArray
+    end: End
     line: Labels
     labels: list[Put]
     own: str
@@ -71,7 +82,7 @@ class PathLabels:
         """All labels; those but the learner's own stay while the arm is on its way. theta: (m,) rad, where it is seen
         then; points: (k, 2) px of the path as it is drawn."""
         placed = self._placed
-        if placed is None or placed.about != (len(history), cursor) or placed.theta is not history[cursor].theta:
+        if placed is None or not placed.end.same(_end(history, cursor)):
             placed = self._placed = self._follow(history, cursor, points)
         return placed.words + (placed.own if theta is None else self._own(placed.free, theta, cursor)[0])
 
@@ -84,12 +95,12 @@ class PathLabels:
 
     def _since(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:
         """What the motions since labels were drawn last take; None if the path is another one."""
-        placed = self._placed
-        if placed is None or not len(history) - 1 == cursor > placed.about[1] == placed.about[0] - 1:
+        if self._placed is None:
             return None
-        since = history[placed.about[1] : cursor + 1]
-        if since[0].theta is not placed.theta:
+        count, before, theta = self._placed.end
+        if not len(history) - 1 == cursor > before == count - 1 or history[before].theta is not theta:
             return None
+        since = history[before : cursor + 1]
         return line_taken(self._plane.place(np.degrees([moment.theta for moment in since])), CLEAR)
 
     def _place(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> Placed:
@@ -111,7 +122,7 @@ class PathLabels:
         put = [
             free.put(label.label) if label.place is None and (k or away) else label for k, label in enumerate(labels)
         ]
-        return Placed(since, (len(history), cursor), theta, line, put, own, away)
+        return Placed(since, _end(history, cursor), line, put, own, away)
 
     def _away(self, history: Sequence[Snapshot], cursor: int) -> bool:
         """Whether the learner's own label is not the start's."""
@@ -135,7 +146,7 @@ class PathLabels:
             gone[0] |= not away
             labels = [Put(label.label) if goes else label for label, goes in zip(placed.labels, gone)]
             return self._put(labels, placed.line, history, cursor, placed.since)
-        placed.about, placed.theta = (len(history), cursor), theta
+        placed.end = _end(history, cursor)
         return placed
 
     def _own(self, labels: Labels, theta: NDArray, cursor: int) -> tuple[str, Rectangle | None]:
@@ -144,6 +155,10 @@ class PathLabels:
         words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
         place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
+
+
+def _end(history: Sequence[Snapshot], cursor: int) -> End:
+    return End(len(history), cursor, history[cursor].theta)
 
 
 def _meet(some: Sequence[Rectangle], others: Sequence[Rectangle]) -> bool:

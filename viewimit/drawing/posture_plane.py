@@ -43,7 +43,7 @@ class PosturePlane:
         self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
         edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
         up, across = zip(self._low.tolist(), self._high.tolist())
-        self._axes = Axes(*edges, across, up)
+        self._axes = Axes(edges, across, up)
         self._slope = (
             np.array([edges[2] - edges[0], edges[1] - edges[3]]) / span[::-1]
         )  # px a degree, to the right, down

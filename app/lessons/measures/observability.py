@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, untold_joints
-from viewimit.evaluation import residual
 from viewimit.snapshot import Snapshot
 from viewimit.views import FourViews
 
@@ -36,7 +35,7 @@ def _shown(stage: Stage, joint: int, by_arrows: bool) -> float:
     def at(postures: NDArray) -> NDArray:
         own, _ = world.own_images(postures.T)
         views = FourViews(demo, own, np.ones(1, bool))
-        return residual(first.fit(views), views) if by_arrows else own
+        return first.fit(views).residual(views) if by_arrows else own
 
     J = np.radians(1) * residual_jacobian(at, first.theta_demo)[:, joint]
     return float(np.sqrt(2 * np.mean(J**2)))

@@ -41,7 +41,7 @@ def draw_biases(
     the distance at which the visitor foretold `guess`, in degrees."""
     size, box = (NARROW, NARROW_PLOT) if in_narrow else (SIZE, PLOT)
     left, top, right, bottom = box
-    plot = Axes(*box, (1.0, 30.0), (FLOOR, HIGHEST), log10, log10)
+    plot = Axes(box, (1.0, 30.0), (FLOOR, HIGHEST), log10, log10)
     title, note = "From the smallest E to the demonstrator", "the joint that is farthest off"
     parts = [
         plot.title(title, "" if in_narrow else note, 4, 16),

@@ -87,7 +87,7 @@ def _axes(demo: NDArray, clouds: Sequence[Cloud], box: tuple[float, float, float
     up, across = ROOM * np.max(most, 0) if most else (10.0, 10.0)
     per_unit = max(2 * up / (bottom - top), 2 * across / (right - left), 1e-9)
     half_x, half_y = per_unit * (right - left) / 2, per_unit * (bottom - top) / 2
-    return Axes(*box, (demo[1] - half_x, demo[1] + half_x), (demo[0] - half_y, demo[0] + half_y))
+    return Axes(box, (demo[1] - half_x, demo[1] + half_x), (demo[0] - half_y, demo[0] + half_y))
 
 
 def _spread(plot: Axes, joints: Sequence[str], cloud: Cloud, row: int) -> str:

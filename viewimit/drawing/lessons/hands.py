@@ -139,7 +139,7 @@ def _scale_bar(picture: Picture, place: _Placing, high: float) -> str:
 def _curve(curve: Curve, top: float, so_far: int | None) -> str:
     y = decades(np.concatenate([values for _, _, values in curve.values] or [np.array([])]), *curve.around)
     count = max((len(values) for _, _, values in curve.values), default=2)
-    plot = Axes(40, top + 37, WIDTH - 12, top + CURVE_HIGH - 8, (0.0, count - 1.0), y, up=log10)
+    plot = Axes((40, top + 37, WIDTH - 12, top + CURVE_HIGH - 8), (0.0, count - 1.0), y, up=log10)
     ticks = decade_ticks(*y, 3)
     parts = [
         f'<g class="vi-hand-plot">{plot.title(curve.title, curve.unit, 0, top + 26)}{plot.frame("", "", (), ticks)}</g>'

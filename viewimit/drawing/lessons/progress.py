@@ -43,7 +43,7 @@ def _plot(E: np.ndarray, goal: float | None, box: tuple[float, float, float, flo
     everything = E if goal is None else np.append(E, goal)
     low, high = decades(everything, float(everything.min()), float(everything.max()))
     last = max(4, len(E) - 1)
-    plot = Axes(*box, (0, last), (low, high), up=log10)
+    plot = Axes(box, (0, last), (low, high), up=log10)
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(

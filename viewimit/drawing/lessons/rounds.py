@@ -45,7 +45,7 @@ def draw_rounds(
     """HTML. count: of runs each; most_motions: of a run; within: degrees of the demonstrator, that count as there."""
     size, box = (NARROW, NARROW_PLOT) if in_narrow else (SIZE, PLOT)
     left, top, right, _ = box
-    plot = Axes(*box, (0.4, count + 0.6), RANGE, up=log10)
+    plot = Axes(box, (0.4, count + 0.6), RANGE, up=log10)
     ticks = [(k, str(k)) for k in range(1, count + 1) if k == 1 or k % 5 == 0]
     parts = [
         plot.frame(

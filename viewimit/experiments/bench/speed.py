@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import grid_axes, landscape
-from ...evaluation import conflict, residual
+from ...evaluation import conflict
 from ...servo import SERVOS
 from ...session import Session
 from ...settings import Settings
@@ -170,7 +170,7 @@ def _fit_s(fit: Callable, demo: NDArray, own: NDArray) -> dict[int, float]:
 
     def of(images: NDArray) -> float:
         views = FourViews(demo, images, np.ones(1, bool))
-        return call_s(lambda: conflict(residual(fit(views), views)))
+        return call_s(lambda: conflict(fit(views).residual(views)))
 
     return {1: of(own[0]), BATCH: of(own)}
 

@@ -106,7 +106,7 @@ def _errors(found: Fig10 | None) -> str:
     for title, unit, left, right, least, values in plots:
         values = {name: np.maximum(errors, FLOOR) for name, errors in values.items()}
         y = decades(np.concatenate([*values.values(), np.empty(0)]), *least)
-        plot = Axes(left, LOWER[0], right, LOWER[1], (0.0, max(seconds, 1e-3)), y, up=log10)
+        plot = Axes((left, LOWER[0], right, LOWER[1]), (0.0, max(seconds, 1e-3)), y, up=log10)
         ticks = [(time, f"{time:g}") for time in (0, float(f"{seconds / 2:.1g}"))]
         parts.append(plot.frame(title, f"{unit}, log", ticks, decade_ticks(*y, 3)))
         parts.append(svg.text(right, LOWER[1] + 13, f"{seconds:.3g} s", "vi-2nd vi-end"))

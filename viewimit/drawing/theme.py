@@ -32,7 +32,9 @@ ROLES = {
 RECOVERED, OBSERVED, RING = 3.7, 3.6, 8.5
 HEAD = 4.6  # of a residual's arrow
 
-DRAWING_CSS, WORDS_CSS = (Path(__file__).with_name(f"{name}.css").read_text("utf-8") for name in ("drawing", "words"))
+DRAWING_CSS, WORDS_CSS = (
+    Path(__file__).parent.joinpath("styles", f"{name}.css").read_text("utf-8") for name in ("drawing", "words")
+)
 
 
 def rgb(role: str, dark: bool = False) -> tuple[int, int, int]:

@@ -57,7 +57,7 @@ class GuardedConnection(ServerConnection):
         self.lecturer = False
         self.network = network_of(None)
         self._unsent = Unsent()
-        self._received = b""  # of a request that has not come as a whole
+        self._received = b""  # of a request that has not come as a whole; then what came behind it before its answer
         self._came = 0  # bytes, with empty lines before it
         self._head: RequestHead | None = None
         self._refused = False
@@ -102,7 +102,7 @@ class GuardedConnection(ServerConnection):
 
     def data_received(self, data: bytes) -> None:
         if self._head is not None:
-            super().data_received(data)
+            self._read_on(data)
         elif not self._refused:
             self._came += len(data)
             self._received = (self._received + data).lstrip(b"\r\n")
@@ -121,6 +121,21 @@ class GuardedConnection(ServerConnection):
         if self._head is not None:
             self._received = b""
             super().data_received(self._head.plain)
+            self._read_on(self._head.behind)
+
+    def _read_on(self, data: bytes) -> None:
+        """What comes behind a request's head. Before the answer websockets would take it for a frame, fail, and answer
+        nothing: what follows the request for a websocket waits, be it not too much; all else asks for nothing more."""
+        if self.protocol.state is not State.CONNECTING:
+            super().data_received(data)
+        elif self._head is not None and self._head.websocket and len(self._received) + len(data) <= MOST_HEAD:
+            self._received += data
+
+    async def handshake(self, *args, **options) -> None:
+        await super().handshake(*args, **options)
+        early, self._received = self._received, b""
+        if early and self.protocol.state is State.OPEN:
+            super().data_received(early)
 
     def eof_received(self) -> bool | None:  # type: ignore[override]  # asyncio takes an answer, websockets gives none
         """Who has sent all of a request may end its side, and is answered yet; True: the connection stays."""

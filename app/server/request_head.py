@@ -29,12 +29,13 @@ class NotAnswered(ValueError):
 
 @dataclass(frozen=True)
 class RequestHead:
-    """of_body: whether the answer may have one; websocket: whether it asks for one; plain: what has come, as a GET of
-    HTTP/1.1, which is answered alike."""
+    """of_body: whether the answer may have one; websocket: whether it asks for one; plain: it, as a GET of HTTP/1.1,
+    which is answered alike; behind: what has come after it."""
 
     of_body: bool
     websocket: bool
     plain: bytes
+    behind: bytes
 
 
 def is_whole(received: bytes) -> bool:
@@ -58,15 +59,16 @@ def read_head(received: bytes) -> RequestHead | None:
         raise NotAnswered(http.HTTPStatus.HTTP_VERSION_NOT_SUPPORTED, "another version than HTTP/1.0 or HTTP/1.1")
     if method.decode() not in METHODS.split(", "):
         raise NotAnswered(http.HTTPStatus.METHOD_NOT_ALLOWED, f"another method than {METHODS}")
-    plain = b"GET " + target + b" HTTP/1.1\r\n" + rest
-    request = _as_websockets_reads(plain[: len(plain) - len(received) + end.end()])
+    behind = received[end.end() :]
+    plain = b"GET " + target + b" HTTP/1.1\r\n" + rest.removesuffix(behind)
+    request = _as_websockets_reads(plain)
     doubled = next((name for name in ONCE if len(request.headers.get_all(name)) > 1), None)
     if doubled is not None:
         raise NotAnswered(http.HTTPStatus.BAD_REQUEST, f"a request with more than one {doubled}")
     websocket = "Upgrade" in request.headers
     if websocket and (method != b"GET" or minor == b"0"):
         raise NotAnswered(http.HTTPStatus.BAD_REQUEST, "a websocket by another request than a GET of HTTP/1.1")
-    return RequestHead(method == b"GET", websocket, plain)
+    return RequestHead(method == b"GET", websocket, plain, behind)
 
 
 def too_long() -> NotAnswered:

@@ -5,7 +5,7 @@ import socket
 
 import pytest
 from serving import Server
-from test_seats import HANDSHAKE, place_of
+from test_seats import FIRST_VIEW, HANDSHAKE, framed, place_of
 from viewimit.app.server.request_head import MOST_HEAD, NotAnswered, read_head
 from waiting import wait_until
 
@@ -112,11 +112,25 @@ def test_a_body_that_is_still_coming_does_not_undo_the_answer(serving):
         wait_until(lambda: re.match(rb"HTTP/1.1 405 .*\r\n\r\n", client.recv(4096), re.DOTALL))
 
 
+@pytest.mark.parametrize("first", [f"GET /health HTTP/1.1\r\n{HOST}\r\n", f"HEAD / HTTP/1.1\r\n{HOST}\r\n"])
+@pytest.mark.parametrize("behind", [f"GET /health HTTP/1.1\r\n{HOST}\r\n", "\r\n", "x" * 100_000])
+def test_what_comes_behind_a_request_does_not_undo_its_answer(serving, first, behind):
+    assert answer_to(serving.url, (first + behind).encode())[0] == 200
+
+
+@pytest.mark.parametrize("behind", [b"GET / HTTP/1.1\r\n\r\n", framed(b"x"), framed(FIRST_VIEW), bytes(100_000)])
+def test_what_comes_behind_the_request_for_a_websocket_is_read_after_its_answer(serving, behind):
+    with socket.create_connection(place_of(serving.url), timeout=20) as client:
+        client.sendall(HANDSHAKE.format(host="a").encode() + behind)
+        assert client.recv(12) == b"HTTP/1.1 101"
+
+
 def test_a_head_is_read_whole_however_it_comes():
     request = b"GET /a?b HTTP/1.1\r\nHost: a\r\n\r\nmore"
     for k in range(len(request) - len("more")):
         assert read_head(request[:k]) is None
     whole = read_head(request)
-    assert whole is not None and whole.plain == request and whole.of_body and not whole.websocket
+    assert whole is not None and whole.plain + whole.behind == request and whole.of_body and not whole.websocket
+    assert whole.behind == b"more"
     with pytest.raises(NotAnswered):
         read_head(b"a" * (MOST_HEAD + 1))

@@ -37,6 +37,8 @@ def load_mesh(path: Path) -> trimesh.Trimesh:
         raise NotFound(f"{path.name} has no triangles")
     if np.abs(mesh.vertices).max() > MOST_LENGTH:
         raise NotFound(f"{path.name} has vertices beyond {MOST_LENGTH:g}")
+    if not mesh.area > 0:  # nothing is seen of it, and no body point can be on it
+        raise NotFound(f"{path.name} has triangles without an area alone")
     return trimesh.Trimesh(mesh.vertices * _metres(content, kind), mesh.faces, process=False)
 
 

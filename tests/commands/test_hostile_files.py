@@ -101,6 +101,9 @@ def refused_apart(*words, home=None):
         (head(position=[1e308, 0, 0]), "not within"),
         (head(focal="9" * 400), "not within"),
         ("a = 1\n" * 400_000, "more than 1"),
+        (f'extends = "{"a" * 100_000}"', "File name too long"),
+        (f'extends = "panda"\nrobot = "{"a" * 100_000}.urdf"', "File name too long"),
+        ('extends = "\\u001b]0;a\\u0007\\u0000"', r"/\x1b]0;a\x07\x00.toml"),
     ],
     ids=lambda value: str(value)[:24],
 )
@@ -160,6 +163,10 @@ def test_meshes_that_no_arm_has_are_told_and_not_drawn(tmp_path):
     path = tmp_path / "far.stl"
     path.write_bytes(bytes(80) + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 3e38, 0, 0, 0, 3e38, 0, 0))
     with pytest.raises(NotFound, match="vertices beyond"):
+        load_mesh(path)
+    path = tmp_path / "point.obj"
+    path.write_text("v 0 0 0\n" * 3 + "f 1 2 3\n")
+    with pytest.raises(NotFound, match="without an area"):
         load_mesh(path)
     os.mkfifo(tmp_path / "pipe.stl")
     with pytest.raises(NotFound, match="a pipe or device"):

@@ -21,7 +21,7 @@ from .transfer import TRANSFERS
 from .transfer.rectified import fit
 from .views import FourViews, Pairs
 
-POOLED = 200  # frames, evenly spaced, that tell the geometry
+POOLED, MATCHES = 200, 8000  # frames, evenly spaced, and matches of those, that tell the geometry
 BODIES = ("l", "r"), ("L", "R")
 METHOD = TRANSFERS["projective"]  # which has no bias: of points that are right, in one posture, E is that of the noise
 ALWAYS = 0.5  # of what contradicts in a frame: what does as the rms of all frames, be they ever so many
@@ -65,7 +65,7 @@ class Suspects:
 
 def suspects(views: FourViews, seed: int = 0) -> Suspects:
     """views: of T frames, (T, N, …). seed: of the draws."""
-    geometry = _geometry(views, np.random.default_rng(seed))
+    geometry = _geometry(telling(views, seed), np.random.default_rng(seed))
     if geometry is None:
         few = f"misplaced points: they need {ENOUGH} matches of left and right, or {FEWEST} that lie in equal rows"
         return Suspects((), (few, "swapped points: they need to know the noise, which the same matches tell"))
@@ -79,9 +79,17 @@ def suspects(views: FourViews, seed: int = 0) -> Suspects:
     return Suspects((*by_score, *swapped), (why,) if why else ())
 
 
-def _geometry(views: FourViews, rng: np.random.Generator) -> Fit | None:
-    """Of the matches that do not contradict each other; None with too few of them."""
+def telling(views: FourViews, seed: int = 0) -> NDArray:
+    """(M, 4) px: matches of left and right, of both bodies, that tell the cameras' geometry. Of very many, those that
+    are drawn: more tell hardly more, and take long."""
     matches = pooled(_frames(views, k) for k in _spaced(len(views.demo), POOLED))
+    if len(matches) <= MATCHES:
+        return matches
+    return matches[np.sort(np.random.default_rng(seed).choice(len(matches), MATCHES, replace=False))]
+
+
+def _geometry(matches: NDArray, rng: np.random.Generator) -> Fit | None:
+    """Of the matches, (M, 4) px, that do not contradict each other; None with too few of them."""
     left, right = matches[:, :2], matches[:, 2:]
     if len(matches) < FEWEST:
         return None

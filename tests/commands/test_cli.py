@@ -95,6 +95,14 @@ def test_a_run_can_be_repeated_from_its_object(ask_json, words):
     assert again == without(told, *HEADING, "settings") and len(again["history"]) > 5
 
 
+def test_arrays_are_rounded_as_numbers_are():
+    rng = np.random.default_rng(0)
+    many = rng.standard_normal((200, 3, 2)) * 10.0 ** rng.integers(-12, 7, (200, 3, 2))
+    many[:4, 0, 0] = np.nan, np.inf, 0, -1
+    one_by_one = [[[rounded(x) if np.isfinite(x) else None for x in row] for row in one] for one in many.tolist()]
+    assert json_output.plain(many) == one_by_one
+
+
 @pytest.mark.parametrize("name", ["a.csv", "b.npz", "C.NPZ"])
 def test_imitate_writes_its_history(ask_json, tmp_path, name):
     path = tmp_path / name

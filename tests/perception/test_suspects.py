@@ -1,6 +1,7 @@
 """A point that is wrong, and two that are swapped, are named and nobody else; clean images raise no alarm, and where
 nothing can be told that is said."""
 
+import tracemalloc
 from itertools import product
 
 import numpy as np
@@ -144,3 +145,17 @@ def test_points_without_any_order_are_left_undecided():
     rng = np.random.default_rng(8)
     demo, own = rng.uniform(0, 300, (2, 4, 12, 4))
     assert suspects(FourViews(demo, own, np.ones(demo.shape, bool))).found == ()
+
+
+def test_of_very_many_points_a_wrong_one_is_named_in_as_little_memory():
+    rng = np.random.default_rng(4)
+    depth, many, frames = rng.uniform(2, 4, (1, 2000, 1)), (1, 2000, 2), np.linspace(0, 40, 25)[:, None, None]
+    left = rng.uniform(50, 500, many) + frames
+    images = np.concatenate([left, left - [60, 0] / depth], -1)
+    views = FourViews(images, images + 20, np.ones(images.shape, bool))
+    views.demo[:, 7, 1] += 30
+    tracemalloc.start()
+    found = named(views)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found == [("misplaced", (7,), ("l", "r"))] and most < 250e6

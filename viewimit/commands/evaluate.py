@@ -16,10 +16,9 @@ from ..geometry.distortion import Radial
 from ..geometry.rectification import Rectification, rectification_of
 from ..perception.degeneracy import extents, why_degenerate
 from ..perception.tracks import TrackedPoints, read_files, read_tidy
-from ..rectifying import pooled
 from ..settings import Settings
 from ..simulation.lens import undistorted
-from ..suspects import suspects
+from ..suspects import suspects, telling
 from ..transfer import TRANSFERS, TransferMethod
 from ..transfer.rectified import fit
 from ..transfer.transfer import FLAT, FLATNESS
@@ -36,7 +35,6 @@ COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
 FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak")
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
 TOGETHER = 2000  # frames at a time, for memory's sake
-POOLED = 200  # frames whose matches tell of the cameras
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -75,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
         print(f"viewimit evaluate: {says}", file=sys.stderr)
     views = _pinhole(args, tracked.views(args.min_confidence))
-    rectification = None if args.rectify == "off" else _rectification(views)
+    rectification = None if args.rectify == "off" else rectification_of(*np.split(telling(views), 2, axis=1))
     frames = evaluate_frames(tracked.frames, tracked.points, views, args.transfer, rectification)
     rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
     found = suspects(views)
@@ -93,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
             evaluate_report.write(args.out, result | {"first": _named(evaluated[0])})
         print(f"written to {args.out}", file=sys.stderr)
     if args.json:
-        print_json(args, result | {"frames": [_named(frame) for frame in frames]})
+        print_json(args, result | {"frames": map(_named, frames)})
     else:
         _report(result)
     if all(frame["refused"] == TOO_FEW for frame in frames):
@@ -173,12 +171,6 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
         return np.concatenate(list(halves), -1)
 
     return FourViews(pair(views.demo), pair(views.own), views.visible)
-
-
-def _rectification(views: FourViews) -> Rectification | None:
-    """By the matches of at most POOLED frames, evenly spaced."""
-    frames = np.unique(np.linspace(0, len(views.demo) - 1, POOLED).astype(int))
-    return rectification_of(*np.split(pooled(_frames(views, k) for k in frames), 2, axis=1))
 
 
 def _weak(method: TransferMethod, condition: float, flat: float) -> str | None:

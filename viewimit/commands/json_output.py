@@ -4,11 +4,13 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import __version__
 from ..settings import Settings
@@ -31,8 +33,24 @@ def print_json(args: argparse.Namespace, result: dict, settings: Settings | None
     told["options"] = {name: _exact(value) for name, value in vars(args).items() if name not in HOW_TOLD | among}
     assert told.keys().isdisjoint(result), "a result that overwrites what it was made from"
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"
-    readable = encoding.lower().startswith("utf")
-    print(json.dumps(told | plain(result), allow_nan=False, ensure_ascii=not readable))
+    escaped = not encoding.lower().startswith("utf")
+    encode = json.JSONEncoder(allow_nan=False, ensure_ascii=escaped).encode
+    sys.stdout.write(encode(told)[:-1])
+    sys.stdout.writelines(_pieces(result, encode))
+    print("}")
+
+
+def _pieces(result: dict, encode: Callable[[Any], str]) -> Iterator[str]:
+    """Of an object that has begun. Of a list or an iterator an item at a time, for there may be very many."""
+    for key, value in result.items():
+        yield f", {encode(str(key))}: "
+        if isinstance(value, (list, Iterator)):
+            yield "["
+            for k, item in enumerate(value):
+                yield (", " if k else "") + encode(plain(item))
+            yield "]"
+        else:
+            yield encode(plain(value))
 
 
 def rounded(value: float) -> float:
@@ -46,6 +64,8 @@ def plain(value: Any) -> Any:
     """Of what JSON has, each number rounded; None for what is not a number."""
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.size > 1:
+        return _array(value)
     if isinstance(value, (list, tuple, np.ndarray)):
         return [plain(item) for item in value]
     if isinstance(value, np.generic):
@@ -53,6 +73,15 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return rounded(value) if math.isfinite(value) else None
     return value
+
+
+def _array(values: NDArray) -> Any:
+    """As `plain`, of many numbers at once: those that are at least one, as pixels are, are rounded together."""
+    flat = values.astype(float).ravel()
+    found = np.round(flat, DIGITS).astype(object)
+    for k in np.flatnonzero(~(np.abs(flat) >= 1) | np.isinf(flat)):
+        found[k] = rounded(float(flat[k])) if np.isfinite(flat[k]) else None
+    return found.reshape(values.shape).tolist()
 
 
 def _exact(value: Any) -> Any:

@@ -59,6 +59,22 @@ def test_evaluate_refuses_them(ask, ask_json, tmp_path, said, transfer):
     assert status == 1 and said in err
 
 
+@pytest.mark.parametrize("whose", ["", " of [L R]"])
+@pytest.mark.parametrize("said, shape", [("σ₁/σ₃", "one plane"), ("σ₁/σ₃", "one line"), ("σ₁/σ₄", "one place")])
+def test_noise_does_not_hide_them(ask_json, tmp_path, whose, said, shape):
+    path, rng = tmp_path / "points.csv", np.random.default_rng(1)
+    flat, good = FLATTENED[shape] @ SOLID + 200, SHAPE @ SOLID + 200
+    demo, own = (flat, good) if whose == "" else (good, flat)
+    images = np.concatenate([demo[:, :4], own[:, 4:]], 1) + 0.2 * rng.standard_normal((10, 8))
+    with path.open("w") as file:
+        file.write("frame,view,point,x,y\n")
+        for view, image in zip(VIEWS, np.split(images, 4, 1)):
+            file.writelines(f"0,{view},{k},{x:.4f},{y:.4f}\n" for k, (x, y) in enumerate(image))
+    _, told = ask_json("evaluate", path, "--transfer", "projective", "--rectify", "off")
+    (frame,) = told["frames"]
+    assert frame["weak"].startswith(f"{said}{whose} ") and "E may mislead" in frame["weak"]
+
+
 def test_numbers_that_are_no_pixels_are_named(ask, tmp_path):
     path = tmp_path / "points.csv"
     path.write_text("frame,view,point,x,y\n0,l,0,1e9,3\n")

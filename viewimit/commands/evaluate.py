@@ -35,6 +35,7 @@ COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
 FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak")
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
 TOGETHER = 2000  # frames at a time, for memory's sake
+APART = 6.0  # σ₁/σ₄ of points in one place is noise's own, 5 at most in 95 % of frames; of arms 24 and more at 1 px
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -134,8 +135,8 @@ def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | No
     image = dict(zip(VIEWS, (seen.demo_left, seen.demo_right, seen.own_left, seen.own_right)))
     pairs = [fit_affine_fundamental(image[p], image[q]) for p, q in PAIRS]
     F = np.stack([np.concatenate([f, f33[..., None]], -1) for f, f33 in pairs], -2)
-    sigma = extents(seen.demo)
-    flat, condition = sigma[:, 0] / sigma[:, 2], np.broadcast_to(fitted.condition, len(F))
+    demo, own = extents(seen.demo), extents(seen.own)
+    flat, condition = demo[:, 0] / demo[:, 2], np.broadcast_to(fitted.condition, len(F))
     E, rms = fitted.conflict(seen), np.sqrt(conflict(seen.own - recovered))
     for k in range(len(F)):
         yield {
@@ -147,7 +148,7 @@ def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | No
             "seen": {view: points[k] for view, points in image.items()},
             "recovered": {"L": recovered[k, :, :2], "R": recovered[k, :, 2:]},
             "refused": None,
-            "weak": _weak(method, float(condition[k]), float(flat[k])),
+            "weak": _weak(method, float(condition[k]), demo[k], own[k]),
         }
 
 
@@ -173,11 +174,16 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
     return FourViews(pair(views.demo), pair(views.own), views.visible)
 
 
-def _weak(method: TransferMethod, condition: float, flat: float) -> str | None:
-    """What speaks against the result of a frame."""
+def _weak(method: TransferMethod, condition: float, demo: NDArray, own: NDArray) -> str | None:
+    """What speaks against the result of a frame. demo, own: extents of the points, (4,) px each."""
     if condition >= AMBER:
         return f"{method.condition_name} {condition:.3g}: {method.ill}"
-    return f"{FLATNESS} {flat:.3g}: {FLAT}" if flat >= AMBER else None
+    for of, sigma in (("", demo), (" of [L R]", own)):
+        if sigma[0] >= AMBER * sigma[2]:
+            return f"{FLATNESS}{of} {sigma[0] / sigma[2]:.3g}: {FLAT}"
+        if sigma[0] < APART * sigma[3]:
+            return f"σ₁/σ₄{of} {sigma[0] / sigma[3]:.3g}: the points lie apart by little more than noise, E may mislead"
+    return None
 
 
 def _doubts(frames: Sequence[dict]) -> Iterator[str]:

@@ -1,12 +1,14 @@
 """Which pages may connect: those that this server itself has served, under a name that cannot be someone else's."""
 
 import ipaddress
+import re
 import socket
 from collections.abc import Collection
 from functools import cache
 from urllib.parse import urlsplit
 
 PORTS = {"http": 80, "https": 443}
+NAME = re.compile(r"[\w.-]{1,253}", re.ASCII)  # of a machine, as browsers send it
 
 
 def is_own_page(origin: str, host: str, allowed: Collection[str]) -> bool:
@@ -38,6 +40,7 @@ def require_origin(text: str) -> None:
         known = False
     else:
         known = known and page.username is None and page.path in ("", "/") and not (page.query or page.fragment)
+        known = known and (_is_address(page.hostname or "") or NAME.fullmatch(page.hostname or "") is not None)
     if not known:
         raise ValueError(f"{text!r} is no origin: say the scheme, host and no path, such as https://class.example.org")
 

@@ -299,7 +299,8 @@ def test_a_device_takes_no_memory():
 
 @pytest.mark.parametrize(
     "origin", ["class.example.org", "//class.example.org", "ftp://class.example.org", "https://", "https://a:b",
-               "https://class.example.org/path", "https://me@class.example.org", ""],
+               "https://class.example.org/path", "https://me@class.example.org", "", "https://*", "https://a b",
+               "https://*.example.org", "https://klasse.schüle.example"],
 )  # fmt: skip
 def test_origins_that_no_browser_sends(refused, origin):
     assert "such as https://class.example.org" in refused("serve", "--origin", origin)

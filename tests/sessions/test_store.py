@@ -203,6 +203,13 @@ def test_a_store_that_cannot_be_used_is_said(tmp_path):
         open_store(str(tmp_path))
 
 
+def test_an_address_that_no_store_has_is_no_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match="^reddis:// is no address of a store: .* redis://") as refused:
+        open_store("reddis://:secret@here:6379")
+    assert "secret" not in str(refused.value) and not list(tmp_path.iterdir())
+
+
 def test_a_redis_that_is_not_there_is_said(tmp_path):
     pytest.importorskip("redis")
     began = time.monotonic()

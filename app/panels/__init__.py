@@ -19,6 +19,7 @@ from .guide.share import SharePanel
 from .history import HistoryPanel
 from .images import ImagesPanel
 from .landscape import LandscapePanel
+from .larger import LargerPanel
 from .learner import LearnerPanel
 from .method import MethodPanel
 from .motions import MotionsPanel
@@ -56,4 +57,5 @@ PANELS: list[type[Panel]] = [
     ExperimentsPanel,
     MotionsPanel,
     LecturerPanel,
+    LargerPanel,  # in the tabs that those before it have made
 ]

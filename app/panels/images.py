@@ -1,11 +1,10 @@
 """The four images."""
 
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.drawing.over.links import link
-from viewimit.drawing.over.points import LESS, MORE, point_links, point_places, proposed_marks
+from viewimit.drawing.over.points import point_links, point_places, proposed_marks
 
 from ..control.moments.images import draw_shown
-from ..control.state import LARGE, PageState, View
+from ..control.state import PageState, View
 from .panel import Layout, Panel
 from .widgets import put_html
 
@@ -27,7 +26,7 @@ class ImagesPanel(Panel):
 
     def depends_on(self, state: PageState) -> tuple:
         view = state.view
-        shown = view.chosen, view.whole_frames, view.rectified, view.large, state.stage
+        shown = view.chosen, view.whole_frames, view.rectified, state.stage
         return state.generation, state.looked, state.points, *shown, *state.pictures.values()
 
     def show(self, state: PageState) -> None:
@@ -49,23 +48,8 @@ class ImagesPanel(Panel):
 
     def _show_links(self, points: int | None, view: View) -> None:
         """Made anew only when they change. points: how many there are; None: none that can be chosen."""
-        of = points, view.whole_frames, view.large
+        of = points, view.whole_frames
         if self._address is None or of == self._linked:
             return
         self._linked = of
-        to_points = "" if points is None else point_links(self._address, points, view.whole_frames)
-        put_html(self._links, to_points + _large(self._address, view.large))
-
-
-def _large(address: str, large: str | None) -> str:
-    """Links that enlarge the panels, and which of them or of the images is large: layout.css does it."""
-    icon = f'<svg viewBox="-6 -6 12 12" aria-hidden="true"><path d="{LESS if large else MORE}"/></svg>'
-    links = "".join(
-        f'<div class="vi-enlarge vi-enlarge-{what}">{link(address, f"large/{LARGE.index(shown)}", name, icon)}</div>'
-        for what, shown, name in (
-            ("images", large if large not in (None, "figures") else "images", "Images, large or not"),
-            ("figures", "figures", "Figures, large or not"),
-        )
-    )
-    mark = f'<i class="vi-large vi-large-{large}"></i>' if large else ""
-    return f'<div class="vi-larger-links">{links}</div>{mark}'
+        put_html(self._links, "" if points is None else point_links(self._address, points, view.whole_frames))

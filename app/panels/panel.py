@@ -37,15 +37,21 @@ class Layout:
         self.address, self.origin, self.shared = reach.address, reach.origin, reach.shared
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
-        self._tabs: dict[str, AbstractContextManager] = {}
+        self._upper_tabs: dict[str, AbstractContextManager] = {}
+        self._lower_tabs: dict[str, AbstractContextManager] = {}
 
     def upper_tab(self, name: str) -> AbstractContextManager:
         """The tab of this name in the upper panel, to build in."""
-        return self._tab(self._upper, name)
+        return _tab(self._upper, self._upper_tabs, name)
+
+    @property
+    def upper_tabs(self) -> list[AbstractContextManager]:
+        """All that the upper panel has so far."""
+        return list(self._upper_tabs.values())
 
     def tab(self, name: str) -> AbstractContextManager:
         """In the lower one."""
-        return self._tab(self._lower, name)
+        return _tab(self._lower, self._lower_tabs, name)
 
     def dock(self) -> None:
         """To be called when all is built."""
@@ -63,10 +69,11 @@ class Layout:
         self.gui.main_panel.set_width(LEFT_WIDTHS[wide])
         self._upper.set_width(WIDTHS[wide])
 
-    def _tab(self, panel, name: str) -> AbstractContextManager:
-        if name not in self._tabs:
-            self._tabs[name] = panel.add_tab(name)
-        return self._tabs[name]
+
+def _tab(panel, made: dict[str, AbstractContextManager], name: str) -> AbstractContextManager:
+    if name not in made:
+        made[name] = panel.add_tab(name)
+    return made[name]
 
 
 class Panel(Protocol):

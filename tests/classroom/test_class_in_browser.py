@@ -52,6 +52,29 @@ def test_a_lecturer_shows_how_to_join_until_the_next_click(server, lecturer):
             wait_for_count(lecturer, JOIN, 0, exactly=True)
 
 
+def test_the_class_is_large_by_a_link_and_by_a_key(lecturer):
+    lecturer.get_by_role("tab", name="Class").click()
+    width = lambda: (lecturer.locator(CLASS).bounding_box() or {"width": 0.0})["width"]
+    wait(lecturer, lambda: width() > 0)
+    usual = width()
+    lecturer.get_by_role("link", name="Images, large or not").click()
+    wait(lecturer, lambda: width() > 1.3 * usual)
+    press(lecturer, "Escape")
+    wait(lecturer, lambda: width() == usual)
+    press(lecturer, "m")
+    wait(lecturer, lambda: width() > 1.3 * usual)
+    press(lecturer, "m")
+    wait(lecturer, lambda: not lecturer.locator(CLASS).is_visible())
+    press(lecturer, "m")
+    wait(lecturer, lambda: width() == usual)
+    lecturer.get_by_role("tab", name="Images").click()
+    press(lecturer, "m")
+    lecturer.get_by_role("tab", name="Class").click()
+    wait(lecturer, lambda: width() > 1.3 * usual)
+    press(lecturer, "Escape")
+    wait(lecturer, lambda: width() == usual)
+
+
 def test_a_lecturer_sees_leads_and_asks_a_student(browser, server, lecturer):
     student, alone = open_page(browser, server.url, "small"), Session(Settings())
     assert not student.get_by_role("tab", name="Class").count()

@@ -1,6 +1,7 @@
 """A session in words that others can run: lines of Python, or a command. Both end at the same posture, bit for bit."""
 
 import shlex
+from collections.abc import Sequence
 
 import msgspec
 
@@ -9,6 +10,7 @@ from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Step
 from .settings import BEST, DISTURBANCES, USUAL_POINTS, Settings
 
 MOST_LINES = 12
+OF_BODY = ("scene", "robot", "joints", "points", "undistort", "camera")  # which body is seen, and by what
 NO_WORDS = {  # fields of settings without an option
     "delay": "pictures that come late have no option",
     "body_points": "its points were placed by hand; save the scene, and name its file",
@@ -40,6 +42,11 @@ def as_command(script: Script) -> str:
     return shlex.join(["viewimit", "imitate", *options, f"--max-motions={script.steps}", "--json"])
 
 
+def as_imitation(settings: Settings, body: str) -> str:
+    """Of `viewimit imitate`, of the body that was rehearsed with these settings. body: the file of the rehearsal."""
+    return shlex.join(["viewimit", "imitate", "--body", body, *_words(settings, BEST, OF_BODY)])
+
+
 def as_reproduction(figure: str, settings: Settings, motion: str | None = None) -> str:
     """Of `viewimit reproduce`. motion: the demonstrator's, where it has one. Raises ValueError as `as_command`."""
     if settings.undistort != Settings().undistort:
@@ -53,13 +60,20 @@ def _options(settings: Settings, usual: Settings) -> list[str]:
     for name, why in NO_WORDS.items():
         if getattr(settings, name) != getattr(Settings(), name):
             raise ValueError(f"no command: {why}")
+    names = ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed", "undistort",
+             "rectify", "camera")  # fmt: skip
+    postures = (f"--{name}={_value(getattr(settings, f'{name}_deg'))}" for name in ("demonstrator", "start"))
+    return [*_words(settings, usual, names), *postures]
+
+
+def _words(settings: Settings, usual: Settings, names: Sequence[str]) -> list[str]:
+    """Options for those of the named fields that are not as usual."""
     words = []
-    for name in ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed",
-                 "undistort", "rectify", "camera"):  # fmt: skip
+    for name in names:
         value = getattr(settings, name)
         if value != (USUAL_POINTS if name == "points" else getattr(usual, name)):
             words.append(f"--{name.replace('_', '-')}={_value(value)}")
-    return [*words, *(f"--{name}={_value(getattr(settings, f'{name}_deg'))}" for name in ("demonstrator", "start"))]
+    return words
 
 
 def _value(value: object) -> str:

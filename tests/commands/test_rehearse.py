@@ -1,7 +1,12 @@
 """rehearse keeps a file, and imitate --body begins with it."""
 
+import shlex
+from pathlib import Path
+
 import numpy as np
 import pytest
+
+IIWA = Path(__file__).parents[2] / "assets/robots/iiwa/iiwa.urdf"
 
 
 @pytest.fixture
@@ -19,6 +24,24 @@ def test_imitate_makes_few_motions_of_its_own_and_tells_how_many_were_rehearsed(
     assert told["motions"] == len(told["history"]) - 1 <= 6 and told["options"]["body"] == str(body)
     alone = ask_json(*run)[1]
     assert alone["motions"] > told["motions"] and "rehearsed" not in alone
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        (),
+        ("--scene", "iiwa"),
+        ("--points", 16, "--joints", "2,3,4"),
+        ("--undistort", "0.02,0"),
+        ("--robot", IIWA, "--joints", "2,4", "--tip", "lbr_iiwa_link_6"),
+    ],
+)
+def test_the_command_that_is_told_begins_with_the_rehearsal(ask, ask_json, tmp_path, words):
+    status, out, _ = ask("rehearse", "--postures", 12, "--out", tmp_path / "a body.npz", *words)
+    told = next(line for line in out.splitlines() if line.startswith("imitate with  "))
+    program, *command = shlex.split(told.removeprefix("imitate with  "))
+    assert status == 0 and program == "viewimit"
+    assert ask_json(*command, "--max-motions", 1)[1]["rehearsed"] == 12
 
 
 def test_a_history_is_not_written_over_the_rehearsal_that_it_began_with(ask, body, tmp_path):

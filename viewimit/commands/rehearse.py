@@ -13,6 +13,7 @@ from ..geometry.affine import MIN_POINTS
 from ..rehearsal import POSTURES, rehearse
 from ..session import Session
 from ..settings import BEST
+from ..wording import as_imitation
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -64,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f"rehearsed     {len(body)} postures of {body.body.robot}, {min(usable)} points or more seen in each")
         if max(usable) >= MIN_POINTS:
-            print(f"imitate with  viewimit imitate --body {args.out}")
+            print(f"imitate with  {as_imitation(settings, str(args.out))}")
     if max(usable) < MIN_POINTS:
         print(f"viewimit rehearse: no posture shows {MIN_POINTS} points, which is what it takes", file=sys.stderr)
         return MISSED

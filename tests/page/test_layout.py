@@ -111,6 +111,37 @@ def test_nothing_is_cut_or_covered_at_any_size_and_pixel_ratio(page, dark):
                 assert_seen(page, f"{CARD} svg", where=where)
 
 
+# px of the lowest marks and of the legend that a pair's caption lies over
+COVERED = """() => [["own", "L", ".vi-found:not(.vi-bone)"], ["own", "R", ".vi-found:not(.vi-bone)"],
+  ["demo", "l", ".vi-seen"], ["demo", "r", ".vi-seen"]].map(([pair, view, marks]) => {
+  const box = selector => document.querySelector(`.vi-four:not(.vi-over *) ${selector}`).getBoundingClientRect();
+  const caption = box(`.vi-over-${pair}`);
+  return Math.max(box(`svg.vi-at-${view} ${marks}`).bottom - caption.top, caption.bottom - box(".vi-legend text").top);
+})"""
+
+SCROLLS = """() => { for (let a = document.querySelector(".vi-four:not(.vi-over *)"); a; a = a.parentElement)
+  if (getComputedStyle(a).overflowY == "auto" && a.scrollHeight > a.clientHeight) return true;
+  return false }"""
+
+
+@pytest.mark.parametrize("width, height", SIZES)
+def test_the_images_legend_and_figures_are_seen_without_scrolling(page, width, height):
+    scrolls = []
+    for ratio in RATIOS:
+        resize(page, width, height, ratio)
+        scrolls.append(page.evaluate(SCROLLS))
+    resize(page, 1280, 720)
+    assert not any(scrolls)
+
+
+@pytest.mark.parametrize("width, height", [*SIZES, (390, 844), (360, 640), (320, 640), (576, 700), (1024, 600)])
+def test_captions_lie_over_no_point_and_not_over_the_legend(page, width, height):
+    resize(page, width, height)
+    covered = page.evaluate(COVERED)
+    resize(page, 1280, 720)
+    assert max(covered) <= 0
+
+
 APART = """() => ["L", "R", "l", "r"].flatMap(view => {
   const [drawn, links] = [".vi-four:not(.vi-over *)", ".vi-links .vi-four"].map(
     panel => document.querySelector(`${panel} svg.vi-at-${view}`).getBoundingClientRect());

@@ -134,7 +134,7 @@ def _swapped(views: FourViews, noise_px: float) -> tuple[list[Suspect], str]:
     pairs, left_E = _exchanges(some, rectification)
     least = left_E.min()
     if least > explained or E < DECISIVE * least:
-        whoever = f"E is {E:.3g} px², and {least:.3g} px² at least whoever is exchanged"
+        whoever = f"E of the projective transfer is {E:.3g} px², and {least:.3g} px² at least whoever is exchanged"
         return [], f"swapped points: {whoever}; arms in one posture would tell"
     names = np.flatnonzero(points)
     found = []

@@ -7,6 +7,7 @@ import pytest
 from drawn import RESIDUALS, written_path
 
 from viewimit import TRANSFERS
+from viewimit.drawing import standalone
 from viewimit.perception.tracks import read_files, read_tidy, read_view
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -102,7 +103,7 @@ def test_where_nothing_is_wrong_or_told_that_is_said(ask, ask_json, tidy, suspic
     _, told = ask_json("evaluate", tidy)
     assert told["suspects"] == [] and "arms in one posture would tell" in told["undecided"][0]
     _, out, _ = ask("evaluate", tidy)
-    assert "suspects: none\n  undecided: swapped points: E is " in out
+    assert "suspects: none\n  undecided: swapped points: E of the projective transfer is " in out
 
 
 def test_a_view_of_one_frame_holds_for_all(tmp_path, tidy):
@@ -140,6 +141,37 @@ def test_a_confidence_in_percent_is_refused(tmp_path, tidy):
     of_one.write_text("frame,point,x,y,likelihood\n0,a,1,2,97\n")
     with pytest.raises(ValueError, match="of_one.csv: frame 0, point a: confidence 97 .* divide percentages by 100"):
         read_view(of_one)
+
+
+def test_coordinates_as_shares_of_the_picture_are_refused(tmp_path, tidy):
+    head, *rows = [line.split(",") for line in tidy.read_text().splitlines()]
+    for row in rows:
+        row[3:5] = [f"{float(row[3]) / 640:.6f}", f"{float(row[4]) / 240:.6f}"]
+    shares = tmp_path / "shares.csv"
+    shares.write_text("".join(",".join(row) + "\n" for row in (head, *rows)))
+    with pytest.raises(ValueError, match="shares.csv: view l: .* multiply by its width and height, px"):
+        read_tidy(shares)
+    of_one = tmp_path / "of_one.csv"
+    of_one.write_text("frame,point,x,y\n0,a,0.25,1\n0,b,0.5,0.125\n0,c,0,0\n")
+    with pytest.raises(ValueError, match="of_one.csv: .* multiply by its width and height, px"):
+        read_view(of_one)
+
+
+def test_a_png_that_cannot_be_made_is_refused_with_what_can(ask, tidy, tmp_path, monkeypatch):
+    monkeypatch.setattr(standalone, "can_render", lambda: False)
+    status, _, err = ask("evaluate", tidy, "--out", tmp_path / "report.png")
+    assert status == 2 and "pip install" in err
+    instead = re.search(r"(\.\w+) does not", err)[1]
+    assert ask("evaluate", tidy, "--out", tmp_path / f"report{instead}")[0] == 0
+
+
+def test_tracks_without_a_common_name_are_told_apart_from_points_that_are_lost(ask, tmp_path, tidy):
+    head, *rows = tidy.read_text().splitlines()
+    other = tmp_path / "other.csv"
+    renamed = [re.sub(r"^(\d+,[LR],)", r"\1own ", row) for row in rows]
+    other.write_text("\n".join([head, *renamed]) + "\n")
+    status, _, err = ask("evaluate", other)
+    assert status == 1 and "no point has the same name in all four views" in err
 
 
 def test_a_report_is_written(ask, tidy, tmp_path):

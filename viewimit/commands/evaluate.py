@@ -96,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
     else:
         _report(result)
     if all(frame["refused"] == TOO_FEW for frame in frames):
-        print(f"viewimit evaluate: no frame has {MIN_POINTS} points in all four views", file=sys.stderr)
+        print(f"viewimit evaluate: {_too_few(tracked, args.min_confidence)}", file=sys.stderr)
         return MISSED
     for said in _doubts(frames):
         print(f"viewimit evaluate: {said}", file=sys.stderr)
@@ -222,6 +222,14 @@ def _read(args: argparse.Namespace) -> TrackedPoints:
     individuals = {view: vars(args)[body] for body, views in BODIES.items() for view in views if vars(args)[body]}
     with naming("--l, --r, --L, --R"):
         return read_files(given, individuals)
+
+
+def _too_few(tracked: TrackedPoints, least_confidence: float) -> str:
+    """What no frame has."""
+    seen_in = tracked.views(least_confidence).visible.any(0)  # (N, 4)
+    if seen_in.any(0).all() and not seen_in.all(-1).any():
+        return "no point has the same name in all four views: points are matched by name"
+    return f"no frame has {MIN_POINTS} points in all four views"
 
 
 def _report(result: dict) -> None:

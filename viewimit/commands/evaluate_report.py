@@ -26,7 +26,7 @@ def require_format(path: Path) -> None:
     if suffix not in FORMATS:
         raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(FORMATS)}")
     if suffix == ".png":
-        standalone.require_renderer(path)
+        standalone.require_renderer(path, ".html")
 
 
 def write(path: Path, result: dict) -> None:

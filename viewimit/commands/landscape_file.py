@@ -22,7 +22,7 @@ def require_format(path: Path) -> None:
     if suffix not in TABLES + PICTURES:
         raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES + PICTURES)}")
     if suffix == ".png":
-        standalone.require_renderer(path)
+        standalone.require_renderer(path, ".svg")
 
 
 def write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) -> None:

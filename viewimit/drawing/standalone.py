@@ -65,10 +65,10 @@ def can_render() -> bool:
     return importlib.util.find_spec(RENDERER) is not None
 
 
-def require_renderer(path: Path) -> None:
-    """Raises ValueError if a PNG cannot be made."""
+def require_renderer(path: Path, instead: str) -> None:
+    """Raises ValueError if a PNG cannot be made. instead: the extension that needs nothing."""
     if not can_render():
-        raise ValueError(f"{path}: .png needs {RENDERER}: {INSTALL}; .svg does not")
+        raise ValueError(f"{path}: .png needs {RENDERER}: {INSTALL}; {instead} does not")
 
 
 def as_png(drawing: str, scale: int = PNG_SCALE) -> bytes:

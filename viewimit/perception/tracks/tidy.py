@@ -62,4 +62,4 @@ def read_tidy(path: Path) -> TrackedPoints:
     lacking = [view for view in VIEWS if not rows[view].line]
     if lacking:
         raise ValueError(f"{path}: no row of view {', '.join(lacking)}; all of {', '.join(VIEWS)} are needed")
-    return together({view: rows[view].track(str(path)).require_shares(f"{path}: view {view}") for view in VIEWS})
+    return together({view: rows[view].track(str(path)).require_units(f"{path}: view {view}") for view in VIEWS})

@@ -43,15 +43,20 @@ class Track:
             value = self.image[t, n, axis]
             what = f"is no pixel: beyond {MOST_PX:g}" if math.isfinite(value) else "is not a finite number"
             raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}, {'xy'[axis]}: {value:g} {what}")
-        return self.require_shares(where)
+        return self.require_units(where)
 
-    def require_shares(self, where: str) -> "Track":
-        """Itself. Raises ValueError for a confidence that is none."""
+    def require_units(self, where: str) -> "Track":
+        """Itself. Raises ValueError for a confidence that is none, and for shares of the picture instead of px."""
         wrong = self.confidence > MOST_CONFIDENCE
         if wrong.any():
             t, n = np.argwhere(wrong)[0]
             sure = f"confidence {self.confidence[t, n]:g} is not in 0 … 1: divide percentages by 100"
             raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}: {sure}")
+        there = self.image[np.isfinite(self.image).all(-1) & ~lost(self.image)]
+        if there.size and (there >= 0).all() and (there <= 1).all():
+            raise ValueError(
+                f"{where}: all x and y are in 0 … 1, shares of the picture: multiply by its width and height, px"
+            )
         return self
 
     def sure(self, least_confidence: float) -> NDArray:

@@ -8,6 +8,7 @@ import contextlib
 import io
 import os
 import shlex
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -124,8 +125,9 @@ class Python(SphinxDirective):
 
 
 class Console(SphinxDirective):
-    """Lines that begin with `$ viewimit`; what they print is added. :status: is the last one's, 0 unless it is given;
-    messages are shown where it is not 0. :short: shows so many characters of an output at most."""
+    """Lines that begin with `$ viewimit`, which know what the page's Python has done, or with `$ python FILE`, which
+    do not; what they print is added. :status: is the last one's, 0 unless it is given; messages are shown where it is
+    not 0. :short: shows so many characters of an output at most."""
 
     has_content = True
     option_spec = {"status": directives.nonnegative_int, "short": directives.positive_int}
@@ -136,9 +138,9 @@ class Console(SphinxDirective):
         for k, line in enumerate(commands):
             where = f"{self.env.docname}, line {self.lineno}: {line}"
             prompt, program, *words = shlex.split(line)
-            if (prompt, program) != ("$", "viewimit"):
-                raise ExtensionError(f"{where}: not a line of `$ viewimit …`")
-            status, out, err = self._ran(words, place)
+            if prompt != "$" or program not in self.PROGRAMS:
+                raise ExtensionError(f"{where}: not a line of `$ viewimit …` or `$ python …`")
+            status, out, err = self.PROGRAMS[program](words, place)
             expected = self.options.get("status", 0) if k == len(commands) - 1 else 0
             if status != expected:
                 raise ExtensionError(f"{where}: ends with status {status}, not {expected}: {err}")
@@ -148,7 +150,7 @@ class Console(SphinxDirective):
         return [literal("\n".join(told), "console", "console")]
 
     @staticmethod
-    def _ran(words: list[str], place: Workspace) -> tuple[int, str, str]:
+    def _viewimit(words: list[str], place: Workspace) -> tuple[int, str, str]:
         with (
             place.entered(),
             contextlib.redirect_stdout(io.StringIO()) as out,
@@ -159,6 +161,13 @@ class Console(SphinxDirective):
             except SystemExit as ended:  # argparse
                 status = int(ended.code or 0)
         return status, out.getvalue(), err.getvalue()
+
+    @staticmethod
+    def _python(words: list[str], place: Workspace) -> tuple[int, str, str]:
+        ran = subprocess.run([sys.executable, *words], cwd=place.folder, capture_output=True, text=True)
+        return ran.returncode, ran.stdout, ran.stderr
+
+    PROGRAMS = {"viewimit": _viewimit, "python": _python}
 
 
 class File(SphinxDirective):

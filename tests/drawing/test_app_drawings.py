@@ -457,6 +457,11 @@ class TestStatus:
         history = [replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E)]
         assert f"{MINUS}50 % a motion" in status.describe(history[-1], history[:-1]).sentence
 
+    @pytest.mark.parametrize("E", [(100.0, 1e-9), (1e-9, 100.0), (0.0, 3.0), (np.nan, 3.0)])
+    def test_there_is_no_trend_from_or_to_an_E_that_is_not_seen(self, session, E):
+        before, now = (replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E))
+        assert "a motion" not in status.describe(now, [before]).sentence
+
     def test_the_truth_names_the_joint_that_is_farthest_off(self):
         told = status.describe_truth((2, 4), np.radians([25.1, -93.5]), np.radians([45.0, -90.0]))
         assert told == "19.9° off, at θ₂: 25.1° instead of 45.0°."

@@ -225,9 +225,9 @@ def _icon(shape: str) -> str:
 
 
 def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
-    """Change of E a motion, over the last motions that were no probes."""
-    recent = [s for s in previous[-TREND:] if not s.probe and s.E > 0 and s.motion < snapshot.motion]
-    if not recent or not snapshot.E > 0:
+    """Change of E a motion, over the last motions that were no probes; "" from or to an E that nobody sees."""
+    recent = [s for s in previous[-TREND:] if not s.probe and s.E >= svg.UNSEEN_E and s.motion < snapshot.motion]
+    if not recent or not snapshot.E >= svg.UNSEEN_E:
         return ""
     first = recent[0]
     share = (snapshot.E / first.E) ** (1 / (snapshot.motion - first.motion)) - 1

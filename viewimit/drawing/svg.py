@@ -19,9 +19,12 @@ def short(value: float, one_digit_to: float = 1000) -> str:
     return number(value, 2 if value < 10 else 1 if value < one_digit_to else 0)
 
 
+UNSEEN_E = 0.01  # px²: a conflict below it nobody could see
+
+
 def short_E(E: float, one_digit_to: float = 1000) -> str:
-    """px²; a conflict below 0.01 nobody could see."""
-    return "< 0.01" if E < 0.01 else short(E, one_digit_to)
+    """px²"""
+    return f"< {UNSEEN_E:g}" if E < UNSEEN_E else short(E, one_digit_to)
 
 
 def degrees(rad: float, digits: int = 1) -> str:

@@ -199,6 +199,8 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(browser, session,
     )
     assert colours(page) > 200
     assert page.evaluate("document.documentElement.scrollHeight") == 720  # all is seen together
+    asks = page.locator(".vi-ask:visible").evaluate_all("all => all.map(one => [one.offsetWidth, one.offsetHeight])")
+    assert len(asks) > 5 and all(size == [14, 14] for size in asks)  # none covers the number beside it
 
     start = page.locator("#claims").inner_text()
     time.fill("3")

@@ -354,9 +354,21 @@ class TestEquations:
         assert (left + right) / count == pytest.approx(session.snapshot.E, abs=0.02) == pytest.approx(E, abs=0.02)
 
     def test_the_constraint_holds_for_affine_views(self, session):
-        html = equations.draw_equations(affine_snapshot(session), 3)
-        first = next(parsed(html).iter(f"{MATHML}math"))
-        assert list(first.iter(f"{MATHML}mn"))[-1].text == "0.00"
+        seen = affine_snapshot(session)
+        first = next(parsed(equations.draw_equations(seen, 3)).iter(f"{MATHML}math"))
+        assert list(first.iter(f"{MATHML}mn"))[-1].text == "0.0"
+        pairs = seen.fundamental
+        assert abs(pairs.f[0] @ [*seen.views.demo[3, :2], *seen.views.own[3, :2]] + pairs.f33[0]) < 0.005
+
+    def test_the_terms_of_the_constraint_add_up_to_what_is_said(self, session):
+        first = next(parsed(equations.draw_equations(session.snapshot, 3)).iter(f"{MATHML}math"))
+        words = "".join(first.itertext()).replace("−", "-").replace(" ", "")
+        terms, value = words.split("≈")[1:]
+        found = sum(
+            float(sign + factor) * float(px or 1)
+            for sign, factor, px in re.findall(r"([-+]?)([\d.]+)(?:·(\d+))?", terms)
+        )
+        assert found == pytest.approx(float(value), abs=4 * (0.0005 * 640 + 0.5) + 0.5 + 0.05)
 
     def test_the_gradient_law_shows_the_motion_that_it_made(self):
         session = stepped(3, servo="gradient", start_deg=(30, -60))

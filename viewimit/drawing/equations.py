@@ -72,11 +72,11 @@ def _constraint(snapshot: Snapshot, demo: NDArray, own: NDArray, name: str) -> E
     """Eq. (1), of a point's images in [l] and [L]. demo, own: (4,) px, rectified if all else is."""
     f, f33 = _fundamental(snapshot)
     u = np.concatenate([demo[:2], own[:2]])
-    terms = "".join(signed(factor, 2) + f"·{number(x, 0)}" for factor, x in zip(f.tolist(), u.tolist()))
+    terms = "".join(signed(factor, 3) + f"·{number(x, 0)}" for factor, x in zip(f.tolist(), u.tolist()))
     sum_of_terms = (terms + signed(f33, 0)).removeprefix(" + ")
-    latex = rf"{{}}^{{lL}}𝐮_{{{HOLE}}}^{{\top}}\;{{}}^{{lL}}𝐟+{{}}^{{lL}}f_{{33}}={HOLE}={HOLE}"
+    latex = rf"{{}}^{{lL}}𝐮_{{{HOLE}}}^{{\top}}\;{{}}^{{lL}}𝐟+{{}}^{{lL}}f_{{33}}\approx{HOLE}\approx{HOLE}"
     title = f"point {name} in l and L, px; 0 where the geometry fits"
-    return Equation("(1)", title, latex, (name, sum_of_terms, number(float(u @ f + f33), 2)), long=True)
+    return Equation("(1)", title, latex, (name, sum_of_terms, number(float(u @ f + f33), 1)), long=True)
 
 
 def _rectification(by: Rectification) -> Equation:

@@ -64,7 +64,7 @@ class Session:
 
         settings: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the arm's
         start) and seed; name: of the arm, by which a rehearsal knows its own. Raises ValueError for settings that only
-        a scene has, and for limits, postures and looks that are none.
+        a scene has, and for limits, postures and looks that are none; TypeError for an arm or eyes that lack a member.
         """
         session = cls.__new__(cls)
         session._set_up(OwnOpener(arm, eyes, name), settings, dense)

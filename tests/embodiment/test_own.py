@@ -277,6 +277,23 @@ def test_an_arm_or_eyes_that_cannot_be_are_told_so(field, value, says):
 
 
 @pytest.mark.parametrize(
+    "arm, eyes, says",
+    [
+        (None, Robot(), "the arm, None, has no lower and no upper and no start and no move: viewimit.Arm says"),
+        (
+            Robot(),
+            object(),
+            "the eyes, .*, has no noise_px and no look: viewimit.Eyes says what to write, noise_px, look",
+        ),
+        (Robot, Robot(), r"the arm: Robot is a class; make one, Robot\(…\)"),
+    ],
+)
+def test_what_is_no_arm_or_no_eyes_is_told_what_it_lacks(arm, eyes, says):
+    with pytest.raises(TypeError, match=says):
+        Session.of(arm, eyes)
+
+
+@pytest.mark.parametrize(
     "field, wrong, says",
     [
         ("own", lambda own: own[:-1], r"its own is of shape \(9, 4\), float64"),

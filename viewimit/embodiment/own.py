@@ -1,5 +1,6 @@
 """A learner with an arm and eyes of one's own: no scene, no world, and nobody who knows where the demonstrator is."""
 
+import reprlib
 from dataclasses import dataclass
 
 import msgspec
@@ -71,6 +72,8 @@ class OwnOpener:
     """See `protocol.Opener`. name: of the arm, by which a rehearsal knows its own."""
 
     def __init__(self, arm: Arm, eyes: Eyes, name: str):
+        _require_members("the arm", arm, Arm)
+        _require_members("the eyes", eyes, Eyes)
         self._arm, self._eyes, self._name = arm, eyes, name
         self._lower, self._upper = _limits(arm)
         self._own: Own | None = None
@@ -85,6 +88,18 @@ class OwnOpener:
         standing, self._own = own.move(start), own
         settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=degrees(start))
         return Beginning(settings, own, start, standing, own.demonstrator(settings))
+
+
+def _require_members(what: str, given: object, protocol: type) -> None:
+    """Raises TypeError for what is none of its kind, with the members that are missing."""
+    if isinstance(given, type):
+        raise TypeError(f"{what}: {given.__name__} is a class; make one, {given.__name__}(…)")
+    wanted = [name for name in vars(protocol) if not name.startswith("_")]
+    if missing := [name for name in wanted if not hasattr(given, name)]:
+        raise TypeError(
+            f"{what}, {reprlib.repr(given)}, has no {' and no '.join(missing)}: viewimit.{protocol.__name__} says what "
+            f"to write, {', '.join(wanted)}"
+        )
 
 
 def _numbers(values: ArrayLike) -> NDArray:

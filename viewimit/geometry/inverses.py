@@ -6,29 +6,30 @@ from numpy.typing import NDArray
 
 def inverse(S: NDArray) -> NDArray:
     """(n, n, ...) → (n, n, ...), by blocks (Banachiewicz 1937); not finite where S is singular."""
+    inverted = np.empty_like(S)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return _inverse(S)
+        _invert(S, inverted)
+    return inverted
 
 
-def _inverse(S: NDArray) -> NDArray:
+def _invert(S: NDArray, into: NDArray) -> None:
+    """into: (n, n, ...), where the inverse is written."""
     n = len(S)
     if n == 1:
-        return 1 / S
-    inverted = np.empty_like(S)
+        np.divide(1, S, out=into)
+        return
     if n == 2:
         scale = 1 / (S[0, 0] * S[1, 1] - S[0, 1] * S[0, 1])
-        np.multiply(S[1, 1], scale, out=inverted[0, 0])
-        np.multiply(S[0, 0], scale, out=inverted[1, 1])
-        inverted[0, 1] = np.multiply(S[0, 1], -scale, out=inverted[1, 0])
-        return inverted
+        np.multiply(S[1, 1], scale, out=into[0, 0])
+        np.multiply(S[0, 0], scale, out=into[1, 1])
+        into[0, 1] = np.multiply(S[0, 1], -scale, out=into[1, 0])
+        return
     k = n // 2
-    upper, off = _inverse(S[:k, :k]), S[:k, k:]
+    off, upper, lower, right = S[:k, k:], into[:k, :k], into[k:, k:], into[:k, k:]
+    _invert(S[:k, :k], upper)
     across = np.einsum("ij...,jk...->ik...", upper, off)
-    lower = _inverse(S[k:, k:] - np.einsum("ji...,jk...->ik...", off, across))  # of the Schur complement
+    _invert(S[k:, k:] - np.einsum("ji...,jk...->ik...", off, across), lower)  # of the Schur complement
     apart = np.einsum("ij...,jk...->ik...", across, lower)
-    inverted[:k, :k] = upper
-    inverted[:k, :k] += np.einsum("ij...,kj...->ik...", apart, across)
-    inverted[k:, k:] = lower
-    np.negative(apart, out=inverted[:k, k:])
-    inverted[k:, :k] = inverted[:k, k:].swapaxes(0, 1)
-    return inverted
+    upper += np.einsum("ij...,kj...->ik...", apart, across)
+    np.negative(apart, out=right)
+    into[k:, :k] = right.swapaxes(0, 1)

@@ -30,6 +30,7 @@ LARGEST_P, NEAREST = 0.6, 0.15  # bounds of |p| and of ρ: no point is at infini
 FEW = 500  # points in all postures, up to which LAPACK, one by one, is sooner than array operations all at once
 LEAST_SQUARE = 1e-12  # px²: of own points that are all in one place
 UNIT = np.eye(3)
+OF_OWN, OF_U = np.repeat(range(4), 3), np.tile(range(1, 4), 4)  # k and j of all products of an own coordinate and a u
 UPPER = np.triu_indices(4)
 SYMMETRIC = np.zeros((4, 4), int)  # where of the products of h that of a and b is
 SYMMETRIC[UPPER] = SYMMETRIC[UPPER[::-1]] = np.arange(10)
@@ -53,7 +54,14 @@ class ProjectiveTransfer(Transfer):
         return np.broadcast_to(self.flat, self.p.shape[:-1])
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
-        u = (np.concatenate([demo_left, demo_right], -1) - self.demo_mean[..., None, :]) @ self.basis
+        return self._recover(np.concatenate([demo_left, demo_right], -1))
+
+    def residual(self, views: FourViews) -> NDArray:
+        return views.own - self._recover(views.demo)
+
+    def _recover(self, demo: NDArray) -> NDArray:
+        """(..., M, 4) px in [l, r] → (..., M, 4) px in [L, R]."""
+        u = (demo - self.demo_mean[..., None, :]) @ self.basis
         if u.ndim == 2 and len(u) * self.p[..., 0].size > FEW:
             return self._recover_in_many(u)
         depth = np.maximum(1 + u @ self.p[..., None], NEAREST)
@@ -77,10 +85,11 @@ def fit(views: FourViews) -> ProjectiveTransfer:
     body = _body_of(views.demo) if views.demo.ndim > 2 else _body(np.ascontiguousarray(views.demo, float).tobytes())
     own_mean, own = centred(views.own)
     batch = own.shape[:-2]
+    own = own.reshape(-1, count, 4)
     if own.size <= 4 * FEW:
-        p, coefficients = _fit_few(body.h.T.reshape(views.demo.shape), own)
+        p, coefficients = _fit_few(body.h.T, own)
     else:
-        p, coefficients = _fit(body, np.ascontiguousarray(own.reshape(-1, count, 4).transpose(1, 2, 0)))
+        p, coefficients = _fit(body, np.ascontiguousarray(own.transpose(1, 2, 0)))
     return ProjectiveTransfer(
         body.basis, coefficients.reshape(batch + (4, 4)), p.reshape(batch + (3,)), body.mean, own_mean, body.flat
     )
@@ -120,27 +129,28 @@ def _body_of(demo: NDArray) -> Body:
 
 
 def _fit_few(h: NDArray, Y: NDArray) -> tuple[NDArray, NDArray]:
-    """As a long batch is fitted; LAPACK and few calls of numpy serve a short one, or one posture, sooner: p (..., 3),
-    coefficients (..., 4, 4).
+    """As a long batch is fitted; LAPACK and few calls of numpy serve a short one, or one posture, sooner: p (G, 3),
+    coefficients (G, 4, 4).
 
-    h: (N, 4) or (..., N, 4), Y: (..., N, 4) px, centred. With H = h/ρ and Ŷ its combination that is nearest to Y, the
+    h: (N, 4) or (G, N, 4), Y: (G, N, 4) px, centred. With H = h/ρ and Ŷ its combination that is nearest to Y, the
     Jacobian is what H cannot make of -A, A = [Ŷ u_j/ρ].
     """
-    *batch, count, _ = Y.shape
-    flat = Y.reshape(*batch, 4 * count, 1)
-    prior = PRIOR / count * np.maximum(flat.swapaxes(-1, -2) @ flat, LEAST_SQUARE)
-    u, p = h[..., 1:], np.zeros((*batch, 3, 1))
+    count = Y.shape[1]
+    flat = Y.reshape(-1, 4 * count, 1)
+    prior = PRIOR / count * np.maximum(flat.swapaxes(1, 2) @ flat, LEAST_SQUARE)
+    held = prior * UNIT
+    u, p = h[..., 1:], np.zeros((len(Y), 3, 1))
     H, inverted = h, h.swapaxes(-1, -2) / count  # where p = 0 the columns of H are orthogonal, of length √N
     for _ in range(STEPS):
         found = H @ (inverted @ Y)
-        A = found[..., None] * H[..., None, 1:]
-        left = A.reshape(*batch, count, 12)
-        left = (left - H @ (inverted @ left)).reshape(*batch, 4 * count, 3)
-        A = A.reshape(left.shape).swapaxes(-1, -2)
-        p = p - np.linalg.solve(A @ left + prior * UNIT, A @ (Y - found).reshape(flat.shape) + prior * p)
-        p *= LARGEST_P / np.maximum(np.sqrt(p.swapaxes(-1, -2) @ p), LARGEST_P)
+        A = found.take(OF_OWN, -1) * H.take(OF_U, -1)  # a product of small axes takes numpy twice as long
+        left = (A - H @ (inverted @ A)).reshape(-1, 4 * count, 3)
+        A = A.reshape(left.shape).swapaxes(1, 2)
+        p = p - np.linalg.solve(A @ left + held, A @ (Y - found).reshape(flat.shape) + prior * p)
+        p *= LARGEST_P / np.maximum(np.sqrt(p.swapaxes(1, 2) @ p), LARGEST_P)
         H = h / np.maximum(1 + u @ p, NEAREST)
-        inverted = np.linalg.inv(H.swapaxes(-1, -2) @ H) @ H.swapaxes(-1, -2)
+        transposed = H.swapaxes(1, 2)
+        inverted = np.linalg.inv(transposed @ H) @ transposed
     return p[..., 0], inverted @ Y
 
 
@@ -181,7 +191,8 @@ def _step(body: Body, Y: NDArray, p: NDArray, w: NDArray, inverted: NDArray, pri
     # what of Ŷ's derivative the coefficients take over by themselves
     along = sums[SYMMETRIC[:, 1:], :4]  # h, u, k
     normal = sums[SYMMETRIC[1:, 1:], 4] - np.einsum("ajkg,aikg->ijg", _solved(inverted, along), along)
-    normal[range(3), range(3)] += prior
+    diagonal = np.einsum("iig->ig", normal)
+    diagonal += prior
     p = p - np.einsum("ijg,jg->ig", inverse(normal), sums[1:4, 5] + prior * p)
     return p * (LARGEST_P / np.maximum(np.sqrt(np.einsum("ig,ig->g", p, p)), LARGEST_P))
 

@@ -87,10 +87,17 @@ class World:
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
         points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
         visible = np.empty((2, len(self.body)) + shape, bool)
-        for index, xyz in self._chain.place_points(self._chain.spread(theta), self._chain_body):
-            for side, camera in enumerate(pair.cameras):
-                points[2 * side : 2 * side + 2, index], visible[side, index] = camera.project(xyz, T_world_base)
-        return np.moveaxis(points, (1, 0), (-2, -1)), np.moveaxis(visible, (1, 0), (-2, -1))
+        placed = self._chain.place_points(self._chain.spread(theta), self._chain_body)
+        together = np.concatenate([xyz.reshape(3, -1) for _, xyz in placed], 1)
+        for side, camera in enumerate(pair.cameras):
+            images, seen = camera.project(together, T_world_base)
+            done = 0
+            for index, xyz in placed:
+                these = slice(done, done := done + xyz[0].size)
+                points[2 * side : 2 * side + 2, index] = images[:, these].reshape(2, *xyz.shape[1:])
+                visible[side, index] = seen[these].reshape(xyz.shape[1:])
+        last = *range(2, points.ndim), 1, 0
+        return points.transpose(last), visible.transpose(last)
 
 
 def _placed(base: Base) -> NDArray:

@@ -40,9 +40,16 @@ class Landscape:
         i, j = np.unravel_index(np.nanargmin(self.E), self.E.shape)
         return np.array([self.axes[0][i], self.axes[1][j]])
 
+    @property
+    def _walled(self) -> NDArray:
+        """(len(axes[0]) + 2, len(axes[1]) + 2) px²: inf all around, and where there is none."""
+        E = np.full((self.E.shape[0] + 2, self.E.shape[1] + 2), np.inf)
+        np.copyto(E[1:-1, 1:-1], self.E, where=~np.isnan(self.E))
+        return E
+
     def local_minima(self) -> NDArray:
         """(k, 2) rad: grid points below their up to eight neighbours, lowest first."""
-        E = np.pad(np.nan_to_num(self.E, nan=np.inf), 1, constant_values=np.inf)
+        E = self._walled
         inner = E[1:-1, 1:-1]
         below = np.isfinite(inner)
         for di, dj in _NEIGHBOURS:
@@ -61,7 +68,7 @@ class Landscape:
     def _descend(self) -> NDArray:
         """Flat index of where steepest descent from each grid point ends."""
         rows, columns = self.E.shape
-        E = np.pad(np.nan_to_num(self.E, nan=np.inf), 1, constant_values=np.inf)
+        E = self._walled
         best, target = E[1:-1, 1:-1].copy(), np.arange(self.E.size).reshape(rows, columns)
         for di, dj in _NEIGHBOURS:
             shifted = E[1 + di : rows + 1 + di, 1 + dj : columns + 1 + dj]

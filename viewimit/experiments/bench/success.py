@@ -162,8 +162,7 @@ def own_minimum(session: Session) -> NDArray:
     """
     views, fit, world = session.snapshot.views, session.snapshot.fit, session.world
     over = lambda axes: landscape(world, fit, views.demo, views.visible[:, :2], axes)
-    degrees = grid_axes(world)
-    axes, images = _coarse(world)
+    degrees, axes, images = _grids(world)
     places = Landscape(axes, *conflict_of_images(fit, views.demo, views.visible[:, :2], *images)).local_minima()
     if not len(places):
         return np.full(2, np.nan)
@@ -181,10 +180,10 @@ def own_minimum(session: Session) -> NDArray:
 
 
 @lru_cache(1)  # they are the same for every run of a study
-def _coarse(world: World) -> tuple[tuple[NDArray, NDArray], tuple[NDArray, NDArray]]:
-    """The axes of a grid of COARSE_DEG, rad, and the learner's images there."""
-    axes = grid_axes(world, step_deg=COARSE_DEG)
-    return axes, world.own_images((axes[0][:, None], axes[1]))
+def _grids(world: World) -> tuple[tuple[NDArray, NDArray], tuple[NDArray, NDArray], tuple[NDArray, NDArray]]:
+    """The axes of grids of 1° and of COARSE_DEG, rad, and the learner's images over the latter."""
+    coarse = grid_axes(world, step_deg=COARSE_DEG)
+    return grid_axes(world), coarse, world.own_images((coarse[0][:, None], coarse[1]))
 
 
 def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) -> Success:

@@ -5,7 +5,7 @@ import pytest
 from stereo_heads import EQUAL, UNLIKE, head, matches
 
 from viewimit.geometry.fundamental import epipoles, fit_fundamental
-from viewimit.geometry.rectification import rectification_of, rectify
+from viewimit.geometry.rectification import LEAST_PX, affine_squares, in_equal_rows, rectification_of, rectify
 
 NEEDED = [head(12), head(3, *UNLIKE), head(20, *UNLIKE)]
 PARALLEL = [head(0), head(0, *UNLIKE)]
@@ -83,3 +83,13 @@ def test_a_batch_is_mapped_as_each_of_it():
     found, images = rectification_of(left, right), np.concatenate([left, right], 1)
     together = found.apply(np.stack([images[:20], images[20:40]])[:, None])
     np.testing.assert_allclose(together.reshape(40, 4), found.apply(images[:40]))
+
+
+@pytest.mark.parametrize("apart_px", [0.0, 1e-3, 1.3e-3, 1.5e-3, 1e-2])
+def test_rows_that_are_nearly_equal_are_never_farther_from_an_affine_geometry(apart_px):
+    rng = np.random.default_rng(4)
+    left = rng.uniform(0, 640, (40, 2))
+    right = np.stack([left[:, 0] - rng.uniform(10, 60, 40), left[:, 1] + apart_px * rng.choice([-1, 1], 40)], 1)
+    near = affine_squares(left, right) < len(left) * LEAST_PX**2
+    assert in_equal_rows(left, right) == (apart_px < np.sqrt(2) * LEAST_PX)
+    assert near or not in_equal_rows(left, right)

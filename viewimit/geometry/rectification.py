@@ -76,11 +76,11 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     Cameras with parallel optical axes, also unlike ones, have an affine geometry: both epipoles are at infinity. What
     no affine geometry fits, but F does, asks for rectification; noise and wrong matches are fitted by neither.
     """
-    if len(left) < FEWEST or _affine_squares(left, right) < len(left) * LEAST_PX**2:
+    if len(left) < FEWEST or in_equal_rows(left, right) or affine_squares(left, right) < len(left) * LEAST_PX**2:
         return None
     for distance in (affine_distance, fundamental_distance):
         left, right = _most(distance, left, right)
-    affine, left_over = _affine_squares(left, right), _squares(fundamental_distance(left, right))
+    affine, left_over = affine_squares(left, right), _squares(fundamental_distance(left, right))
     count = len(left)
     if affine < count * LEAST_PX**2 or left_over > count * MOST_PX**2:
         return None
@@ -105,7 +105,13 @@ def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, N
     return left, right
 
 
-def _affine_squares(left: NDArray, right: NDArray) -> float:
+def in_equal_rows(left: NDArray, right: NDArray) -> bool:
+    """Whether equal rows are an affine geometry near enough, as of most heads: then the nearest one is, too."""
+    apart = right[:, 1] - left[:, 1]
+    return bool(apart @ apart < 2 * len(apart) * LEAST_PX**2)  # √2 times as far apart as from that geometry
+
+
+def affine_squares(left: NDArray, right: NDArray) -> float:
     """px², of all distances from the nearest affine geometry: the least eigenvalue of the matches' scatter, Eq. (2)."""
     _, matches = centred(np.concatenate([left, right], 1))
     return float(np.linalg.eigvalsh(matches.T @ matches)[0])

@@ -55,7 +55,7 @@ class _Answers:
     def _known(self) -> dict[bytes, NDArray]:
         """Residuals (N, 4) px by the own images of a moment."""
         now = self._now
-        if now.transfer is None or not now.views.visible.all():
+        if now.transfer is None or not now.views.complete:
             return {}
         alike = (
             moment

@@ -147,7 +147,7 @@ class Session:
         state, displacement = self._ask(now)  # residual e → E → servo
         if exchanged(state) != exchanged(now.servo_state):
             now = self._observed(now.theta, now, servo_state=state)
-        if not np.any(displacement):
+        if not displacement.any():
             self.log.note(now.motion, Stepped(1))
             self.history.replace(_resting(now, state))
             return False

@@ -63,7 +63,7 @@ class Snapshot:
     @property
     def shown(self) -> int:
         """How many of the demonstrator's points are in sight in both images."""
-        return int(self.views.visible[:, :2].all(-1).sum())
+        return int(np.count_nonzero(self.views.visible[:, :2].all(-1)))
 
     @property
     def shows_demonstrator(self) -> bool:
@@ -73,7 +73,7 @@ class Snapshot:
     @cached_property
     def transfer(self) -> FittedTransfer | None:
         """Fitted to the usable points; None with too few of them."""
-        if self.usable.sum() < MIN_POINTS:
+        if np.count_nonzero(self.usable) < MIN_POINTS:
             return None
         return self.fit(self.views.used)
 

@@ -72,8 +72,15 @@ class FourViews:
     @cached_property
     def matches(self) -> tuple[NDArray, NDArray]:
         """Of the demonstrator and of the learner, the points that both cameras see: (M, 4) px each, of one posture."""
-        demo, own = (images if visible.all() else images[visible.all(-1)] for images, visible in self.bodies)
+        if self.complete:
+            return self.demo, self.own
+        demo, own = (images[visible.all(-1)] for images, visible in self.bodies)
         return demo, own
+
+    @cached_property
+    def complete(self) -> bool:
+        """Whether every point is seen in every view."""
+        return bool(self.visible.all())
 
     @cached_property
     def usable(self) -> NDArray:
@@ -83,7 +90,7 @@ class FourViews:
     @property
     def used(self) -> "FourViews":
         """The views of the usable points only, of one posture."""
-        return self if self.usable.all() else self.select(self.usable)
+        return self if self.complete else self.select(self.usable)
 
     def select(self, points: NDArray) -> "FourViews":
         """The views of some points only. points: (N,) bool or indices."""

@@ -150,7 +150,7 @@ def _directions(here: Surroundings) -> list[NDArray]:
     what they leave of both."""
     found = []
     for v in curvature_directions(here.hessian).T:
-        ways = [np.clip(way, here.low, here.high) for way in (CHECK * v, -CHECK * v)]
+        ways = [way.clip(here.low, here.high) for way in (CHECK * v, -CHECK * v)]
         free = [way for way in ways if np.linalg.norm(way) > 0.99 * CHECK]
         found += [v] if free else [way / np.linalg.norm(way) for way in ways if np.linalg.norm(way) > LEAST]
     return found

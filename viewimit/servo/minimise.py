@@ -42,12 +42,11 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
     s, m = starts.shape
     best, best_E, hessians = starts.copy(), np.full(s, np.inf), np.zeros((s, m, m))
     heading = starts.copy()  # where each start goes next, undamped
-    aside = np.eye(1 + m, m, -1)  # here, and a little on by each joint
     live, candidates = np.arange(s), starts[:, None]
     E_first, count = np.nan, 0  # count: points
     for _ in range(ROUNDS):
         inward = np.where(candidates > high - DIFFERENCE, -DIFFERENCE, DIFFERENCE)
-        e = residual_at(candidates[:, :, None] + inward[:, :, None] * aside)
+        e = residual_at(candidates[:, :, None] + inward[:, :, None] * aside(m))
         count = e.shape[-2]
         E = evaluate(e[:, :, 0])
         E_first = E[0, 0] if E_first is np.nan else E_first
@@ -119,6 +118,12 @@ def _damped_steps(gradient: NDArray, normal: NDArray, barred: NDArray) -> NDArra
     if barred.any():
         damped = np.where(barred[:, None, :, None] | barred[:, None, None, :], unit, damped)
     return np.linalg.solve(damped, gradient[:, None, :, None])[..., 0]
+
+
+@cache
+def aside(joints: int) -> NDArray:
+    """(1 + m, m): nowhere, and on by each joint, of m."""
+    return np.eye(1 + joints, joints, -1)
 
 
 @cache

@@ -47,7 +47,7 @@ class Outlook:
     @property
     def step(self) -> float:
         """rad, a joint, from the best posture visited to where E should be least."""
-        return float(np.max(np.abs(self.found.theta - self.model.centre)))
+        return float(np.abs(self.found.theta - self.model.centre).max())
 
     @property
     def doubt(self) -> float:
@@ -95,8 +95,8 @@ def look_out(
     """Within so many rad of the best posture visited. seen: at the last visit."""
     best, like = measured.best, measured.like
     model = learn(list(visits), best, seen.noise_px)
-    same = np.where(measured.points[best], 0.0, np.nan)[:, None]  # points as those of the best visit's E
-    found = _search(model, radius, seen, lambda theta: conflict(model.predict(theta) + same, by, like))
+    asked = model.only(measured.points[best])
+    found = _search(model, radius, seen, lambda theta: conflict(asked.predict(theta), by, like))
     E = float(measured.E[best])
     if by is not None:
         return Outlook(E, model, found, None)
@@ -118,7 +118,7 @@ def _completed(visits: tuple[Visit, ...], noise_px: float, most: float) -> tuple
     """Of all visits, as they tell of each other: images (n, N, 4) px, their noise averaged, points not seen completed;
     and which points are known there, (n, N) bool: that were seen, or are told well, to `most` px."""
     own = np.array([visit.own for visit in visits])
-    seen = np.array([visit.seen.all(-1) for visit in visits])
+    seen = np.all([visit.seen for visit in visits], -1)
     unseen = np.isnan(own)
     if noise_px == 0 and not unseen.any():
         return own, seen

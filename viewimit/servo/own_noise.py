@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .minimise import DIFFERENCE
+from .minimise import DIFFERENCE, aside
 from .surrogate import Surrogate
 
 DRAWS = 8
@@ -48,7 +48,7 @@ def own_noise(
 ) -> OwnNoise:
     """At a place, (m,) rad. residual_of: own images (..., N, 4) px → (..., n, C) px; noise_px: of an image coordinate,
     standard deviation."""
-    about = model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
+    about = model.predict(place + DIFFERENCE * aside(len(place)))
     noise = np.random.default_rng(seed).standard_normal((DRAWS, *about[0].shape))
     e = residual_of(np.concatenate([about, about[0] + noise_px * noise]))
     points = e.shape[-2]

@@ -5,7 +5,7 @@ a, b in rad from the centre: linear, as images nearly are, and smooth where they
 (Rasmussen & Williams 2006, Ch. 2).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .image_model import ENOUGH
 from .visit import Visit, by_coordinate
 
-OFFSET, SLOPE, BEND, LENGTH = 30.0, 200.0, 100.0, np.radians(100.0)  # px, px/rad, px, rad
+OFFSET, SLOPE, BEND, LENGTH = 30.0, 200.0, 100.0, float(np.radians(100.0))  # px, px/rad, px, rad
 LEAST_NOISE = 0.02  # px: keeps the system regular
 
 
@@ -34,6 +34,10 @@ class Surrogate:
         k = kernel(displacement - self.centre, self.away)
         rise = k.reshape(-1, len(self.away)) @ self.weight.reshape(len(self.away), -1)  # of the whole batch at once
         return self.at_centre + rise.reshape(*k.shape[:-1], *self.at_centre.shape)
+
+    def only(self, points: NDArray) -> "Surrogate":
+        """The same of some points, (N,) bool, that knows nothing of the others."""
+        return self if points.all() else replace(self, at_centre=np.where(points[:, None], self.at_centre, np.nan))
 
     def slopes(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (m, N, 4) px/rad: the derivatives of the predicted images."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
-from .minimise import DIFFERENCE, Minimum
+from .minimise import DIFFERENCE, Minimum, aside
 from .observation import Observation
 from .own_noise import own_noise
 from .surrogate import Surrogate
@@ -128,7 +128,7 @@ def _hessian_by(known: Known, points: NDArray, place: NDArray) -> tuple[NDArray,
 
 def _images_about(model: Surrogate, place: NDArray) -> NDArray:
     """(1 + m, N, 4) px, predicted at a place and a little aside by each joint."""
-    return model.predict(place + DIFFERENCE * np.eye(1 + len(place), len(place), -1))
+    return model.predict(place + DIFFERENCE * aside(len(place)))
 
 
 def _of_points(known: Known, residual_of: ResidualOf, learned: NDArray, place: NDArray) -> ResidualOf:
@@ -142,10 +142,12 @@ def _of_points(known: Known, residual_of: ResidualOf, learned: NDArray, place: N
 
 def _head_gradients(known: Known, learned: NDArray, place: NDArray) -> NDArray:
     """(k, m) px²/rad, as `Surroundings.head`."""
-    heads = (known.residual_of, *known.others) if known.others else ()
+    if not known.others:
+        return np.zeros((0, len(place)))
     about = _images_about(known.model, place)
+    heads = known.residual_of, *known.others
     by_head = [_gradient(_of_points(known, of_head, learned, place)(about)) for of_head in heads]
-    return np.array([gradient - by_head[0] for gradient in by_head[1:]]).reshape(-1, len(place))
+    return np.array([gradient - by_head[0] for gradient in by_head[1:]])
 
 
 def _gradient(e: NDArray) -> NDArray:
@@ -163,7 +165,7 @@ def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> 
     """(n,) px²: E measured at every visit above that at the best one, by the points really seen in both and learned,
     (N,) bool; (n, m, m) px²/rad²: the hessian of these points."""
     own = np.array([visit.own for visit in known.visits])
-    seen = np.array([visit.seen.all(-1) for visit in known.visits])
+    seen = known.model.seen
     hessians = np.repeat(hessian[None], len(own), 0)
     if seen.all():
         E = evaluate(known.residual_of(own)) if known.measured is None else known.measured
@@ -183,7 +185,7 @@ def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> 
 def _really_seen(known: Known, points: int) -> int:
     """How many points tell E at the best visit without being predicted; as many as `points`, where all are seen at
     every visit: then none is seen because the posture is a wrong one."""
-    if all(visit.seen.all() for visit in known.visits):
+    if known.model.seen.all():
         return points
     best = known.visits[known.best]
     return known.residual_of(np.where(np.all(best.seen, -1)[:, None], best.own, np.nan)).shape[-2]

@@ -1,6 +1,7 @@
 """The motions of the trust region: a probe, a check, a step to a target, or a long way to a goal."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,7 @@ def probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
 def check(state: TrustState, seen: Observation, place: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:
     """A short motion to one side of a place: it teaches what the surrogate knows least."""
     goal = aside(seen, place, away) if seen.noise_px == 0 else apart(state.known, seen, place, away)
-    state, step = move(replace(state, checks=state.checks + 1), seen, goal)
-    return replace(state, probe=True), step
+    return move(state, seen, goal, probe=True, checks=state.checks + 1)
 
 
 def aside(seen: Observation, place: NDArray, away: NDArray) -> NDArray:
@@ -42,21 +42,23 @@ def apart(visits: tuple[Visit, ...], seen: Observation, place: NDArray, away: ND
     return farthest(visits, np.clip(place + np.outer(EITHER_WAY, away), seen.lower, seen.upper))
 
 
-def move(state: TrustState, seen: Observation, target: NDArray) -> tuple[TrustState, NDArray]:
-    """One motion to the target, or as far towards it as one motion may go."""
+def move(
+    state: TrustState, seen: Observation, target: NDArray, probe: bool = False, **changes: Any
+) -> tuple[TrustState, NDArray]:
+    """One motion to the target, or as far towards it as one motion may go. changes: of the state, by its fields."""
     step = target - seen.displacement
-    longest = np.max(np.abs(step))
+    longest = np.abs(step).max()
     if longest > LONGEST and not state.rehearsed:
-        step, state = step * (LONGEST / longest), replace(state, promised=None)
-    return replace(state, status="moving", probe=False), step
+        step, changes["promised"] = step * (LONGEST / longest), None
+    return replace(state, status="moving", probe=probe, **changes), step
 
 
 def towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustState, NDArray]:
     """On to the goal; there, a learner that drove back to its best posture rests."""
-    there = bool(state.rehearsed) or np.max(np.abs(goal - seen.displacement)) <= LONGEST
-    state, step = move(replace(state, promised=None, goal=None if there else goal), seen, goal)
+    there = bool(state.rehearsed) or np.abs(goal - seen.displacement).max() <= LONGEST
+    state, step = move(state, seen, goal, promised=None, goal=None if there else goal)
     expected = 0.0 if state.certificate is None else float(state.certificate.expected.max())
-    if state.ending and np.max(np.abs(step)) < np.clip(RESTS * expected, DONE_STEP / 10, DONE_STEP):
+    if state.ending and np.abs(step).max() < np.clip(RESTS * expected, DONE_STEP / 10, DONE_STEP):
         return replace(state, ending="", status=state.ending), np.zeros_like(step)
     return state, step
 

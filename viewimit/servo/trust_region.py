@@ -160,7 +160,7 @@ def _worthwhile(state: TrustState, seen: Observation, ahead: Outlook) -> bool:
     """Whether to go where E should be least. A short motion is made only for the certainty that it promises."""
     step, found = ahead.step, ahead.found
     promises = step >= DONE_STEP or (step >= LEAST_STEP and ahead.doubt_there < CERTAIN <= ahead.doubt)
-    stands_there = np.max(np.abs(found.theta - seen.displacement)) < LEAST_STEP
+    stands_there = np.abs(found.theta - seen.displacement).max() < LEAST_STEP
     return bool(promises and not stands_there and state.failures < MOST_FAILURES)
 
 
@@ -174,8 +174,8 @@ def _onwards(
     if ahead.certify is not None and not weighted and last and not chasing:
         beyond = ahead.certify(found.theta).check
         if beyond.any():
-            return move(replace(state, checks=state.checks + 1), seen, aside(seen, found.theta, beyond))
-    return move(replace(state, promised=float(ahead.E - found.E)), seen, found.theta)
+            return move(state, seen, aside(seen, found.theta, beyond), checks=state.checks + 1)
+    return move(state, seen, found.theta, promised=float(ahead.E - found.E))
 
 
 def _otherwise(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Observation, Conflict]:
@@ -191,14 +191,16 @@ def _otherwise(state: TrustState, seen: Observation, conflict: Conflict) -> tupl
 def _judge(state: TrustState, E: NDArray, noise_E: float) -> TrustState:
     """Size the region by how true the promise of the last motion was. E: of all visits, px²; noise_E: up to which that
     is noise."""
-    if state.promised is None or len(E) < 2:
+    if state.promised is None:
+        return state
+    if len(E) < 2:
         return replace(state, promised=None)
     before = last_least(E[:-1])
     if np.isinf(E[before]):  # nothing was told of any posture before: nothing could be promised
         return replace(state, promised=None)
     gained = float(E[before] - E[-1])
     ratio = gained / max(state.promised, 1e-12)
-    step = np.max(np.abs(state.known[-1].displacement - state.known[before].displacement))
+    step = np.abs(state.known[-1].displacement - state.known[before].displacement).max()
     step = min(step, state.radius)  # farther, if what was best then is not any more, by what has been seen since
     radius, failures, slight = state.radius, 0, state.slight
     if gained >= SLIGHT * E[before]:

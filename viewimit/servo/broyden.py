@@ -16,8 +16,7 @@ from ..equations import Equation, angles, short
 from ..evaluation import conflict as evaluate
 from .image_model import ImageModel
 from .minimise import minimise
-from .observation import Conflict, Observation
-from .probing import probe_of
+from .observation import Conflict, Observation, probe_of
 from .servo import Moment
 from .visit import Visit
 

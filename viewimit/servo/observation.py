@@ -1,11 +1,14 @@
 """What a servo is told at each motion, and what it may ask."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from .visit import Visit
+
+PROBE = np.radians(15.0)
 
 
 class Conflict(Protocol):
@@ -42,3 +45,17 @@ class Observation:
     rehearsed: tuple[Visit, ...] = ()
     shown: int = 0
     heads: int = 0
+
+    def displaced(self, by: NDArray) -> "Observation":
+        """Of an arm that stands so far, (m,) rad, before where it was sent; it can be sent as far as before."""
+        return replace(self, displacement=self.displacement - by, lower=self.lower - by, upper=self.upper - by)
+
+
+def probe_of(joint: int, seen: Observation) -> NDArray:
+    """(m,) rad, a motion to learn how the images move, not to arrive: one joint turned by 15°, towards where its limits
+    leave more room."""
+    above = seen.upper[joint] - seen.displacement[joint]
+    below = seen.displacement[joint] - seen.lower[joint]
+    step = np.zeros_like(seen.displacement)
+    step[joint] = min(PROBE, above) if above >= min(PROBE, below) else -min(PROBE, below)
+    return step

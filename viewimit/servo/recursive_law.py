@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..equations import angles
-from .observation import Conflict, Observation
-from .probing import probe_of
+from .observation import Conflict, Observation, probe_of
 from .recursive_jacobian import RecursiveJacobian
 from .servo import Moment
 

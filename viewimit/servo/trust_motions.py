@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .certificate import EQUAL
-from .observation import Observation
-from .probing import probe_of
+from .observation import Observation, probe_of
 from .trust_state import TrustState
 from .visit import Visit
 
@@ -55,6 +54,8 @@ def move(
 
 def towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustState, NDArray]:
     """On to the goal; there, a learner that drove back to its best posture rests."""
+    if state.strayed is not None:  # what can be asked has changed on the way
+        goal = np.clip(goal, seen.lower, seen.upper)
     there = bool(state.rehearsed) or np.abs(goal - seen.displacement).max() <= LONGEST
     state, step = move(state, seen, goal, promised=None, goal=None if there else goal)
     expected = 0.0 if state.certificate is None else float(state.certificate.expected.max())

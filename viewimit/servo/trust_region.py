@@ -10,6 +10,9 @@ left of E could be a displacement of up to √(E/λ), λ the smallest eigenvalue
 is what the noise of the images makes, a certificate decides: "converged" is said only if visits, or check motions made
 for it, have shown that E rises in every direction. The last short motions go a little beyond their target, where the
 least is known of that.
+
+An arm that moves in steps, or against a stop, does not stand where it was sent. Where its images say so, it probes anew
+and goes by them alone; then it claims to be as near as its motions lead, and expects to be off by what they leave.
 """
 
 from dataclasses import dataclass, replace
@@ -26,7 +29,16 @@ from .outlook import Outlook, last_least, look_out, measure
 from .servo import Moment
 from .surrogate import learn
 from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
-from .trust_state import FIRST_RADIUS, TrustState, arrived, first_radius, visit_of, without_rehearsal
+from .trust_state import (
+    CLOSE,
+    FIRST_RADIUS,
+    MOST_FAILURES,
+    TrustState,
+    arrived,
+    first_radius,
+    visit_of,
+    without_rehearsal,
+)
 from .visit import Visit
 
 _LAW = (
@@ -35,15 +47,15 @@ _LAW = (
 )
 LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((12.0, 45.0, 0.5))
 LEAST_STEP = np.radians(0.01)
-CLOSE = 1e-9  # rad, between two times at one posture
 SHORT = np.radians(5.0)  # a motion that may be lengthened to look beyond its target
 CERTAIN, DOUBTFUL = np.radians((0.3, 5.0))
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
-MOST_RESTARTS, MOST_CHECKS, MOST_FAILURES = 4, 3, 2
+MOST_RESTARTS, MOST_CHECKS = 4, 3
 SLIGHT, MOST_SLIGHT = 0.01, 8  # share of E; motions that may gain less, though they keep what they promise
 ASKED_AT = 5, 10, 16, 24  # visits and as many as joints, after which E must be small, or points may be exchanged
+SENT_TO_LIMIT = "a joint was sent to its limit: if the arm moves less than it is told, begin nearer"
 SUSPECT, SURE = 1e-3, 25.0  # of the mean square of the own image; times the noise's square: E that is small
 
 
@@ -65,18 +77,23 @@ class TrustRegion:
     def retarget(self, state: TrustState, seen: Observation) -> TrustState:
         """What was learned of the own images stays; all else was about another E."""
         anew = TrustState(state.visits, state.probes, first_radius(state.rehearsed), moved=True)
-        kept = {name: getattr(state, name) for name in ("chasing", "exchanged", "asked", "rehearsed")}
+        kept = {name: getattr(state, name) for name in ("chasing", "exchanged", "asked", "rehearsed", "strayed")}
         return replace(anew, **kept)
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
-        state = arrived(state, seen)
+        state, seen = arrived(state, seen)
         if state.rehearsed and not holds(state.rehearsed, state.visits, seen.noise_px):
             state = without_rehearsal(state)
         if state.probes:
             return probe(state, seen)
         if state.goal is not None:
             return towards(state, seen, state.goal)
+        return self._step(state, seen, conflict, chasing)
+
+    def _step(
+        self, state: TrustState, seen: Observation, conflict: Conflict, chasing: bool
+    ) -> tuple[TrustState, NDArray]:
         state, conflict = _identified(state, seen, conflict)
         by = PHASES[state.phase][0]
         measured = measure(state.known, seen.noise_px, conflict, by, state.needed)
@@ -86,12 +103,10 @@ class TrustRegion:
             return _onwards(state, seen, ahead, weighted=measured.like is not None, chasing=chasing)
         if chasing:
             return replace(state, promised=None, status="moving", probe=False), np.zeros_like(seen.displacement)
-        place = ahead.model.centre if measured.like is None else ahead.found.theta
-        if ahead.certify is not None:
-            state = replace(state, certificate=ahead.certify(place))
+        state, place = _placed(state, seen, ahead, weighted=measured.like is not None)
         settled = _settle(state, seen, place, ahead, int(measured.count[measured.best]))
         if settled is None:
-            return self.step(*_otherwise(state, seen, conflict))
+            return self._step(*_otherwise(state, seen, conflict), chasing=False)
         return settled
 
     def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
@@ -103,6 +118,8 @@ class TrustRegion:
         return (Equation("", "servo: the images are predicted, E is asked", _LAW, note=note, wide=True),)
 
     def says(self, state: TrustState, status: str) -> str:
+        if status == "converged" and state.strayed is not None:
+            return "E rises every way, and its motions lead no nearer"
         if status == "converged":
             return f"E leaves no room for {np.degrees(CERTAIN):.1g}° and rises every way"
         if status == "rests":
@@ -110,7 +127,8 @@ class TrustRegion:
         if status == "untold":
             return "E does not rise every way"
         if status == "stalled":
-            return f"nothing lower in {state.restarts} searches elsewhere"
+            found = f"nothing lower in {state.restarts} searches elsewhere"
+            return f"{found}; {SENT_TO_LIMIT}" if state.limited else found
         if state.ending:
             return "back to the best posture"
         if state.needed:
@@ -119,6 +137,8 @@ class TrustRegion:
             return f"looking for something lower, as noise explains less: search {state.restarts} of {MOST_RESTARTS}"
         if state.probe:
             return "a probe, to learn how the images move"
+        if state.strayed is not None:
+            return "its arm does not stand where it was sent, so it goes by its images"
         other = PHASES[state.phase][0]
         return f"asks the {other} transfer for a way on" if other else ""
 
@@ -178,13 +198,29 @@ def _onwards(
     return move(state, seen, found.theta, promised=float(ahead.E - found.E))
 
 
+def _placed(state: TrustState, seen: Observation, ahead: Outlook, weighted: bool) -> tuple[TrustState, NDArray]:
+    """And where to rest, (m,) rad, certified: where E should be least, as noise hides where it was; an arm that does
+    not stand where it is sent, at the best posture visited, or where it stands if no motion leads there, though E is
+    no least then."""
+    best = ahead.model.centre
+    place = ahead.found.theta if weighted and state.strayed is None else best
+    if state.strayed is not None and state.ending and (state.still or _often(state, seen)):
+        place = seen.displacement
+    if ahead.certify is None:
+        return state, place
+    certificate = ahead.certify(place)
+    if state.strayed is not None and not np.array_equal(place, best):
+        certificate = replace(certificate, shown=False)
+    return replace(state, certificate=certificate), place
+
+
 def _otherwise(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Observation, Conflict]:
     """Without the exchange that was to lower E, if there is one; else the next transfer takes over. After the last,
     what few points tell must do."""
     last = state.phase + 1 == len(PHASES)
     phase = 0 if state.exchanged or last else state.phase + 1
     begun = replace(state, exchanged=(), phase=phase, radius=float(PHASES[phase][1]), failures=0, slight=0)
-    begun = replace(begun, needed=0 if last else state.needed)
+    begun = replace(begun, needed=0 if last else state.needed, chasing=False)
     return begun, seen, with_exchanged(conflict, state.exchanged)
 
 
@@ -228,7 +264,8 @@ def _settle(
         asks = certificate.check.any() and state.checks < MOST_CHECKS * len(place)
         if lost and not (asks and certificate.learnable) and told_by < seen.shown and state.restarts < MOST_RESTARTS:
             return _where_more_is_seen(state, seen, place, ahead, told_by)
-        if doubt < CERTAIN or ahead.E < NOISE_FLOOR * seen.noise_px**2 or lost:
+        barred = state.strayed is not None and ahead.doubt_there < CERTAIN  # its steps lead no nearer
+        if barred or doubt < CERTAIN or ahead.E < NOISE_FLOOR * seen.noise_px**2 or lost:
             if asks:
                 return check(state, seen, place, certificate.check)
             return _to_rest(state, seen, place, certificate.claim)
@@ -241,15 +278,21 @@ def _settle(
     if 0 < state.needed <= told_by:
         return None
     told = certificate is None or bool(certificate.told.all())
-    return _to_rest(state, seen, place, "stalled" if told else "untold")
+    limited = bool((np.minimum(ahead.found.theta - seen.lower, seen.upper - ahead.found.theta) < CLOSE).any())
+    return _to_rest(replace(state, limited=limited), seen, place, "stalled" if told else "untold")
 
 
 def _to_rest(state: TrustState, seen: Observation, place: NDArray, ending: str) -> tuple[TrustState, NDArray]:
     """There, what did not come true from there is not tried once more. By the third time at a posture that is best by
     turns with another, here."""
-    if state.ending and nearest(state.visits, seen.displacement[None], 3)[0] < CLOSE:
+    if state.ending and _often(state, seen):
         return replace(state, ending="", status=ending), np.zeros_like(place)
     return towards(replace(state, ending=ending, failures=MOST_FAILURES), seen, place)
+
+
+def _often(state: TrustState, seen: Observation) -> bool:
+    """Whether it is for the third time where it is."""
+    return bool(nearest(state.visits, seen.displacement[None], 3)[0] < CLOSE)
 
 
 def _where_more_is_seen(

@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 from ..views import Pairs
 from .certificate import Certificate
 from .observation import Observation
+from .standing import contradicts, standing
 from .visit import Visit
 
 FIRST_RADIUS = np.radians(25.0)
 EVERYWHERE = float(np.inf)  # of a learner that has been all over its range
 KEPT = 60  # visits
+CLOSE = 1e-9  # rad, between two times at one posture
+ALL_OF = 0.9  # share of the region, from which a motion has made use of all of it
+MOST_FAILURES = 2
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,9 @@ class TrustState:
     as well, so that a motion aside would only leave the learner behind. exchanged: of the demonstrator's points, as it
     seems; asked: how often that was asked. rehearsed: what was seen before, as long as it holds: it takes the place of
     probes, and with it the whole range is the first region. needed: points by which E must be told at a posture for
-    that to be the best, as those of another did not tell all joints.
+    that to be the best, as those of another did not tell all joints. strayed: (m,) rad, from where the arm stands by
+    its images to where it was sent, None as long as these agree; still: it stayed where it was, though it was sent
+    elsewhere. limited: where it stalled, E should be least where a joint cannot be sent on.
     """
 
     visits: tuple[Visit, ...]
@@ -49,6 +55,9 @@ class TrustState:
     asked: int = 0
     rehearsed: tuple[Visit, ...] = ()
     needed: int = 0
+    strayed: NDArray | None = None
+    still: bool = False
+    limited: bool = False
 
     @property
     def known(self) -> tuple[Visit, ...]:
@@ -60,12 +69,42 @@ def visit_of(seen: Observation) -> Visit:
     return Visit.of(seen.displacement, seen.own, seen.seen)
 
 
-def arrived(state: TrustState, seen: Observation) -> TrustState:
-    """Remember what is seen here, once a posture, and whether the demonstrator has moved on the way."""
-    visits = state.visits
-    if np.array_equal(visits[-1].displacement, seen.displacement):
-        visits = visits[:-1]
-    return replace(state, visits=(*visits, visit_of(seen))[-KEPT:], moved=False, chasing=state.moved)
+def arrived(state: TrustState, seen: Observation) -> tuple[TrustState, Observation]:
+    """Remember what is seen here, once a posture, and whether the demonstrator has moved on the way → and what is seen,
+    told from where the arm stands."""
+    state, here = replace(state, moved=False, chasing=state.moved, still=False), visit_of(seen)
+    if state.strayed is not None:
+        return _by_images(state, seen, state.strayed)
+    again = np.array_equal(state.visits[-1].displacement, seen.displacement)
+    if not again and contradicts(state.known, here, seen.noise_px):
+        return _disobeyed(state, here), seen
+    return replace(state, visits=(*state.visits[: -1 if again else None], here)[-KEPT:]), seen
+
+
+def _disobeyed(state: TrustState, here: Visit) -> TrustState:
+    """Of an arm that does not stand where it was sent: it probes anew, and its images alone tell its postures."""
+    joints = len(here.displacement)
+    anew = TrustState((here,), tuple(range(joints)), restarts=state.restarts, strayed=np.zeros(joints))
+    return replace(anew, chasing=state.chasing, exchanged=state.exchanged, asked=state.asked)
+
+
+def _by_images(state: TrustState, seen: Observation, strayed: NDArray) -> tuple[TrustState, Observation]:
+    """As `arrived`. A motion that was to lower E, but led to where the arm has been, has nothing more to gain, unless
+    it was only as long as the region allowed: for an arm that moves in steps that may be too short."""
+    last, sent = state.visits[-1].displacement, visit_of(seen.displaced(strayed))
+    if np.abs(sent.displacement - last).max() < CLOSE:
+        here, been = replace(sent, displacement=last), False
+    else:
+        here, been = standing(state.known, sent, seen.noise_px)
+    still = been and np.array_equal(here.displacement, last)
+    if been and state.promised is not None:
+        barred = still and np.abs(sent.displacement - last).max() > ALL_OF * state.radius
+        told = {"radius": 2 * state.radius} if barred else {"failures": MOST_FAILURES}
+        state = replace(state, promised=None, **told)
+    before = state.visits[:-1] if np.array_equal(here.displacement, last) else state.visits
+    state = replace(state, visits=(*before, here)[-KEPT:], still=still)
+    strayed = seen.displacement - here.displacement
+    return replace(state, strayed=strayed), replace(seen.displaced(strayed), displacement=here.displacement)
 
 
 def first_radius(rehearsed: tuple[Visit, ...]) -> float:

@@ -13,6 +13,7 @@ from ..servo import SERVOS
 from ..servo.certificate import Certificate
 from ..session import Session
 from ..settings import BEST
+from ..snapshot import Snapshot
 from . import BadInput, history_file
 from .json_output import print_json
 from .options import (
@@ -87,7 +88,7 @@ def run(args: argparse.Namespace) -> int:
         print(f"E             {_at_least(result['E'], 0.001, '.4g', ' px²')}")
     if result["converged"]:
         return DONE
-    why = "too few points are seen in all four images" if session.snapshot.transfer is None else WHY[result["status"]]
+    why = "too few points are seen in all four images" if session.snapshot.transfer is None else _why(session.snapshot)
     print(f"viewimit imitate: not converged after {result['motions']} motions: {why}", file=sys.stderr)
     return MISSED
 
@@ -124,6 +125,12 @@ WHY = {
     "rests": "it rests, without evidence of having arrived",
     "untold": "some joint is not told",
 }
+
+
+def _why(last: Snapshot) -> str:
+    """Why it has not converged; of a servo that stalled, in its own words as well."""
+    says = SERVOS[last.settings.servo].says(last.servo_state, last.status) if last.status == "stalled" else ""
+    return f"{WHY[last.status]}: {says}" if says else WHY[last.status]
 
 
 def _at_least(value: float, least: float, form: str, unit: str) -> str:

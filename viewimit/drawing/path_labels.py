@@ -137,11 +137,14 @@ class PathLabels:
         new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]
         placed.take(new)
         met = [one for one in new if placed.places.covers(one)]
-        gone = [_meet(label.takes[:1], met) for label in placed.labels]
         placed.own = "" if met else self._own(placed.free, theta, cursor)[0]
-        if not met and not placed.own:
-            place = self._own(placed.line, theta, cursor)[1]  # where it has room once others make some
+        if met:
+            gone = [_meet(label.takes[:1], met) for label in placed.labels]
+        elif not placed.own:  # where it has room once others make some
+            place = self._own(placed.line, theta, cursor)[1]
             gone = [place is not None and _meet(label.takes, [place]) for label in placed.labels]
+        else:
+            gone = [False] * len(placed.labels)
         if any(gone) or away != placed.away:
             gone[0] |= not away
             labels = [Put(label.label) if goes else label for label, goes in zip(placed.labels, gone)]

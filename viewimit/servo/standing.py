@@ -16,6 +16,7 @@ from .visit import Visit, by_coordinate
 
 SAME = 2.0  # standard deviations of a coordinate: images that differ by less, root mean square, are the same
 FORESEEN = 2.0  # times as much was to change where it did not
+SLIGHT = np.radians(0.1)  # off, a joint, which is not worth probing anew
 LEAST_PX = 1e-3  # in place of a smaller noise
 SLACK, ROUNDS = np.radians(0.3), 4
 
@@ -23,11 +24,14 @@ SLACK, ROUNDS = np.radians(0.3), 4
 def contradicts(known: tuple[Visit, ...], here: Visit, noise_px: float) -> bool:
     """Whether an image was seen before that was to be another one. known: visits; here: displaced by where it was sent;
     noise_px: of an image coordinate, standard deviation."""
-    same = _same(known, here, noise_px)
-    if not same.any() or len(known) <= len(here.displacement):
+    if len(known) <= len(here.displacement):
+        return False
+    displacement = np.array([visit.displacement for visit in known])
+    apart = np.abs(displacement - here.displacement).max(1) > SLIGHT
+    there = displacement[_same(known, here, noise_px) & apart]
+    if not len(there):
         return False
     model = learn(list(known), len(known) - 1, noise_px)
-    there = np.array([known[k].displacement for k in same.nonzero()[0]])
     change = (model.predict(there) - model.predict(here.displacement))[:, here.seen.all(-1)]
     change = np.abs(np.nan_to_num(change)).reshape(len(there), -1) / (SAME * max(noise_px, LEAST_PX))
     most = np.median(change, 1) > 1  # of a few points wrong places at other visits foretell anything

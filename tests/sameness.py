@@ -1,4 +1,4 @@
-"""Equality to the last bit."""
+"""Equality to the last bit, and how far off a learner is."""
 
 import dataclasses
 
@@ -27,3 +27,8 @@ def assert_same(one, other):
             assert_same(one.condition, other.condition)
     else:
         assert one == other
+
+
+def error_deg(moment):
+    """How far the learner's worst joint is off."""
+    return float(np.degrees(np.abs(moment.theta - moment.theta_demo).max()))

@@ -3,7 +3,7 @@
 import msgspec
 import numpy as np
 import pytest
-from sameness import assert_same
+from sameness import assert_same, error_deg
 from viewimit.app.sessions import codec
 
 from viewimit.body_image import FEWEST
@@ -19,10 +19,6 @@ SETTINGS = msgspec.structs.replace(BEST, demonstrator_deg=(45.0, -90.0), start_d
 
 def begun(start_deg, demonstrator_deg):
     return msgspec.structs.replace(SETTINGS, start_deg=tuple(start_deg), demonstrator_deg=tuple(demonstrator_deg))
-
-
-def error_deg(moment):
-    return np.degrees(np.abs(moment.theta - moment.theta_demo).max())
 
 
 def test_a_motion_a_posture_and_what_is_seen_there_is_kept():

@@ -2,6 +2,7 @@
 
 import msgspec
 import numpy as np
+from sameness import error_deg
 
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.session import Session
@@ -22,10 +23,6 @@ def session_with(seed, **settings):
     while (session := Session(chosen, eyes)).snapshot.transfer is None:
         pass
     return session
-
-
-def error_deg(moment):
-    return float(np.degrees(np.abs(moment.theta - moment.theta_demo).max()))
 
 
 def test_points_that_tell_too_little_send_the_learner_to_where_others_are_seen():

@@ -5,6 +5,7 @@ from itertools import combinations
 import msgspec
 import numpy as np
 import pytest
+from sameness import error_deg
 from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.drawing.status import describe
@@ -27,10 +28,6 @@ def swapped(settings, count):
 def anywhere(settings, seed):
     start, demo = np.random.default_rng(seed).uniform((0, -140), (90, -40), (2, 2)).tolist()
     return replace(settings, seed=seed, start_deg=tuple(start), demonstrator_deg=tuple(demo))
-
-
-def error_deg(moment):
-    return np.degrees(np.abs(moment.theta - moment.theta_demo).max())
 
 
 def asked(session):

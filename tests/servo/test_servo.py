@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from linear_world import LinearWorld
 
-from viewimit import evaluation, looking
+from viewimit import looking
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
@@ -16,32 +17,11 @@ from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
 
 
-class LinearWorld:
-    """own(θ) = y_0 + J θ exactly, and a target image that the posture `aim` shows."""
-
-    def __init__(self, m, rng, points=6, limit=2.0):
-        self.jacobian = rng.normal(0, 100, (points, 4, m))
-        self.rest = rng.uniform(0, 240, (points, 4))
-        self.aim = rng.uniform(-0.35, 0.35, m)  # within the first trust region
-        self.limit = np.full(m, limit)
-
-    def images(self, theta):
-        return self.rest + self.jacobian @ theta
-
-    def conflict(self, own):
-        return own - self.images(self.aim)
-
-    def observe(self, theta, motion):
-        own = self.images(theta)
-        E = float(evaluation.conflict(self.conflict(own)))
-        return Observation(own, np.ones((len(own), 2), bool), E, theta, -self.limit, self.limit, motion)
-
-
 @pytest.mark.parametrize("noise_px", [0.0, 0.1])
 @pytest.mark.parametrize("name", SERVOS)
 def test_a_loop_written_from_the_docstring_runs(name, noise_px):
     """`conflict(own, by=None, like=None)` is all that a law asks, and with E, images and displacements all it needs."""
-    servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5), points=7), []
+    servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5), 7), []
 
     def conflict(own, by=None, like=None):
         asked.append((by, like))
@@ -66,14 +46,14 @@ def test_a_loop_written_from_the_docstring_runs(name, noise_px):
 
 @pytest.mark.parametrize("m", [1, 2, 3, 7])
 def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_target(m):
-    world, servo = LinearWorld(m, np.random.default_rng(m)), Broyden()
+    world, servo = LinearWorld(m, np.random.default_rng(m), 6), Broyden()
     theta = np.zeros(m)
     state = servo.start(world.observe(theta, 0))
     for motion in range(m + 2):
         state, step = servo.step(state, world.observe(theta, motion), world.conflict)
         assert state.probe == (motion < m)
         if motion == m:
-            np.testing.assert_allclose(state.model.jacobian, world.jacobian, atol=1e-8)
+            np.testing.assert_allclose(state.model.jacobian, world.J, atol=1e-8)
         theta = theta + step
     assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
     state, step = servo.step(state, world.observe(theta, m + 2), world.conflict)
@@ -81,7 +61,7 @@ def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_targ
 
 
 def test_broyden_does_not_learn_from_points_that_were_not_seen():
-    world, servo = LinearWorld(2, np.random.default_rng(5)), Broyden()
+    world, servo = LinearWorld(2, np.random.default_rng(5), 6), Broyden()
     seen = world.observe(np.zeros(2), 0)
     state, step = servo.step(servo.start(seen), seen, world.conflict)
     after = world.observe(step, 1)
@@ -91,13 +71,13 @@ def test_broyden_does_not_learn_from_points_that_were_not_seen():
     own[0, 2:] = 1e6
     learned, _ = servo.step(state, replace(after, own=own, seen=hidden), world.conflict)
     joint = int(np.argmax(np.abs(step)))
-    np.testing.assert_allclose(learned.model.jacobian[0, :2, joint], world.jacobian[0, :2, joint], atol=1e-8)
+    np.testing.assert_allclose(learned.model.jacobian[0, :2, joint], world.J[0, :2, joint], atol=1e-8)
     assert not learned.model.jacobian[0, 2:].any()
-    np.testing.assert_allclose(learned.model.jacobian[1:, :, joint], world.jacobian[1:, :, joint], atol=1e-8)
+    np.testing.assert_allclose(learned.model.jacobian[1:, :, joint], world.J[1:, :, joint], atol=1e-8)
 
 
 def test_broyden_completes_a_posture_by_points_that_it_saw_later():
-    world, servo = LinearWorld(2, np.random.default_rng(5)), Broyden()
+    world, servo = LinearWorld(2, np.random.default_rng(5), 6), Broyden()
     first = world.observe(np.zeros(2), 0)
     seen = first.seen.copy()
     seen[0, 1] = False
@@ -113,7 +93,7 @@ def test_broyden_completes_a_posture_by_points_that_it_saw_later():
 
 @pytest.mark.parametrize("start", [-0.02, 0.02])
 def test_a_probe_in_a_narrow_range_stays_inside(start):
-    world, servo = LinearWorld(2, np.random.default_rng(3), limit=0.1), Broyden()
+    world, servo = LinearWorld(2, np.random.default_rng(3), 6, limit=0.1), Broyden()
     theta = np.full(2, start)
     state = servo.start(world.observe(theta, 0))
     for motion in range(2):

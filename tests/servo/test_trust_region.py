@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from linear_world import LinearWorld
 
 from viewimit import evaluation
 from viewimit.disturbances import NOISE, spoil
@@ -123,64 +124,43 @@ def test_corners_of_the_range_are_reached_from_the_opposite_ones():
         assert status == "converged" and error_deg(postures, demo) < 0.5
 
 
-class LinearWorld:
-    """own(θ) = y_0 + J θ exactly; E is the distance of the images from those of `aim`, which `least` keeps from 0."""
+def world_of(m, points=8):
+    return LinearWorld(m, np.random.default_rng(0), points, within=0.4, limit=1.0)
 
-    def __init__(self, m, seed=0, points=8):
-        rng = np.random.default_rng(seed)
-        self.J, self.y, self.aim = (
-            rng.normal(0, 100, (points, 4, m)),
-            rng.uniform(0, 240, (points, 4)),
-            rng.uniform(-0.4, 0.4, m),
-        )
-        self.least = np.zeros((points, 4))
 
-    def conflict(self, own, by=None, like=None):
-        return own - (self.y + self.J @ self.aim) + self.least
-
-    def run(self, noise_px=0.0, most=80):
-        servo, theta, state, rng = TrustRegion(), np.zeros(len(self.aim)), None, np.random.default_rng(1)
-        for motion in range(most):
-            own = self.y + self.J @ theta + noise_px * rng.normal(size=self.y.shape)
-            seen = Observation(
-                own,
-                np.ones((len(own), 2), bool),
-                np.nan,
-                theta,
-                -np.ones(len(theta)),
-                np.ones(len(theta)),
-                motion,
-                noise_px,
-            )
-            state = servo.start(seen) if state is None else state
-            state, step = servo.step(state, seen, self.conflict)
-            if not step.any():
-                return theta, state.status, motion
-            theta = theta + step
-        return theta, state.status, most
+def driven(world, noise_px=0.0, most=80):
+    servo, theta, state, rng = TrustRegion(), np.zeros(len(world.aim)), None, np.random.default_rng(1)
+    for motion in range(most):
+        seen = world.seen(theta, motion, noise_px * rng.normal(size=world.y.shape), noise_px)
+        state = servo.start(seen) if state is None else state
+        state, step = servo.step(state, seen, world.conflict)
+        if not step.any():
+            return theta, state.status, motion
+        theta = theta + step
+    return theta, state.status, most
 
 
 @pytest.mark.parametrize("m", [1, 2, 3, 7])
 def test_linear_images_lead_to_the_target(m):
-    world = LinearWorld(m, points=9)
-    theta, status, motions = world.run()
+    world = world_of(m, points=9)
+    theta, status, motions = driven(world)
     assert status == "converged" and np.degrees(np.abs(theta - world.aim)).max() < 0.15
     assert motions <= 2 * m + 5
 
 
 def test_an_E_that_stays_large_is_never_called_converged():
     """A conflict that no posture resolves: after restarts it gives up, says so, and rests where that is least."""
-    world = LinearWorld(2)
+    world = world_of(2)
     world.least[0, 0] = 30.0
-    theta, status, motions = world.run()
+    theta, status, motions = driven(world)
     assert status == "stalled" and motions > 8
     least = np.linalg.lstsq(world.J.reshape(32, 2), (world.J @ world.aim - world.least).reshape(32), rcond=None)[0]
     assert np.degrees(np.abs(theta - least)).max() < 0.15
 
 
 def test_an_E_of_the_size_of_the_noise_is_called_converged():
-    world = LinearWorld(2)
-    theta, status, _ = world.run(noise_px=0.5)
+    world = world_of(2)
+    theta, status, _ = driven(world, noise_px=0.5)
     assert status == "converged" and np.degrees(np.abs(theta - world.aim)).max() < 0.5
 
 
@@ -197,22 +177,19 @@ def test_with_noise_it_is_called_converged_only_where_images_around_are_known():
 
 
 def test_a_demonstrator_that_moved_is_found_again_without_probes():
-    world = LinearWorld(2)
+    world = world_of(2)
     servo, theta, state = TrustRegion(), np.zeros(2), None
-    seen_at = lambda theta, motion: Observation(
-        world.y + world.J @ theta, np.ones((8, 2), bool), np.nan, theta, -np.ones(2), np.ones(2), motion
-    )
     for motion in range(30):
-        state = servo.start(seen_at(theta, motion)) if state is None else state
-        state, step = servo.step(state, seen_at(theta, motion), world.conflict)
+        state = servo.start(world.seen(theta, motion)) if state is None else state
+        state, step = servo.step(state, world.seen(theta, motion), world.conflict)
         if not step.any():
             break
         theta = theta + step
     assert state.status == "converged"
     world.aim = world.aim + (0.2, -0.3)
-    state = servo.retarget(state, seen_at(theta, 31))
+    state = servo.retarget(state, world.seen(theta, 31))
     for again in range(10):
-        state, step = servo.step(state, seen_at(theta, 32 + again), world.conflict)
+        state, step = servo.step(state, world.seen(theta, 32 + again), world.conflict)
         if not step.any():
             break
         assert not state.probe

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_servo import LinearWorld
+from linear_world import LinearWorld
 
 from viewimit.analysis.landscape import grid_axes, landscape
 from viewimit.servo import SERVOS, GaussNewton, Kalman, Observation
@@ -94,21 +94,21 @@ def test_the_filter_tells_how_well_it_knows_what_it_measures():
 @pytest.mark.parametrize("m", [1, 2, 7])
 @pytest.mark.parametrize("name", LAWS)
 def test_in_a_linear_world_a_probe_a_joint_tells_the_jacobian_and_the_next_motions_arrive(name, m):
-    world, law, theta = LinearWorld(m, np.random.default_rng(m)), LAWS[name], np.zeros(m)
+    world, law, theta = LinearWorld(m, np.random.default_rng(m), 6), LAWS[name], np.zeros(m)
     state = law.start(world.observe(theta, 0))
     for motion in range(m + 4):
         state, step = law.step(state, world.observe(theta, motion), world.conflict)
         assert state.probe == (motion < m)
         theta = theta + step
         if motion == m:
-            np.testing.assert_allclose(state.model.jacobian, world.jacobian, atol=0.5)  # px/rad, of 100
+            np.testing.assert_allclose(state.model.jacobian, world.J, atol=0.5)  # px/rad, of 100
     assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
     assert state.status == "rests" and not step.any()  # that the next step is small is no evidence
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_joint_that_would_leave_its_range_is_held_and_the_others_find_their_least(name):
-    world, law = LinearWorld(2, np.random.default_rng(8)), LAWS[name]
+    world, law = LinearWorld(2, np.random.default_rng(8), 6), LAWS[name]
     world.aim = np.array([0.3, -0.25])
     theta = np.zeros(2)
 
@@ -119,14 +119,14 @@ def test_a_joint_that_would_leave_its_range_is_held_and_the_others_find_their_le
     for motion in range(25):
         state, step = law.step(state, observe(motion), world.conflict)
         theta = theta + step
-    J = world.jacobian.reshape(-1, 2)
+    J = world.J.reshape(-1, 2)
     least = world.aim[1] + J[:, 1] @ J[:, 0] * (world.aim[0] - 0.1) / (J[:, 1] @ J[:, 1])
     assert theta[0] == pytest.approx(0.1) and theta[1] == pytest.approx(least, abs=np.radians(0.15))
     assert state.status == "rests"
 
 
 def test_a_motion_that_raises_E_is_answered_with_more_damping_and_shorter_motions():
-    world, law, theta = LinearWorld(2, np.random.default_rng(4)), GaussNewton(), np.zeros(2)
+    world, law, theta = LinearWorld(2, np.random.default_rng(4), 6), GaussNewton(), np.zeros(2)
     state = law.start(world.observe(theta, 0))
     for motion in range(3):
         state, step = law.step(state, world.observe(theta, motion), world.conflict)
@@ -135,7 +135,7 @@ def test_a_motion_that_raises_E_is_answered_with_more_damping_and_shorter_motion
     lower, _ = law.step(state, replace(world.observe(theta, 3), E=state.before / 2), world.conflict)
     higher, again = law.step(state, replace(world.observe(theta, 3), E=state.before * 2), world.conflict)
     assert lower.damping < state.damping < higher.damping
-    J = world.jacobian.reshape(-1, 2)
+    J = world.J.reshape(-1, 2)
     normal, gradient = J.T @ J, J.T @ world.conflict(world.images(theta)).ravel()
     expected = -np.linalg.solve(normal + higher.damping * np.diag(np.diag(normal)), gradient)
     np.testing.assert_allclose(again, expected, rtol=1e-3)
@@ -144,7 +144,7 @@ def test_a_motion_that_raises_E_is_answered_with_more_damping_and_shorter_motion
 
 @pytest.mark.parametrize("name", LAWS)
 def test_it_gives_up_where_nothing_is_known_or_E_does_not_fall(name):
-    world, law = LinearWorld(2, np.random.default_rng(6)), LAWS[name]
+    world, law = LinearWorld(2, np.random.default_rng(6), 6), LAWS[name]
 
     def rests(conflict, E):
         theta = np.zeros(2)

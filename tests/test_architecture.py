@@ -68,7 +68,7 @@ OF_OTHERS = {"_exit", "_repr_html_", "_prop_hints"}  # names of Python's, IPytho
 # image points, nothing of the world
 ESTIMATORS_SEE = {
     "transfer": {"geometry", "views", "evaluation", "equations"},
-    "servo": {"evaluation", "equations", "views"},
+    "servo": {"geometry", "evaluation", "equations", "views"},
 }
 WRITTEN = (".py", ".css", ".js", ".html")  # sources
 MOST_FILES, MOST_AT_THE_TOP = 24, 20  # of a folder; entries of app/

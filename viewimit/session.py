@@ -207,6 +207,7 @@ class Session:
             rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
             shown=now.shown,
             heads=0 if now.rectification is None else len(now.rectification.others),
+            rectification=now.rectification,
         )
 
     def predicted_conflict(self, now: Snapshot) -> Conflict:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.servo.own_noise import own_noise
-from viewimit.servo.surrogate import learn
+from viewimit.servo.images.own_noise import own_noise
+from viewimit.servo.images.surrogate import learn
 from viewimit.servo.visit import Visit
 
 POINTS, NOISE, DRAWS = 8, 0.5, 1500

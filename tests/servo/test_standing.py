@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from viewimit.servo import SERVOS
-from viewimit.servo.standing import contradicts, standing
+from viewimit.servo.images.standing import contradicts, standing
 from viewimit.servo.visit import Visit
 from viewimit.session import Session
 from viewimit.settings import BEST

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.servo.surrogate import BEND, LEAST_NOISE, LENGTH, OFFSET, SLOPE, learn
+from viewimit.servo.images.surrogate import BEND, LEAST_NOISE, LENGTH, OFFSET, SLOPE, learn
 from viewimit.servo.visit import Visit
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from viewimit.servo.certificate import certify
+from viewimit.servo.images.surrogate import learn
 from viewimit.servo.minimise import minimise
-from viewimit.servo.surrogate import learn
 from viewimit.servo.surroundings import Known, survey
 from viewimit.servo.visit import Visit
 

@@ -11,7 +11,7 @@ from viewimit.disturbances import NOISE, spoil
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
 from viewimit.servo.certificate import EQUAL
-from viewimit.servo.trust_motions import LONGEST, aside, farthest
+from viewimit.servo.trust_motions import aside, farthest
 from viewimit.servo.trust_region import TrustRegion
 from viewimit.servo.visit import Visit
 from viewimit.simulation.scene import load_scene
@@ -66,7 +66,7 @@ def error_deg(postures, demo_deg):
 @pytest.mark.parametrize("runs", [30, pytest.param(60, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("scene", ["panda", "iiwa"])
 def test_random_starts_and_demonstrators_over_the_whole_range(scene, runs):
-    """Within 0.5°, no false claim, no limit or longest motion exceeded; median and 95 % of 3,000 runs are 6 and 10."""
+    """Within 0.5°, no false claim, no limit exceeded, after two probes at once to where E is least: in 5 motions."""
     learner, rng = Learner(scene), np.random.default_rng(20)
     limits = np.array(learner.world.scene.range_deg).T
     motions = []
@@ -75,9 +75,8 @@ def test_random_starts_and_demonstrators_over_the_whole_range(scene, runs):
         postures, status = learner.run(demo, start)
         assert status == "converged" and error_deg(postures, demo) < 0.5
         assert (np.degrees(postures) >= limits[0] - 1e-9).all() and (np.degrees(postures) <= limits[1] + 1e-9).all()
-        assert np.abs(np.diff(postures, axis=0)).max() <= LONGEST + 1e-12
         motions.append(len(postures) - 1)
-    assert np.median(motions) <= 7 and np.percentile(motions, 95) <= 12
+    assert np.median(motions) <= 5 and np.percentile(motions, 95) <= 6
 
 
 def test_rounding_decides_no_motion():

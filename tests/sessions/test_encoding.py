@@ -69,7 +69,7 @@ def test_what_snapshots_share_is_kept_once():
     run(session, 60, seed=1)
     assert len(encode(session.history)) < 3_000 * len(session.history)
     restored = decode(encode(session.history))
-    assert restored[20].servo_state.visits[3] is restored[30].servo_state.visits[3]
+    assert restored[15].servo_state.visits[3] is restored[25].servo_state.visits[3]
 
 
 def packed(*content) -> bytes:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..servo.certificate import Certificate, certify
+from ..servo.images.surrogate import LEAST_NOISE, learn
 from ..servo.minimise import Minimum, minimise
-from ..servo.surrogate import LEAST_NOISE, learn
 from ..servo.surroundings import Known, survey
 from ..servo.visit import Visit
 from ..session import Session

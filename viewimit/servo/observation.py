@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.rectification import Rectification
 from .visit import Visit
 
 PROBE = np.radians(15.0)
@@ -31,7 +32,7 @@ class Observation:
     motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
     rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed. shown: how
     many of the demonstrator's points are in sight. heads: how many other heads than it seems to be might be in its
-    place, each one standard deviation off in another respect.
+    place, each one standard deviation off in another respect. rectification: of the images, None if they need none.
     """
 
     own: NDArray
@@ -45,6 +46,7 @@ class Observation:
     rehearsed: tuple[Visit, ...] = ()
     shown: int = 0
     heads: int = 0
+    rectification: Rectification | None = None
 
     def displaced(self, by: NDArray) -> "Observation":
         """Of an arm that stands so far, (m,) rad, before where it was sent; it can be sent as far as before."""

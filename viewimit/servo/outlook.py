@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
 from .certificate import Certificate, certify
+from .images.learned import Images, Learned
 from .minimise import Minimum, minimise
 from .observation import Conflict, Observation
-from .surrogate import Surrogate, learn
 from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
-from .visit import Visit
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
 EQUAL = 1e-6  # share of E: what differs by less, as where a joint moves no point, may do so by rounding
@@ -40,7 +39,7 @@ class Outlook:
     certify: a posture (m,) rad → its certificate, None by another transfer than the chosen one."""
 
     E: float
-    model: Surrogate
+    model: Images
     found: Minimum
     certify: Callable[[NDArray], Certificate] | None
 
@@ -60,41 +59,38 @@ class Outlook:
         return doubt(self.found.E, self.found)
 
 
-def measure(
-    visits: tuple[Visit, ...], noise_px: float, conflict: Conflict, by: str | None, needed: int = 0
-) -> Measured:
+def measure(learned: Learned, conflict: Conflict, by: str | None, needed: int = 0) -> Measured:
     """E at all postures visited, noise averaged over them. by: another transfer than the chosen one; needed: points
     that must tell E at the best of them, if any has so many.
 
     Points that are not seen lead on where E is large. Where it is not, they must be told as well as noise lets those be
     that are.
     """
-    measured = _measure_by(WELL_TOLD, visits, noise_px, conflict, by, needed)
-    strictly = 0 < noise_px < WELL_TOLD and not all(visit.seen.all() for visit in visits)
+    measured = _measure_by(WELL_TOLD, learned, conflict, by, needed)
+    noise_px = learned.noise_px
+    strictly = 0 < noise_px < WELL_TOLD and not all(visit.seen.all() for visit in learned.visits)
     if strictly and measured.E[measured.best] < WELL_TOLD**2:
-        return _measure_by(noise_px, visits, noise_px, conflict, by, needed)
+        return _measure_by(noise_px, learned, conflict, by, needed)
     return measured
 
 
-def _measure_by(
-    most: float, visits: tuple[Visit, ...], noise_px: float, conflict: Conflict, by: str | None, needed: int
-) -> Measured:
+def _measure_by(most: float, learned: Learned, conflict: Conflict, by: str | None, needed: int) -> Measured:
     """As `measure`; most: px, standard deviation up to which a point that is not seen is as good as one that is."""
-    own, known = _completed(visits, noise_px, most)
-    asked = own, known, len(visits[0].displacement), needed
+    own, known = _completed(learned, most)
+    asked = own, known, len(learned.visits[0].displacement), needed
     measured = _measure(*asked, lambda images: conflict(images, by))
-    if noise_px == 0 or by is not None:
+    if learned.noise_px == 0 or by is not None:
         return measured
     like = own[measured.best]
     return replace(_measure(*asked, lambda images: conflict(images, by, like)), like=like)
 
 
 def look_out(
-    visits: tuple[Visit, ...], measured: Measured, radius: float, seen: Observation, conflict: Conflict, by: str | None
+    learned: Learned, measured: Measured, radius: float, seen: Observation, conflict: Conflict, by: str | None
 ) -> Outlook:
     """Within so many rad of the best posture visited. seen: at the last visit."""
     best, like = measured.best, measured.like
-    model = learn(list(visits), best, seen.noise_px)
+    model = learned.about(best)
     asked = model.only(measured.points[best])
     found = _search(model, radius, seen, lambda theta: conflict(asked.predict(theta), by, like))
     E = float(measured.E[best])
@@ -103,7 +99,7 @@ def look_out(
     residual_of = partial(conflict, by=None, like=like)
     others = tuple(partial(residual_of, head=k) for k in range(1, seen.heads + 1))
     by_own = measured.E if like is None else None
-    known = Known(visits, best, E, measured.points[best], model, seen, residual_of, by_own, others)
+    known = Known(tuple(learned.visits), best, E, measured.points[best], model, seen, residual_of, by_own, others)
     return Outlook(E, model, found, lambda place: certify(survey(known, found, place)))
 
 
@@ -114,15 +110,16 @@ def doubt(E: float, found: Minimum) -> float:
     return float(np.sqrt(2 * E / max(told[0] if len(told) else curvatures[0], 1e-12)))
 
 
-def _completed(visits: tuple[Visit, ...], noise_px: float, most: float) -> tuple[NDArray, NDArray]:
+def _completed(learned: Learned, most: float) -> tuple[NDArray, NDArray]:
     """Of all visits, as they tell of each other: images (n, N, 4) px, their noise averaged, points not seen completed;
     and which points are known there, (n, N) bool: that were seen, or are told well, to `most` px."""
+    visits, noise_px = learned.visits, learned.noise_px
     own = np.array([visit.own for visit in visits])
     seen = np.all([visit.seen for visit in visits], -1)
     unseen = np.isnan(own)
     if noise_px == 0 and not unseen.any():
         return own, seen
-    model = learn(list(visits), len(visits) - 1, noise_px)
+    model = learned.about()
     displacement = np.array([visit.displacement for visit in visits])
     told = model.predict(displacement)
     known = seen if seen.all() else seen | (model.spread(displacement) < most)
@@ -156,7 +153,7 @@ def last_least(E: NDArray) -> int:
     return int(np.flatnonzero(E <= E.min() * (1 + EQUAL))[-1])
 
 
-def _search(model: Surrogate, radius: float, seen: Observation, residual_at) -> Minimum:
+def _search(model: Images, radius: float, seen: Observation, residual_at) -> Minimum:
     """argmin of the predicted E within the region and the limits: the best of many candidates, refined."""
     low, high = np.maximum(seen.lower, model.centre - radius), np.minimum(seen.upper, model.centre + radius)
     m = len(low)

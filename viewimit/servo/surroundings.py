@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
+from .images.learned import Images
+from .images.own_noise import own_noise
 from .minimise import DIFFERENCE, Minimum, aside
 from .observation import Observation
-from .own_noise import own_noise
-from .surrogate import Surrogate
 from .visit import Visit
 
 UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
@@ -79,7 +79,7 @@ class Known:
     best: int
     E: float
     points: NDArray
-    model: Surrogate
+    model: Images
     seen: Observation
     residual_of: Callable[[NDArray], NDArray]
     measured: NDArray | None = None
@@ -126,7 +126,7 @@ def _hessian_by(known: Known, points: NDArray, place: NDArray) -> tuple[NDArray,
     return (_hessian(e) if np.isfinite(e).all() else np.zeros((len(place),) * 2)), max(e.shape[-2], 1)
 
 
-def _images_about(model: Surrogate, place: NDArray) -> NDArray:
+def _images_about(model: Images, place: NDArray) -> NDArray:
     """(1 + m, N, 4) px, predicted at a place and a little aside by each joint."""
     return model.predict(place + DIFFERENCE * aside(len(place)))
 
@@ -164,8 +164,7 @@ def _hessian(e: NDArray) -> NDArray:
 def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> tuple[NDArray, NDArray]:
     """(n,) px²: E measured at every visit above that at the best one, by the points really seen in both and learned,
     (N,) bool; (n, m, m) px²/rad²: the hessian of these points."""
-    own = np.array([visit.own for visit in known.visits])
-    seen = known.model.seen
+    own, seen = _visited(known), known.model.seen
     hessians = np.repeat(hessian[None], len(own), 0)
     if seen.all():
         E = evaluate(known.residual_of(own)) if known.measured is None else known.measured
@@ -187,11 +186,16 @@ def _really_seen(known: Known, points: int) -> int:
     every visit: then none is seen because the posture is a wrong one."""
     if known.model.seen.all():
         return points
-    best = known.visits[known.best]
-    return known.residual_of(np.where(np.all(best.seen, -1)[:, None], best.own, np.nan)).shape[-2]
+    best, seen = _visited(known)[known.best], known.model.seen[known.best]
+    return known.residual_of(np.where(seen[:, None], best, np.nan)).shape[-2]
 
 
-def _image_slopes(model: Surrogate, place: NDArray) -> NDArray:
+def _visited(known: Known) -> NDArray:
+    """(n, N, 4) px"""
+    return known.model.completed(np.array([visit.own for visit in known.visits]))
+
+
+def _image_slopes(model: Images, place: NDArray) -> NDArray:
     """(m, m) px²/rad², as `Surroundings.slopes`, of the points that the model knows."""
     slopes = model.slopes(place)[:, np.isfinite(model.at_centre).all(-1)]
     points = max(slopes.shape[1], 1)

@@ -47,7 +47,7 @@ def move(
     """One motion to the target, or as far towards it as one motion may go. changes: of the state, by its fields."""
     step = target - seen.displacement
     longest = np.abs(step).max()
-    if longest > LONGEST and not state.rehearsed:
+    if longest > LONGEST and not state.foresees:
         step, changes["promised"] = step * (LONGEST / longest), None
     return replace(state, status="moving", probe=probe, **changes), step
 
@@ -56,7 +56,7 @@ def towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustS
     """On to the goal; there, a learner that drove back to its best posture rests."""
     if state.strayed is not None:  # what can be asked has changed on the way
         goal = np.clip(goal, seen.lower, seen.upper)
-    there = bool(state.rehearsed) or np.abs(goal - seen.displacement).max() <= LONGEST
+    there = state.foresees or np.abs(goal - seen.displacement).max() <= LONGEST
     state, step = move(state, seen, goal, promised=None, goal=None if there else goal)
     expected = 0.0 if state.certificate is None else float(state.certificate.expected.max())
     if state.ending and np.abs(step).max() < np.clip(RESTS * expected, DONE_STEP / 10, DONE_STEP):

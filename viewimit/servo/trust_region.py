@@ -1,9 +1,12 @@
 """A servo that predicts its own images at postures not visited, and asks the transfer about them.
 
-The surrogate learns the image as a function of the displacement; the argmin of the predicted E inside a trust region
-is visited next, and the E then measured judges the region. Where that ends without enough evidence, another transfer's
-E leads on, then the first one's again; then it begins anew, far from all that was visited. A learner that has watched
-itself before needs no probes: it predicts from what it rehearsed as well, until its images say that this is past.
+After a probe of each joint the learner knows how its joints turn its points, if they turn as rigid bodies do: with
+these kinematics it predicts its images at every posture, and goes where E should be least of all. As long as no
+kinematics explain what it saw, a Gaussian process tells the image as a function of the displacement; the argmin of the
+predicted E inside a trust region is visited next, and the E then measured judges the region. Where that ends
+without enough evidence, another transfer's E leads on, then the first one's again; then it begins anew, far from all
+that was visited. A learner that has watched itself before needs no probes: it predicts from what it rehearsed as well,
+until its images say that this is past.
 
 E small is no evidence of arrival by itself: a flat valley has small E far from its floor. With E ≈ δθᵀQδθ, what is
 left of E could be a displacement of up to √(E/λ), λ the smallest eigenvalue of Q. Where that is less than CERTAIN, or E
@@ -20,42 +23,43 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import Equation, angles, short
+from ..equations import Equation
+from ..geometry.kinematics.frame import StereoFrame
+from ..geometry.kinematics.model import ProjectiveKinematics
+from ..geometry.rectification import Rectification
 from .certificate import CHECK, Certificate, curvature_directions
 from .identities import likely_exchange, with_exchanged
-from .innovation import holds
+from .images.innovation import holds
+from .images.learned import Learned
 from .observation import Conflict, Observation
 from .outlook import Outlook, last_least, look_out, measure
 from .servo import Moment
-from .surrogate import learn
 from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
 from .trust_state import (
+    CERTAIN,
     CLOSE,
     FIRST_RADIUS,
     MOST_FAILURES,
+    MOST_RESTARTS,
+    PHASES,
     TrustState,
     arrived,
     first_radius,
     visit_of,
     without_rehearsal,
 )
+from .trust_words import equations, says
 from .visit import Visit
 
-_LAW = (
-    r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
-    r"𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
-)
-LAST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((12.0, 45.0, 0.5))
+MAX_RADIUS, MIN_RADIUS = np.radians((45.0, 0.5))
 LEAST_STEP = np.radians(0.01)
 SHORT = np.radians(5.0)  # a motion that may be lengthened to look beyond its target
-CERTAIN, DOUBTFUL = np.radians((0.3, 5.0))
+DOUBTFUL = np.radians(5.0)
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
-PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
-MOST_RESTARTS, MOST_CHECKS = 4, 3
+MOST_CHECKS = 3
 SLIGHT, MOST_SLIGHT = 0.01, 8  # share of E; motions that may gain less, though they keep what they promise
 ASKED_AT = 5, 10, 16, 24  # visits and as many as joints, after which E must be small, or points may be exchanged
-SENT_TO_LIMIT = "a joint was sent to its limit: if the arm moves less than it is told, begin nearer"
 SUSPECT, SURE = 1e-3, 25.0  # of the mean square of the own image; times the noise's square: E that is small
 
 
@@ -64,11 +68,11 @@ class TrustRegion:
     """See the module. It has no constants to tune beyond the module's."""
 
     title = "Trust region on images"
-    assumes = "That the images follow the joints smoothly; it predicts them from all postures visited."
+    assumes = "That joints turn points as rigid bodies; or else that the images follow the joints smoothly."
     fails = "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
     slow = False
     predicts = True
-    stored = (TrustState, Visit, Certificate)
+    stored = (TrustState, Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification)
 
     def start(self, seen: Observation) -> TrustState:
         probes = () if seen.rehearsed else tuple(range(len(seen.displacement)))
@@ -77,7 +81,10 @@ class TrustRegion:
     def retarget(self, state: TrustState, seen: Observation) -> TrustState:
         """What was learned of the own images stays; all else was about another E."""
         anew = TrustState(state.visits, state.probes, first_radius(state.rehearsed), moved=True)
-        kept = {name: getattr(state, name) for name in ("chasing", "exchanged", "asked", "rehearsed", "strayed")}
+        kept = {
+            name: getattr(state, name)
+            for name in ("chasing", "exchanged", "asked", "rehearsed", "strayed", "kinematics")
+        }
         return replace(anew, **kept)
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
@@ -96,9 +103,10 @@ class TrustRegion:
     ) -> tuple[TrustState, NDArray]:
         state, conflict = _identified(state, seen, conflict)
         by = PHASES[state.phase][0]
-        measured = measure(state.known, seen.noise_px, conflict, by, state.needed)
+        learned = Learned(state.known, seen.noise_px, state.kinematics)
+        measured = measure(learned, conflict, by, state.needed)
         state = _judge(state, measured.E, NOISE_FLOOR * seen.noise_px**2)
-        ahead = look_out(state.known, measured, state.radius, seen, conflict, by)
+        ahead = look_out(learned, measured, state.reach, seen, conflict, by)
         if _worthwhile(state, seen, ahead):
             return _onwards(state, seen, ahead, weighted=measured.like is not None, chasing=chasing)
         if chasing:
@@ -110,51 +118,10 @@ class TrustRegion:
         return settled
 
     def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
-        if state is None:
-            return (Equation("", "no motion yet", _LAW, wide=True),)
-        several = "s" if len(state.visits) > 1 else ""
-        known = f"The images are predicted from {len(state.visits)} posture{several} visited; "
-        note = f"{known}D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
-        return (Equation("", "servo: the images are predicted, E is asked", _LAW, note=note, wide=True),)
+        return equations(state, moment)
 
     def says(self, state: TrustState, status: str) -> str:
-        if status == "converged" and state.strayed is not None:
-            return "E rises every way, and its motions lead no nearer"
-        if status == "converged":
-            return f"E leaves no room for {np.degrees(CERTAIN):.1g}° and rises every way"
-        if status == "rests":
-            return "no evidence yet that E rises every way"
-        if status == "untold":
-            return "E does not rise every way"
-        if status == "stalled":
-            found = f"nothing lower in {state.restarts} searches elsewhere"
-            return f"{found}; {SENT_TO_LIMIT}" if state.limited else found
-        if state.ending:
-            return "back to the best posture"
-        if state.needed:
-            return f"looks where more than {state.needed - 1} points are seen, as these do not tell every joint"
-        if state.restarts:
-            return f"looking for something lower, as noise explains less: search {state.restarts} of {MOST_RESTARTS}"
-        if state.probe:
-            return "a probe, to learn how the images move"
-        if state.strayed is not None:
-            return "its arm does not stand where it was sent, so it goes by its images"
-        other = PHASES[state.phase][0]
-        return f"asks the {other} transfer for a way on" if other else ""
-
-
-def _outcome(state: TrustState, moment: Moment) -> str:
-    """What the last motion was for, or why there is none."""
-    made = f"This motion, ({angles(moment.moved)}), "
-    if state.probe:
-        return f"{made}is a probe: it teaches what the predictions know least."
-    if moment.status == "converged":
-        return "What is left of E leaves no room for a displacement worth a motion: the servo rests."
-    if moment.status == "stalled":
-        return "Neither transfer nor restart led further: the servo rests."
-    if state.promised is not None:
-        return f"{made}was to lower E by <b>{short(state.promised)}</b> px²."
-    return ""
+        return says(state, status)
 
 
 def _identified(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Conflict]:
@@ -166,7 +133,7 @@ def _identified(state: TrustState, seen: Observation, conflict: Conflict) -> tup
     small = max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
     if seen.E <= small:
         return state, conflict
-    model = learn(list(state.known), len(state.known) - 1, seen.noise_px)
+    model = Learned(state.known, seen.noise_px, state.kinematics).about()
     pairs = likely_exchange(model.predict, conflict, seen.lower, seen.upper, small)
     state = replace(state, asked=state.asked + 1)
     if pairs:
@@ -189,7 +156,7 @@ def _onwards(
 ) -> tuple[TrustState, NDArray]:
     """To where E should be least; the last short motions a little beyond, where the least is known of how E rises."""
     found = ahead.found
-    brief = ahead.step < SHORT or bool(state.rehearsed)
+    brief = ahead.step < SHORT or state.foresees
     last = brief and ahead.doubt_there < CERTAIN and state.checks < len(found.theta)
     if ahead.certify is not None and not weighted and last and not chasing:
         beyond = ahead.certify(found.theta).check

@@ -5,18 +5,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.kinematics.fit import fit_kinematics
+from ..geometry.kinematics.model import ProjectiveKinematics
 from ..views import Pairs
 from .certificate import Certificate
+from .images.learned import seen_at
+from .images.standing import contradicts, standing
 from .observation import Observation
-from .standing import contradicts, standing
 from .visit import Visit
 
-FIRST_RADIUS = np.radians(25.0)
+FIRST_RADIUS, LAST_RADIUS = np.radians((25.0, 12.0))
+CERTAIN = np.radians(0.3)  # a displacement that E may leave room for where a servo claims to have arrived
 EVERYWHERE = float(np.inf)  # of a learner that has been all over its range
 KEPT = 60  # visits
 CLOSE = 1e-9  # rad, between two times at one posture
 ALL_OF = 0.9  # share of the region, from which a motion has made use of all of it
-MOST_FAILURES = 2
+MOST_FAILURES, MOST_RESTARTS = 2, 4
+PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
+ASKED = 1, 2, 3, 5, 8, 13, 21, 34, 55  # visits, more than joints, at which kinematics are looked for
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,8 @@ class TrustState:
     probes, and with it the whole range is the first region. needed: points by which E must be told at a posture for
     that to be the best, as those of another did not tell all joints. strayed: (m,) rad, from where the arm stands by
     its images to where it was sent, None as long as these agree; still: it stayed where it was, though it was sent
-    elsewhere. limited: where it stalled, E should be least where a joint cannot be sent on.
+    elsewhere. limited: where it stalled, E should be least where a joint cannot be sent on. kinematics: that explain
+    all that is known of the own images, if any do: then they are foretold everywhere.
     """
 
     visits: tuple[Visit, ...]
@@ -58,6 +65,17 @@ class TrustState:
     strayed: NDArray | None = None
     still: bool = False
     limited: bool = False
+    kinematics: ProjectiveKinematics | None = None
+
+    @property
+    def foresees(self) -> bool:
+        """Whether its images are foretold over the whole range."""
+        return bool(self.rehearsed) or self.kinematics is not None
+
+    @property
+    def reach(self) -> float:
+        """rad, a joint, from the best posture to where the predicted E is asked for."""
+        return EVERYWHERE if self.kinematics is not None else self.radius
 
     @property
     def known(self) -> tuple[Visit, ...]:
@@ -76,9 +94,22 @@ def arrived(state: TrustState, seen: Observation) -> tuple[TrustState, Observati
     if state.strayed is not None:
         return _by_images(state, seen, state.strayed)
     again = np.array_equal(state.visits[-1].displacement, seen.displacement)
-    if not again and contradicts(state.known, here, seen.noise_px):
+    after = replace(state, visits=(*state.visits[: -1 if again else None], here)[-KEPT:])
+    if again:
+        return after, seen
+    after = _with_kinematics(after, seen)
+    if after.kinematics is None and contradicts(state.known, here, seen.noise_px):
         return _disobeyed(state, here), seen
-    return replace(state, visits=(*state.visits[: -1 if again else None], here)[-KEPT:]), seen
+    return after, seen
+
+
+def _with_kinematics(state: TrustState, seen: Observation) -> TrustState:
+    """That explain all visits, if any do; as long as none do they are looked for now and then."""
+    since = len(state.visits) - (0 if state.rehearsed else len(seen.displacement))
+    if state.kinematics is None and since not in ASKED:
+        return state
+    found = fit_kinematics(seen_at(state.known), seen.noise_px, seen.rectification, state.kinematics)
+    return replace(state, kinematics=found)
 
 
 def _disobeyed(state: TrustState, here: Visit) -> TrustState:

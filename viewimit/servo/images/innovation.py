@@ -9,8 +9,8 @@ no transfer minds where in an image a body is.
 import numpy as np
 from numpy.typing import NDArray
 
+from ..visit import Visit, by_coordinate
 from .surrogate import gram, kernel
-from .visit import Visit, by_coordinate
 
 HARMLESS_PX = 0.3  # of a coordinate
 PANNED_PX = 10.0  # that all points of an image share: beyond that, images of before and after teach wrong slopes

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .minimise import DIFFERENCE, aside
-from .surrogate import Surrogate
+from ..minimise import DIFFERENCE, aside
+from .kinematic_images import KinematicImages
+from .learned import Images
 
 DRAWS = 8
 SURELY = 2.0  # standard deviations of the curvature that noise adds
@@ -39,7 +40,7 @@ class OwnNoise:
 
 
 def own_noise(
-    model: Surrogate,
+    model: Images,
     residual_of: Callable[[NDArray], NDArray],
     place: NDArray,
     noise_px: float,
@@ -48,6 +49,8 @@ def own_noise(
 ) -> OwnNoise:
     """At a place, (m,) rad. residual_of: own images (..., N, 4) px → (..., n, C) px; noise_px: of an image coordinate,
     standard deviation."""
+    if isinstance(model, KinematicImages):
+        return _of_kinematics(model, residual_of, place, freedom, seed)
     about = model.predict(place + DIFFERENCE * aside(len(place)))
     noise = np.random.default_rng(seed).standard_normal((DRAWS, *about[0].shape))
     e = residual_of(np.concatenate([about, about[0] + noise_px * noise]))
@@ -58,6 +61,23 @@ def own_noise(
     slopes, images = model.slope_weights(place), model.image_weights(place)
     gradients, by_slopes = np.linalg.norm(images) * of_noise @ J.T, _by_slopes(slopes, of_noise @ e[0])
     return OwnNoise(left * slopes.T @ slopes, gradients / points, by_slopes / points, freedom)
+
+
+def _of_kinematics(
+    model: KinematicImages, residual_of: Callable[[NDArray], NDArray], place: NDArray, freedom: int, seed: int
+) -> OwnNoise:
+    """The noise of all visits together moves every image and every slope: drawn as it does."""
+    about = model.predict(place + DIFFERENCE * aside(len(place)))
+    images, slopes = model.drawn(place, DRAWS, seed)
+    aslant = DIFFERENCE * slopes.reshape(-1, *about[0].shape)
+    e = residual_of(np.concatenate([about, about[0] + images, about[0] + aslant]))
+    points = e.shape[-2]
+    e = e.reshape(len(e), -1)
+    off = e[1:] - e[0]
+    J, of_images, of_slopes = np.split(off, [len(place), len(place) + DRAWS])
+    J, of_slopes = J / DIFFERENCE, of_slopes.reshape(DRAWS, len(place), -1) / DIFFERENCE
+    hessian = np.einsum("dik,djk->ij", of_slopes, of_slopes) / (DRAWS * points)
+    return OwnNoise(hessian, of_images @ J.T / points, of_slopes @ e[0] / points, freedom)
 
 
 def _by_slopes(slopes: NDArray, along: NDArray) -> NDArray:

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..visit import Visit, by_coordinate
 from .surrogate import learn
-from .visit import Visit, by_coordinate
 
 SAME = 2.0  # standard deviations of a coordinate: images that differ by less, root mean square, are the same
 FORESEEN = 2.0  # times as much was to change where it did not

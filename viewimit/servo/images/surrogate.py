@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .image_model import ENOUGH
-from .visit import Visit, by_coordinate
+from ..image_model import ENOUGH
+from ..visit import Visit, by_coordinate
 
 OFFSET, SLOPE, BEND, LENGTH = 30.0, 200.0, 100.0, float(np.radians(100.0))  # px, px/rad, px, rad
 LEAST_NOISE = 0.02  # px: keeps the system regular
@@ -38,6 +38,10 @@ class Surrogate:
     def only(self, points: NDArray) -> "Surrogate":
         """The same of some points, (N,) bool, that knows nothing of the others."""
         return self if points.all() else replace(self, at_centre=np.where(points[:, None], self.at_centre, np.nan))
+
+    def completed(self, own: NDArray) -> NDArray:
+        """The images visited, (n, N, 4) px: what was not seen is not certain enough to add."""
+        return own
 
     def slopes(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (m, N, 4) px/rad: the derivatives of the predicted images."""

@@ -1,0 +1,54 @@
+"""Which joints move which points is told by images between which one joint was turned, and by nothing else."""
+
+import numpy as np
+from turning_body import TurningBody
+
+from viewimit.geometry.kinematics.groups import Groups, moved_points
+
+ON = [0, 0, 1, 1, 1, 2, 2, 2, 2]
+
+
+def expected(on, joints):
+    return np.arange(joints) < np.array(on)[:, None]
+
+
+def test_probes_tell_which_joints_move_each_point():
+    body = TurningBody(np.random.default_rng(0), ON, 2)
+    moved, told = moved_points(body.seen(body.probes()), 0.0)
+    assert told.all()
+    np.testing.assert_array_equal(moved, expected(ON, 2))
+
+
+def test_images_between_which_several_joints_were_turned_tell_nothing():
+    body = TurningBody(np.random.default_rng(0), ON, 2)
+    assert moved_points(body.seen(np.array([[0, 0], [0.3, 0.2], [0.5, -0.3]])), 0.0) is None
+
+
+def test_a_point_that_was_hidden_is_told_by_what_agrees_with_it_only_if_that_is_one():
+    """Unseen at the second probe, a point that the first one moved may be moved by the second, or not; one that the
+    second moved is moved by the first, as all others that it moved were."""
+    body = TurningBody(np.random.default_rng(0), ON, 2)
+    whole = np.ones((3, len(ON)), bool)
+    whole[2, 3] = False  # the first joint moves it, the second was not asked
+    whole[0, 6] = False  # the second joint moves it, the first was not asked
+    moved, told = moved_points(body.seen(body.probes(), whole), 0.0)
+    assert not told[3] and told[np.arange(len(ON)) != 3].all()
+    np.testing.assert_array_equal(moved[6], [True, True])
+
+
+def test_noise_leaves_open_what_it_may_have_hidden():
+    """Motions of so many standard deviations of a difference: 2.5 to 5 may be noise or not."""
+    body = TurningBody(np.random.default_rng(0), ON, 2)
+    seen = body.seen(body.probes())
+    by_first = np.abs(seen.images[1] - seen.images[0]).max(-1)
+    for deviations, clear in ((2.0, True), (3.5, False), (6.0, True)):
+        noise_px = by_first[2] / deviations / np.sqrt(2)
+        found = moved_points(seen, noise_px)
+        told = False if found is None else found[1][2]
+        assert found is None or told == clear
+
+
+def test_what_moves_more_points_is_nearer_to_the_base_however_the_joints_are_numbered():
+    moved = expected(ON, 2)
+    assert Groups.of(moved).joints == ((), (0,), (0, 1))
+    assert Groups.of(moved[:, ::-1]).joints == ((), (1,), (1, 0))

@@ -1,0 +1,1 @@
+"""Projective kinematics: how the joints of a body turn its points, told by stereo images of it and nothing else."""

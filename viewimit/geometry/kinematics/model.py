@@ -1,0 +1,98 @@
+"""The images of a body as its joints turn it: products of exponentials (Brockett 1984) in a projective frame.
+
+A stereo head that stands still sees a joint's motion as one of projective space, conjugate to a screw (Ruf & Horaud
+1999, "Visual servoing of robot manipulators, Part I: Projective kinematics"). All joints share the frame: eight numbers
+tell it up to a similarity, six each joint's twist, and no camera, link or length is known.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..rectification import Rectification
+from .frame import StereoFrame
+from .groups import Groups, carried
+from .screws import exponentials, powers, twist_matrices
+from .seen import Seen
+
+FRAME = 8  # parameters: logarithms of two scales, three shears, the plane at infinity
+
+
+@dataclass(frozen=True)
+class ProjectiveKinematics:
+    """parameters: (P,) of frame and twists; shape: (N, 3), the points in the stereo frame at the reference, (m,) rad,
+    NaN of points that nothing tells; moved: (N, m) bool, by which joints; rectification: of the images, None if they
+    need none. Several at once have (..., P) parameters and (..., N, 3) points."""
+
+    parameters: NDArray
+    shape: NDArray
+    moved: NDArray
+    reference: NDArray
+    frame: StereoFrame
+    rectification: Rectification | None = None
+
+    @classmethod
+    def unmoved(
+        cls, points: int, joints: int, reference: NDArray, frame: StereoFrame, rectification: Rectification | None
+    ) -> "ProjectiveKinematics":
+        """Joints that turn nothing, in an affine frame, of points that nothing tells."""
+        parameters, shape = np.zeros(FRAME + 6 * joints), np.full((points, 3), np.nan)
+        return cls(parameters, shape, np.zeros((points, joints), bool), reference, frame, rectification)
+
+    @property
+    def unknown(self) -> NDArray:
+        """(N,) bool: points that nothing tells."""
+        return np.isnan(self.shape[..., 0])
+
+    def predict(self, displacement: NDArray) -> NDArray:
+        """(..., m) rad → images (..., N, 4) px; of several at once (D, ..., N, 4)."""
+        flat = displacement.reshape(-1, displacement.shape[-1])
+        images = self.groups.project(self._motions(flat), self.shape, self.frame.projection)
+        images = images.reshape(*images.shape[:-3], *displacement.shape[:-1], *images.shape[-2:])
+        return images if self.rectification is None else self.rectification.restore(images)
+
+    def coordinates(self, displacement: NDArray) -> NDArray:
+        """(K, m) rad → (..., K, N, 3), in the stereo frame."""
+        return self.groups.project(self._motions(displacement), self.shape, np.eye(4))
+
+    def with_points(self, points: NDArray, seen: Seen, coordinates: NDArray) -> "ProjectiveKinematics":
+        """With these points, (N,) bool, where they were seen first. coordinates: (K, N, 3), of what was seen."""
+        points = points & seen.whole.any(0)
+        if not points.any():
+            return self
+        shape, motions = self.shape.copy(), self._motions(seen.displacement)
+        for group, chain in zip(self.groups.points, carried(motions, self.groups.joints, np.eye(4))):
+            these = group[points[group]]
+            first = seen.whole[:, these].argmax(0)
+            back = np.linalg.inv(chain if chain.ndim == 2 else chain[first])
+            space = (back @ np.append(coordinates[first, these], np.ones((len(these), 1)), 1)[..., None])[..., 0]
+            shape[these] = space[:, :3] / space[:, 3:]
+        return replace(self, shape=shape)
+
+    @property
+    def groups(self) -> Groups:
+        return Groups.of(self.moved)
+
+    def _motions(self, displacement: NDArray) -> NDArray:
+        """(B, m) rad → (..., B, m, 4, 4), of projective space."""
+        return exponentials(*self._generators, displacement - self.reference)
+
+    @cached_property
+    def _generators(self) -> tuple[NDArray, NDArray]:
+        """The `powers` of each joint's generator, (..., m, 4, 4, 4), and its rate |ω|, (..., m)."""
+        twists = self.parameters[..., FRAME:].reshape(*self.parameters.shape[:-1], -1, 6)
+        A, rate = self._upgrade[..., None, :, :], np.sqrt((twists[..., :3] ** 2).sum(-1))
+        return powers(np.linalg.inv(A) @ twist_matrices(twists) @ A, rate), rate
+
+    @property
+    def _upgrade(self) -> NDArray:
+        """(..., 4, 4): from the projective frame to a metric one."""
+        parameters = self.parameters
+        A = np.zeros((*parameters.shape[:-1], 4, 4))
+        A[..., 0, 0], A[..., 1, 1] = np.exp(parameters[..., 0]), np.exp(parameters[..., 1])
+        A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(parameters[..., 2:5], -1, 0)
+        A[..., 2, 2] = A[..., 3, 3] = 1.0
+        A[..., 3, :3] = parameters[..., 5:FRAME]
+        return A

@@ -1,0 +1,36 @@
+"""What the postures visited have taught a learner of its own images."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry.kinematics.model import ProjectiveKinematics
+from ...geometry.kinematics.seen import Seen
+from ..visit import Visit
+from .kinematic_images import KinematicImages
+from .surrogate import Surrogate, learn
+
+Images = Surrogate | KinematicImages  # foretold about a centre
+
+
+@dataclass(frozen=True)
+class Learned:
+    """visits; noise_px: of an image coordinate, standard deviation; kinematics: that explain all visits, if any do."""
+
+    visits: Sequence[Visit]
+    noise_px: float
+    kinematics: ProjectiveKinematics | None = None
+
+    def about(self, centre: int = -1) -> Images:
+        """About one of the visits."""
+        process = learn(list(self.visits), centre % len(self.visits), self.noise_px)
+        if self.kinematics is None:
+            return process
+        return KinematicImages(self.kinematics, process, seen_at(self.visits))
+
+
+def seen_at(visits: Sequence[Visit]) -> Seen:
+    displacement = np.array([visit.displacement for visit in visits])
+    own = np.array([visit.own for visit in visits])
+    return Seen(displacement, own, np.all([visit.seen for visit in visits], -1))

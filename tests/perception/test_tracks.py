@@ -54,6 +54,17 @@ def test_both_kinds_of_file_hold_the_same(tidy, deeplabcut, views):
         assert read.visible.all() and not tracked.views(0.95).visible.any()
 
 
+def test_columns_are_known_in_capitals_and_between_blanks_too(tmp_path, tidy):
+    heading, rest = tidy.read_text().split("\n", 1)
+    other = tmp_path / "capitals.csv"
+    other.write_text(f"{heading.title().replace(',', ' , ')}\n{rest}")
+    found, same = read_tidy(other).views(0.6), read_tidy(tidy).views(0.6)
+    np.testing.assert_array_equal(found.demo, same.demo)
+    np.testing.assert_array_equal(found.own, same.own)
+    with pytest.raises(ValueError, match="a table of all four views: give it alone"):
+        read_view(other)
+
+
 def test_the_command_says_what_the_library_computes(ask_json, tidy, deeplabcut, views):
     fitted = TRANSFERS["epipolar"](views)
     files = [word for view in VIEWS for word in (f"--{view}", deeplabcut[view])]

@@ -6,7 +6,7 @@ All faults are named by file, line and column.
 import csv
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TextIO
 
@@ -17,6 +17,11 @@ MOST_FRAME = 2**53
 MOST_LINE = 1 << 20  # characters
 MOST_BYTES = 1024 * MEGABYTE  # rows are kept in a few bytes each
 SEPARATORS = ",;\t"
+
+
+def column_names(cells: Sequence[str]) -> list[str]:
+    """Of a heading, in small letters and without blanks around them: spreadsheets begin words with capitals."""
+    return [name.strip().lower() for name in cells]
 
 
 class Table:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ...views import VIEWS
 from .arrays import read_arrays
-from .cells import Table
+from .cells import Table, column_names
 from .colmap import colmap_kind, converting
 from .deeplabcut import read_deeplabcut_csv
 from .deeplabcut_h5 import find_table, read_deeplabcut_h5
@@ -89,6 +89,6 @@ def _of_text(path: Path, individual: str | None) -> Track:
         return read_deeplabcut_csv(path, individual)
     if "frame_idx" in heading and {"track", "instance.score"} & set(heading):
         return read_sleap_csv(path, individual)
-    if "view" in heading:
+    if "view" in column_names(heading):
         raise ValueError(f"{path}: a table of all four views: give it alone, without --l, --r, --L and --R")
     return read_plain(path)

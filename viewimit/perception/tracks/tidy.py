@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...views import VIEWS
-from .cells import Table
+from .cells import Table, column_names
 from .colmap import colmap_kind, converting
 from .track import CERTAIN, Row, Rows, TrackedPoints, together
 
@@ -29,9 +29,9 @@ def read_tidy(path: Path) -> TrackedPoints:
     table = Table(path)
     lines = table.lines()
     at, cells = next(lines)
-    heading = [name.strip() for name in cells]
+    heading = column_names(cells)
     missing = [name for name in COLUMNS[:-1] if name not in heading]
-    if kind := colmap_kind(",".join(heading)):
+    if kind := colmap_kind(",".join(map(str.strip, cells))):
         raise ValueError(f"{path}: {converting(path, kind)}")
     if missing:
         one = ". Files of one view are given by --l, --r, --L and --R" if "view" in missing else ""

@@ -8,13 +8,13 @@ from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.duel import draw_errors_alone, draw_race
 from viewimit.drawing.equations import equations_of
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.drawing.standalone import can_render
+from viewimit.drawing.standalone import INSTALL, RENDERER, can_render
 from viewimit.drawing.theme import DRAWING_CSS
 from viewimit.experiments import EXPERIMENTS
 from viewimit.export.citation import Citation, cite, cite_both, cite_experiment, motions
 from viewimit.export.claims import draw_claims
 from viewimit.export.figures import Figure, beneath, four_images, laid_over, stacked, written
-from viewimit.export.formulas import draw_formulas, require_typesetter
+from viewimit.export.formulas import TYPESETTER, can_typeset, draw_formulas, require_typesetter
 from viewimit.export.perspective import Eye, draw_space
 from viewimit.export.replay import replay
 from viewimit.session import Session
@@ -65,13 +65,13 @@ class Saving:
     def picture(self, what: str, form: str, state: PageState, eye: Eye | None) -> None:
         """what: of FIGURES or SPACE; eye: that looks at the 3-D scene. Raises ValueError for a panel that is empty, and
         for a PNG without what makes it."""
-        require_form(form)
         session = state.session.copy()
         name = f"viewimit-{what.split(' ')[0].lower()}.{form.lower()}"
         if what == SPACE:
             picture = Picture(partial(draw_space, session.world, state.shown, eye, state.view.rays))
         else:
             picture = FIGURES[what](state)
+        require_form(form)
         citation = picture.citation or cite(session, state.present.motion)
         self._make("picture", partial(_saved, name, form, picture.draw, citation))
 
@@ -92,6 +92,18 @@ class Saving:
         if isinstance(made, Exception):
             raise ValueError(f"it could not be saved: {made}")
         self._send(made.name, made.data)
+
+
+def lacking() -> str:
+    """Which pictures cannot be made here, and what they need; "" where all can."""
+    render, typeset = can_render(), can_typeset()
+    if render and typeset:
+        return ""
+    if typeset:
+        return f"PNG needs {RENDERER}: {INSTALL}; SVG does not"
+    if render:
+        return f"Equations need {TYPESETTER}: {INSTALL}; other pictures do not"
+    return f"PNG needs {RENDERER}, Equations need {TYPESETTER}: {INSTALL}; other pictures, as SVG, need neither"
 
 
 def require_form(form: str) -> None:

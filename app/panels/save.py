@@ -1,11 +1,11 @@
 """The folder in which the session is saved as a replay, and panels as pictures."""
 
+import html
+
 from viser import Icon
 
-from viewimit.drawing.standalone import INSTALL, RENDERER, can_render
-
 from ..control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
-from ..control.saving import FORMATS, PICTURES
+from ..control.saving import FORMATS, PICTURES, lacking
 from ..control.state import PageState
 from .panel import Layout, Panel
 from .widgets import put
@@ -22,8 +22,8 @@ class SavePanel(Panel):
             self._what = gui.add_dropdown("Picture", list(PICTURES), initial_value=state.view.picture)
             self._form = gui.add_dropdown("As", list(FORMATS), initial_value=state.view.picture_as)
             picture = gui.add_button("Save picture", icon=Icon.PHOTO_DOWN, hint=PICTURE)
-            if not can_render():
-                gui.add_html(f'<div class="vi-why">PNG needs {RENDERER}: {INSTALL}; SVG does not</div>')
+            if why := lacking():
+                gui.add_html(f'<div class="vi-why">{html.escape(why)}</div>')
         queue.on_click(replay, SaveReplay())
         queue.on_click(picture, SavePicture())
         queue.on_value(self._what, choose_picture)

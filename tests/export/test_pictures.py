@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from drawn import IMAGE_L, OWN_POINTS
 from quiet_page import QuietPage
+from viewimit.app.control import saving
 from viewimit.app.control.commands.duel import ToggleDuel
 from viewimit.app.control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
 from viewimit.app.control.commands.session import Step
@@ -94,6 +95,33 @@ def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypat
     monkeypatch.setattr(standalone, "can_render", lambda: False)
     with pytest.raises(ValueError, match=r"PNG needs resvg_py: pip install 'viewimit\[plot\]'; SVG does not"):
         written(picture, ".png")
+
+
+@pytest.mark.parametrize(
+    "render, typeset, said",
+    [
+        (True, True, ""),
+        (False, True, "PNG needs resvg_py: pip install 'viewimit[plot]'; SVG does not"),
+        (True, False, "Equations need ziamath: pip install 'viewimit[plot]'; other pictures do not"),
+        (
+            False,
+            False,
+            "PNG needs resvg_py, Equations need ziamath: pip install 'viewimit[plot]'; other pictures, as SVG, need "
+            "neither",
+        ),
+    ],
+)
+def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, monkeypatch):
+    monkeypatch.setattr(saving, "can_render", lambda: render)
+    monkeypatch.setattr(saving, "can_typeset", lambda: typeset)
+    monkeypatch.setattr("viewimit.export.formulas.can_typeset", lambda: typeset)
+    page = QuietPage(BEST)
+    page.tick(1.0)
+    assert (html.escape(said) in page.shown) and (bool(said) == ("viewimit[plot]" in page.shown))
+    page.page.put(choose_picture("Equations"))
+    page.page.put(SavePicture())
+    page.tick(1.0)
+    assert ("a picture of equations needs ziamath" in page.shown) == (not typeset)
 
 
 def test_the_page_hands_out_a_replay_and_every_picture():

@@ -296,7 +296,7 @@ def test_how_a_point_is_recovered_is_built_up(session):
     assert any(words.startswith(("1/6", "2/6", "3/6")) for words in seen)
     wait(page, lambda: "lines cross at" in page.text_content(HOW), 20)
     choose(page, "Transfer", "Linear combination")
-    wait(page, lambda: "no lines" in page.text_content(HOW) and page.locator(EPIPOLAR_LINE).count() == 0)
+    wait(page, lambda: "carried over by steps" in page.text_content(HOW) and page.locator(EPIPOLAR_LINE).count() == 0)
 
 
 def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):

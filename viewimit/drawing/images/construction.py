@@ -50,11 +50,11 @@ def describe(construction: Construction | None, point: int, stage: int | None, c
     if construction is None:
         return f"Point {name} is not seen in all four images."
     if construction.angle is None:
-        found = f"Point {name}: steps from the middle are carried over, no lines."
+        found = f"Point {name}: carried over by steps."
     else:
         left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
         found = f"Point {name}: lines cross at {left}" + (f", {right}." if left != right else ".")
-    return f"{found} Ellipse: 95 % at 1 px."
+    return f"{found} With 1 px of noise 95 % fall in the ellipse."
 
 
 def draw(

@@ -33,7 +33,7 @@ from .points.editing import EditedPoints
 from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
-TOLD = ("wide", "narrow", "prefers_dark", "truth", "unseen")  # by the browser itself
+TOLD = ("wide", "vast", "narrow", "prefers_dark", "truth", "unseen")  # by the browser itself
 WINDOW = "window"  # in place of all tabs' names
 SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # that are kept by their names
 
@@ -41,12 +41,12 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows"
 @dataclass(frozen=True)
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
-    whether it is open; fits: how often the visitor has asked for the default camera; wide, narrow: whether the window
-    has room for more, or for little, as it says itself; share: whether the card with link and code is open; large: of
-    LARGE, which fills the window beside the controls; look_only: a posture that is touched is looked at by a
-    see-through arm, and nothing moves; picture, picture_as: which panel is saved as a picture, and in which format;
-    truth: whether what only the viewer knows is shown in 3-D, as before a class it is when it is asked for; unseen:
-    tabs that are not open, by their names, or WINDOW where nobody sees any of the page."""
+    whether it is open; fits: how often the visitor has asked for the default camera; wide, vast, narrow: whether the
+    window has room for more, for much more, or for little, as it says itself; share: whether the card with link and
+    code is open; large: of LARGE, which fills the window beside the controls; look_only: a posture that is touched is
+    looked at by a see-through arm, and nothing moves; picture, picture_as: which panel is saved as a picture, and in
+    which format; truth: whether what only the viewer knows is shown in 3-D, as before a class it is when it is asked
+    for; unseen: tabs that are not open, by their names, or WINDOW where nobody sees any of the page."""
 
     chosen: int | None = None
     rays: bool = False
@@ -60,6 +60,7 @@ class View:
     help: bool = False
     fits: int = 0
     wide: bool = False
+    vast: bool = False
     narrow: bool = False
     look_only: bool = False
     share: bool = False

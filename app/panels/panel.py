@@ -11,8 +11,8 @@ from ..control.queue import CommandQueue
 from ..control.state import PageState
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
-WIDTHS = {False: 440, True: 560}  # px of the right panels, in a wide window or not
-LEFT_WIDTHS = {False: 280, True: 300}
+WIDTHS = (440, 560, 760)  # px of the right panels, by the room that a window has
+LEFT_WIDTHS = (280, 300, 300)
 
 
 class Reach(NamedTuple):
@@ -57,17 +57,17 @@ class Layout:
         """To be called when all is built."""
         self._upper.dock_right()
         self._lower.dock_below(self._upper)
-        self.widen(False)
+        self.widen(0)
         for panel in (
             self._upper,
             self._lower,
         ):  # on a phone, where panels are sections of one sheet, that begin closed
             panel.expand()
 
-    def widen(self, wide: bool) -> None:
-        """Give the panels the widths for a window with room for more, or not."""
-        self.gui.main_panel.set_width(LEFT_WIDTHS[wide])
-        self._upper.set_width(WIDTHS[wide])
+    def widen(self, room: int) -> None:
+        """Give the panels the widths for a window with room for no more, 0, for more, 1, or for much more, 2."""
+        self.gui.main_panel.set_width(LEFT_WIDTHS[room])
+        self._upper.set_width(WIDTHS[room])
 
 
 def _tab(panel, made: dict[str, AbstractContextManager], name: str) -> AbstractContextManager:

@@ -15,6 +15,7 @@ VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "
 
 
 WIDE = "(min-width:1600px) and (min-height:900px)"  # of the window, for which the page has more
+VAST = "(min-width:2400px) and (min-height:1200px)"  # much more
 NARROW = "(max-width:640px)"  # as a phone
 
 
@@ -22,20 +23,22 @@ class ViewsPanel(Panel):
     in_lessons = True
 
     def build(self, layout: Layout, state: PageState) -> None:
-        self._layout, self._wide = layout, False
+        self._layout, self._room = layout, 0
         tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
         layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
         if layout.address is not None:
             layout.gui.add_html(told(f"{layout.address}/layout", WIDE))
+            layout.gui.add_html(told(f"{layout.address}/vast", VAST))
             layout.gui.add_html(told(f"{layout.address}/narrow", NARROW))
 
     def depends_on(self, state: PageState) -> tuple:
-        return (state.view.wide,)
+        return state.view.wide, state.view.vast
 
     def show(self, state: PageState) -> None:
-        if state.view.wide != self._wide:
-            self._wide = state.view.wide
-            self._layout.widen(self._wide)
+        room = 2 if state.view.vast else int(state.view.wide)
+        if room != self._room:
+            self._room = room
+            self._layout.widen(room)
 
 
 def _tab(name: str, label: str, checked: bool) -> str:

@@ -180,6 +180,39 @@ def test_a_small_window_shows_one_view_at_a_time(page):
         assert_seen(page, METRICS, where=where)
 
 
+CUT = """() => [...document.querySelectorAll(".vi-status p")].filter(p => p.scrollHeight > p.clientHeight + 1)
+  .map(p => p.textContent)"""
+OVERLAPPING = """() => { // px by which a "?" lies over the label behind it
+  const metrics = document.querySelector(".vi-four:not(.vi-over *) .vi-metrics");
+  const labels = [...metrics.querySelectorAll("text.vi-2nd")].map(label => label.getBoundingClientRect());
+  return Math.max(...[...metrics.querySelectorAll(".vi-ask")].flatMap(ask => labels.map(label => {
+    const box = ask.getBoundingClientRect();
+    return box.left < label.left ? box.right - label.left : 0 }))) }"""
+
+
+@pytest.mark.parametrize("width", [320, 360, 390])
+def test_on_narrow_phones_words_are_whole_and_all_tabs_are_in_one_line(page, width):
+    resize(page, width, 640)
+    show(page, "images")
+    assert page.evaluate(CUT) == [] and page.evaluate(OVERLAPPING) <= 0
+    show(page, "landscape")
+    tabs = [page.get_by_role("tab", name=name).bounding_box() for name in ("Landscape", "Experiments", "Motions")]
+    resize(page, 1280, 720)
+    assert len({tab["y"] for tab in tabs}) == 1 and tabs[-1]["x"] + tabs[-1]["width"] <= width
+
+
+def test_a_window_with_much_more_room_has_larger_drawings(page):
+    wide = lambda: page.locator(FOUR_IMAGES).first.bounding_box()["width"]
+    resize(page, 1920, 1080)
+    wait(page, lambda: 500 < wide() < 560)
+    resize(page, 2560, 1440)
+    wait(page, lambda: 700 < wide() < 760)
+    assert_seen(page, METRICS)
+    assert_seen(page, f"svg:has({LEVELS})")
+    resize(page, 1280, 720)
+    wait(page, lambda: wide() < 440)
+
+
 def test_the_views_of_a_small_window_can_be_chosen_by_keys(page):
     resize(page, 390, 844)
     show(page, "images")

@@ -117,6 +117,7 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "still": PreferStill.parse,
     "point": TogglePoint.parse,
     "layout": _told("wide"),
+    "vast": _told("vast"),
     "narrow": _told("narrow"),
     "truth": _told("truth"),
     "unseen": LeaveUndrawn.parse,

@@ -21,6 +21,15 @@ MOST_ARRAYS = 128 * MEGABYTE  # unpacked
 MOST_PARTS = 32  # of a name in TOML: the time that a parser takes grows with their square
 _PART = rb"(?:\"[^\"\n]*\"|'[^'\n]*'|[\w-]+)[ \t]*"
 LONG_NAME = re.compile(rb"(?<![\w-])(?:" + _PART + rb"\.[ \t]*){%d}" % MOST_PARTS)
+_STRING = (  # of several lines or of one, with escapes or without; one that does not end is no TOML
+    rb'"""[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"{0,5}',
+    rb"'''[^']*(?:'(?!'')[^']*)*'{0,5}",
+    rb'"[^"\\\n]*(?:\\.[^"\\\n]*)*"?',
+    rb"'[^'\n]*'?",
+)
+PARTS_NOTHING = re.compile(
+    b"|".join((rb"#[^\n]*", *_STRING)), re.DOTALL
+)  # comments and strings, whatever dots they have
 DAMAGED = (
     zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, EOFError, NotImplementedError, RuntimeError,
     SyntaxError, ValueError, TypeError, MemoryError,
@@ -70,12 +79,17 @@ def read_toml(path: Path) -> bytes:
 
 def parse_toml(content: bytes, kind: type = dict):
     """Raises ValueError for what is none of that kind, or nests so that no parser should follow."""
-    if LONG_NAME.search(content):
+    if LONG_NAME.search(PARTS_NOTHING.sub(_emptied, content)):
         raise ValueError(f"a name of more than {MOST_PARTS} parts")
     try:
         return msgspec.toml.decode(content.removeprefix(BOM_UTF8), type=kind)  # some editors begin a file with it
     except RecursionError:
         raise ValueError("it nests too deeply") from None
+
+
+def _emptied(found: re.Match[bytes]) -> bytes:
+    """A string as one part of a name, which it may be, and nothing of a comment."""
+    return b"" if found[0].startswith(b"#") else b'""'
 
 
 def read_npz(path: Path) -> dict[str, NDArray]:

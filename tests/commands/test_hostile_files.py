@@ -78,6 +78,11 @@ def refused_apart(*words, home=None):
     return said
 
 
+@pytest.mark.parametrize("dots", ["# {}", 'b = "{}"', "b = '{}'", 'b = """\n{}\\""" """', "b = '''\n{}\n'''"])
+def test_dots_in_comments_and_strings_part_no_names(dots):
+    assert parse_toml(f"a = 1\n{dots.format('.'.join('a' * 100))}\n".encode())["a"] == 1
+
+
 @pytest.mark.parametrize(
     "text, why",
     [
@@ -87,6 +92,10 @@ def refused_apart(*words, home=None):
         ("a" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
         ('"a"' + ' . "b c"' * 20_000 + " = 1", "a name of more than 32 parts"),
         ("[a" + ".a" * 20_000 + "]", "a name of more than 32 parts"),
+        ('a = "\\""\n[a' + ".a" * 20_000 + "]", "a name of more than 32 parts"),
+        ("a = '''it's # here'''\n" + "a" + ".'#'" * 20_000 + " = 1", "a name of more than 32 parts"),
+        ('a = """x"""" # """\n' + "a" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
+        ("a = 1 #" + '"' * 3 * 100_000 + "\na" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
         ("a = " + "[" * 400 + "]" * 400, "own.toml"),
         (head(focal=0), "head.focal must be more than 0"),
         (head(focal=-600.0), "head.focal must be more than 0"),

@@ -104,6 +104,8 @@ def test_fixed_joints_are_merged_and_the_longest_chain_is_taken(tmp_path):
         ([joint("a", "two", "one"), joint("b", "one", "two")], {"tip": "one"}, "loop"),
         ([joint("a", "two", "one"), joint("b", "one", "two"), joint("c", "two", "hand")], {}, "loop"),
         ([joint("a", "base", "one")], {"root": "html"}, "root element is <html>"),
+        ([joint("a", "base", "one"), '<link name="base"/>'], {}, "joint 'a' names the link 'one', which is not there"),
+        ([joint("a", "base", "one"), '<link name="one"/>'], {}, "joint 'a' names the link 'base', which is not there"),
     ],
 )
 def test_errors_name_the_file_and_the_fault(tmp_path, joints, options, message):

@@ -1,5 +1,6 @@
 """Small URDFs, written for a test: joints and links in a line each."""
 
+import re
 from pathlib import Path
 
 LIMIT = '<limit lower="-2" upper="2"/>'
@@ -27,7 +28,11 @@ def joint(
 
 
 def robot(*parts: str) -> str:
-    return f'<robot name="small">{"".join(parts)}</robot>'
+    """With the links that joints name and parts do not have, unless they have none at all."""
+    inside = "".join(parts)
+    there = re.findall(r'<link name="([^"]*)"', inside)
+    named = dict.fromkeys(re.findall(r'<(?:parent|child) link="([^"]*)"', inside)) if there else ()
+    return f'<robot name="small">{inside}{"".join(link(name) for name in named if name not in there)}</robot>'
 
 
 def write(folder: Path, *parts: str, name: str = "small.urdf") -> Path:

@@ -139,6 +139,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
     _require_one_each(path, "joints", [joint.name for joint in joints])
     _require_one_each(path, "links", [link.get("name", "?") for link in links])
     _require_tree(path, joints)
+    _require_links(path, joints, {link.get("name", "?") for link in links})
     shapes: dict[str, tuple[Shape, ...]] = {}
     faults: list[str] = []
     for tag in ("visual", "collision"):
@@ -183,6 +184,17 @@ def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:
                 "the links of a URDF are a tree"
             )
         above[joint.child] = joint.name
+
+
+def _require_links(path: Path, joints: tuple[TreeJoint, ...], links: set[str]) -> None:
+    """Joints hang between links that are there, unless the file is of joints alone."""
+    for joint in joints if links else ():
+        for link in (joint.parent, joint.child):
+            if link not in links:
+                raise ValueError(
+                    f"{path}: joint {_short(joint.name)!r} names the link {_short(link)!r}, which is not there: "
+                    "name one that is, or add it"
+                )
 
 
 def _read_joint(path: Path, element: ElementTree.Element) -> TreeJoint:

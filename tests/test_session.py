@@ -265,6 +265,8 @@ def test_points_that_are_not_seen_in_all_four_views_take_no_part():
         {"points": "10"},
         {"undistort": (0.0, 0.0, 0.0)},
         {"undistort": (0.0, np.nan)},
+        {"undistort": (1e308, 0.0)},
+        {"undistort": (0.0, -11.0)},
         {"undistort": ("0.1", "0")},
         {"undistort": 0.1},
         {"body_points": ((0.7, 0.0, 0.0, 0.1),) * 6},

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
+from .geometry.distortion import Radial
 from .perception.latency import MOST_LAG
 from .reading import file_name, is_text, parse_toml
 from .servo import SERVOS
@@ -104,6 +105,11 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             value = getattr(self, name)
             if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):
                 raise ValueError(f"{name} must be {wanted}, got {reprlib.repr(value)}")
+        if self.undistort is not None:
+            try:
+                Radial(*self.undistort)
+            except ValueError as error:
+                raise ValueError(f"undistort: {error}") from None
         _require_choice("transfer", self.transfer, TRANSFERS)
         _require_choice("servo", self.servo, SERVOS)
         _require_choice("rectify", self.rectify, RECTIFY)

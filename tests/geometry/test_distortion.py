@@ -18,6 +18,12 @@ def halved(by: Radial, seen: float) -> float:
     return low
 
 
+@pytest.mark.parametrize("k1, k2", [(10.01, 0.0), (0.0, -10.01), (np.nan, 0.0), (0.0, np.inf)])
+def test_what_no_lens_has_is_refused(k1, k2):
+    with pytest.raises(ValueError, match="is none of a lens: both are within ±10, in focal lengths"):
+        Radial(k1, k2)
+
+
 @pytest.mark.parametrize("k1, k2", LENSES)
 def test_what_is_undone_is_where_it_was(k1, k2):
     by = Radial(k1, k2)

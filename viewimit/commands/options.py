@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
+from ..geometry.distortion import Radial
 from ..servo import SERVOS
 from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
@@ -82,6 +83,10 @@ def add_undistort_option(parser: argparse.ArgumentParser) -> None:
 def radial(text: str) -> tuple[float, float]:
     """A type for argparse: k1 and k2."""
     k1, k2 = _numbers(text, 2, "-0.05,0.01")
+    try:
+        Radial(k1, k2)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
     return k1, k2
 
 

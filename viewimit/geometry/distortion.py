@@ -8,15 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROUNDS = 80  # at most: of Newton's iteration, or halvings where it would leave the bracket
+MOST = 10.0  # of k1 and of k2: calibrated lenses have a few at most, and more moves what is 45° aside tenfold
 ROUNDING = 4 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
 class Radial:
-    """k1, k2: 0 without distortion."""
+    """k1, k2: 0 without distortion. Raises ValueError for what no lens has."""
 
     k1: float = 0.0
     k2: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (abs(self.k1) <= MOST and abs(self.k2) <= MOST):  # NaN fails too
+            raise ValueError(
+                f"a distortion of k1 {self.k1:g}, k2 {self.k2:g} is none of a lens: both are within ±{MOST:g}, "
+                "in focal lengths, not in pixels"
+            )
 
     @property
     def bends(self) -> bool:

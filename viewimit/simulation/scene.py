@@ -322,7 +322,10 @@ def _require_head(head: Head) -> None:
         raise ValueError(f"head.image must be 1 to {MOST_IMAGE_PX} px wide and high, got {list(head.image)}")
     corners = np.array([[x, y] for x in (0, head.image[0]) for y in (0, head.image[1])], float)
     for name, eye in (("left", head.left), ("right", head.right)):
-        lens = head.lens(eye)
+        try:
+            lens = head.lens(eye)
+        except ValueError as error:
+            raise ValueError(f"head.{name}: {error}") from None
         if not min(lens.focal) >= LEAST_LENGTH:
             raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
         if not lens.shows(corners):

@@ -14,6 +14,7 @@ import viewimit
 ROOT = Path(__file__).parent.parent
 ORDER = (  # each imports only what stands above it, or itself
     "threads",
+    "quoting",
     "reading",
     "assets",
     "equations",

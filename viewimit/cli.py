@@ -15,9 +15,10 @@ import sys
 
 from . import __version__, threads
 from .commands import BadInput
+from .quoting import printable
 
 BAD_INPUT = 2
-MOST_SAID = 900  # characters of a message, which may quote what a file says
+NEWLINE = "\n"
 UNREAD = 141  # as of a program that ends by SIGPIPE
 COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
@@ -48,7 +49,7 @@ def main(argv: list[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except BadInput as error:
-        print(f"viewimit {args.command}: {_harmless(str(error))}", file=sys.stderr)
+        print(f"viewimit {args.command}: {printable(str(error), keep=NEWLINE)}", file=sys.stderr)
         return BAD_INPUT
     except BrokenPipeError:
         _print_no_more()
@@ -59,13 +60,6 @@ def main(argv: list[str] | None = None) -> int:
         _print_no_more()
         print(f"viewimit {args.command}: cannot print: {error.strerror}", file=sys.stderr)
         return BAD_INPUT
-
-
-def _harmless(text: str) -> str:
-    """Of what a file says no more than a person would read, and nothing that a terminal would obey."""
-    if len(text) > MOST_SAID:
-        text = f"{text[: MOST_SAID // 2]} … {text[-MOST_SAID // 2 :]}"
-    return "".join(one if one.isprintable() or one == "\n" else ascii(one)[1:-1] for one in text)
 
 
 def _print_no_more() -> None:

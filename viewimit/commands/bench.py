@@ -15,6 +15,7 @@ from ..experiments.executors.local import LocalPool
 from ..experiments.executors.study import Study
 from ..geometry.affine import require_points
 from ..history import MAX_HISTORY
+from ..quoting import printable
 from ..servo import SERVOS
 from ..simulation.scene import load_scene, scene_names
 from ..simulation.world import World
@@ -117,7 +118,7 @@ def run(args: argparse.Namespace) -> int:
         for part in ("speed", "success") if args.what == "all" else (args.what,):
             told[part], table = PARTS[part](args, world.scene, study)
             if not args.json:
-                print(table, flush=True)  # the next part takes minutes
+                print(printable(table, len(table), keep="\n"), flush=True)  # the next part takes minutes
     except StudyError as error:
         raise BadInput(str(error)) from None
     except KeyboardInterrupt:

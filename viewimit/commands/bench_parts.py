@@ -22,6 +22,7 @@ from ..experiments.bench import (
     success,
 )
 from ..experiments.executors.study import Study
+from ..quoting import printable
 from ..servo import SERVOS
 from ..settings import BEST, CAMERAS, Settings
 from ..simulation.eyes import require_eyes
@@ -173,7 +174,7 @@ def _robots(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
     for one in robots.run(settings, paths, args.runs, args.seed, args.max_motions):
         found.append(one)
         if not args.json:
-            print(tables.robot_line(one), flush=True)
+            print(printable(tables.robot_line(one)), flush=True)
     usable = [one for one in found if one.refused is None]
     arrived = sum(one.all_arrived for one in usable)
     summary = (

@@ -16,6 +16,7 @@ from ..geometry.distortion import Radial
 from ..geometry.rectification import Rectification, rectification_of
 from ..perception.degeneracy import extents, why_degenerate
 from ..perception.tracks import TrackedPoints, read_files, read_tidy
+from ..quoting import MOST_NAME, printable
 from ..settings import Settings
 from ..simulation.lens import undistorted
 from ..suspects import suspects, telling
@@ -257,6 +258,6 @@ def _report_suspects(result: dict) -> None:
     found = [evaluate_suspects.in_words(suspect, len(result["frames"])) for suspect in result["suspects"]]
     print("suspects" if found else "suspects: none")
     for named, what, score in found:
-        print(f"  {named}  {what}: {score}")
+        print(f"  {printable(named, 2 * MOST_NAME)}  {what}: {score}")
     for why in result["undecided"]:
         print(f"  undecided: {why}")

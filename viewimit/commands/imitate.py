@@ -9,6 +9,7 @@ import numpy as np
 from ..analysis.self_assessment import assess
 from ..body_image import BodyImage
 from ..history import MAX_HISTORY
+from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
 from ..servo.certificate import Certificate
 from ..session import Session
@@ -79,7 +80,7 @@ def run(args: argparse.Namespace) -> int:
         expected = result["expected_error_deg"]
         reckoned = f"; it expects {_at_least(expected, 0.1, '.2g', '°')}" if np.isfinite(expected or np.inf) else ""
         print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g', '°')} at most{reckoned}")
-        untold = [joint["name"] for joint in result["joints"] if joint["told"] is False]
+        untold = [printable(joint["name"], MOST_NAME) for joint in result["joints"] if joint["told"] is False]
         if untold:
             print(f"not told      {', '.join(untold)}: its points do not say where that is")
         if result["exchanged"]:

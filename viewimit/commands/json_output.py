@@ -3,6 +3,7 @@
 import argparse
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,6 +17,7 @@ from .. import __version__
 from ..settings import Settings
 
 DIGITS = 6  # of a number below one, significant, so that nothing small becomes 0; behind the point of all others
+UNPRINTABLE = re.compile(r"[\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]")  # which terminals may obey
 HOW_TOLD = {"command", "run", "json"}  # what is no option of the result
 OPTIONS_OF = {"demonstrator_deg": "demonstrator", "start_deg": "start"}  # settings whose option has another name
 
@@ -34,7 +36,8 @@ def print_json(args: argparse.Namespace, result: dict, settings: Settings | None
     assert told.keys().isdisjoint(result), "a result that overwrites what it was made from"
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"
     escaped = not encoding.lower().startswith("utf")
-    encode = json.JSONEncoder(allow_nan=False, ensure_ascii=escaped).encode
+    encoder = json.JSONEncoder(allow_nan=False, ensure_ascii=escaped)
+    encode = lambda value: UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", encoder.encode(value))
     sys.stdout.write(encode(told)[:-1])
     sys.stdout.writelines(_pieces(result, encode))
     print("}")

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..geometry.distortion import Radial
+from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
 from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
@@ -227,10 +228,11 @@ def tell_choices(chosen: "Derived", scene: Scene) -> None:
     """What was chosen for a URDF, which joints of the scene then move, and what of it is not drawn."""
     path, robot = parse_reference(scene.robot).path, load_robot(scene.robot)
     moving = [
-        f"{joint} ({robot.joints[joint - 1].name}) {low:g}° … {high:g}°"
+        f"{joint} ({printable(robot.joints[joint - 1].name, MOST_NAME)}) {low:g}° … {high:g}°"
         for joint, (low, high) in zip(scene.moving_joints, scene.range_deg)
     ]
-    for line in (*chosen.said, f"{path}: moving {', '.join(moving)}", *chosen.faults):
+    said, faults = (map(printable, lines) for lines in (chosen.said, chosen.faults))
+    for line in (*said, f"{printable(str(path))}: moving {', '.join(moving)}", *faults):
         print(line, file=sys.stderr)
 
 

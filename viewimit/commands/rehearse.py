@@ -10,6 +10,7 @@ import numpy as np
 from ..body_image import FEWEST
 from ..disturbances import ImageDisturbance
 from ..geometry.affine import MIN_POINTS
+from ..quoting import printable
 from ..rehearsal import POSTURES, rehearse
 from ..session import Session
 from ..settings import BEST
@@ -63,7 +64,8 @@ def run(args: argparse.Namespace) -> int:
         told = {"rehearsed": len(body), "postures_deg": postures_deg, "points_seen": usable}
         print_json(args, told | {"noise_px": body.noise_px, "body": msgspec.to_builtins(body.body)}, settings)
     else:
-        print(f"rehearsed     {len(body)} postures of {body.body.robot}, {min(usable)} points or more seen in each")
+        of = printable(body.body.robot)
+        print(f"rehearsed     {len(body)} postures of {of}, {min(usable)} points or more seen in each")
         if max(usable) >= MIN_POINTS:
             print(f"imitate with  {as_imitation(settings, str(args.out))}")
     if max(usable) < MIN_POINTS:

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from ...quoting import MOST_NAME, printable
 from ..robot import Robot
 from ..scene import Eye, Scene, load_robot
 from ..urdf.reference import is_reference, parse_reference
@@ -85,17 +86,18 @@ def _joints(robot: Robot) -> Iterator[str]:
             what = f"follows {joint.leader.joint + 1}"
         else:
             what = "{:.5g}° … {:.5g}°".format(*np.degrees((joint.lower, joint.upper)))
-        yield f"#   {number} {joint.name}: {what}"
+        yield f"#   {number} {printable(joint.name, MOST_NAME)}: {what}"
 
 
 def _link(robot: Robot, number: int) -> str:
-    return f"moved by {robot.joints[number - 1].name}" if number else "base"
+    return f"moved by {printable(robot.joints[number - 1].name, MOST_NAME)}" if number else "base"
 
 
 def toml(value: Any) -> str:
     """Text, numbers, truth values, and lists of them."""
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        quoted = json.dumps(value, ensure_ascii=False)
+        return "".join(one if one.isprintable() else f"\\U{ord(one):08x}" for one in quoted)
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(toml, value))}]"
     if isinstance(value, bool):

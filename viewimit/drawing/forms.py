@@ -12,10 +12,10 @@ BYTE = np.uint64(8)  # bits
 
 @cache
 def _texts() -> NDArray:
-    """(2 FAR_OUT + 1,) uint64: numbers with one decimal as bytes, filled up with 0, by how many tenths they are, those
-    below 0 counted from the end. 0 is written in one way."""
+    """(2 FAR_OUT + 1,) uint64: numbers with one decimal as bytes, filled up with 0 behind and by a byte for their lead
+    before, by how many tenths they are, those below 0 counted from the end. 0 is written in one way."""
     counts = np.roll(np.arange(-FAR_OUT, FAR_OUT + 1), -FAR_OUT)
-    return np.array([f"{count / 10:.1f}" for count in counts.tolist()], "S8").view("<u8")
+    return np.array([f"{count / 10:.1f}" for count in counts.tolist()], "S8").view("<u8") << BYTE
 
 
 class Form(NamedTuple):
@@ -34,7 +34,7 @@ class Form(NamedTuple):
 
     def texts(self, tenths: NDArray) -> NDArray:
         """Of so many tenths, (n,), at most FAR_OUT, each with its lead."""
-        return (_texts()[tenths.astype(np.intp)] << BYTE) | self.leads
+        return _texts()[tenths.astype(np.intp)] | self.leads
 
 
 @lru_cache(512)
@@ -58,7 +58,7 @@ def filled(form: str, values: NDArray) -> str:
     """A form with a number of one decimal in place of each %s. Texts of all numbers are taken from a table at once,
     which takes a quarter of what it takes to write hundreds of them one by one."""
     tenths = np.rint(values * 10).ravel()
-    if not np.abs(tenths).max(initial=0) <= FAR_OUT:
+    if not (np.abs(tenths) <= FAR_OUT).all():
         return form % tuple(f"{count / 10 + 0.0:.1f}" for count in tenths.tolist())
     known = form_of(form)
     return known.written(known.texts(tenths))

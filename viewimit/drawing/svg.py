@@ -107,11 +107,12 @@ def arrow_tips(start: NDArray, end: NDArray, size: float) -> list[str]:
 
 def arrow_corners(start: NDArray, end: NDArray, size: float) -> NDArray:
     """Of these heads: (views, k, 6) px, their points first."""
-    along = end - start
-    length = np.sqrt((along * along).sum(2, keepdims=True))
+    tips = end.view(complex)  # x + iy: a quarter turn is a product
+    along = tips - start.view(complex)
+    length = np.abs(along)
     along *= np.minimum(size, length) / np.maximum(length, 1e-9)
-    back, across = end - along, 0.42 * along[..., ::-1] * (-1, 1)
-    return np.concatenate([end, back + across, back - across], 2)
+    back, across = tips - along, 0.42j * along
+    return np.concatenate([tips, back + across, back - across], 2).view(float)
 
 
 def polygons(corners: NDArray) -> list[str]:

@@ -13,6 +13,7 @@ from ...geometry.pairs import INTO, SOURCE
 from ...simulation.appearance import Bodies
 from ...snapshot import Snapshot
 from ...transfer import TRANSFERS
+from ...views import VIEWS
 from .. import svg
 from ..glossary import ask
 from ..metrics import draw_legend, draw_metrics, residual_lengths
@@ -114,11 +115,11 @@ def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
 
 def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
     """Observed demonstrator points in l and r; those not seen in all four images are faint."""
-    drawn, used, idle = {}, points[:, snapshot.usable], _idle(snapshot)
+    used, drawn = points[:, snapshot.usable], {}
     for k, view in enumerate("lr"):
         drawn[view] = f'<path class="vi-seen" d="{_observed(used[k].tobytes())}"/>'
-        if idle[k].any():
-            drawn[view] += f'<path class="vi-seen vi-idle" d="{_observed(points[k, idle[k]].tobytes())}"/>'
+    for k, idle in _idle(snapshot, "lr"):
+        drawn["lr"[k]] += f'<path class="vi-seen vi-idle" d="{_observed(points[k, idle].tobytes())}"/>'
     return drawn
 
 
@@ -129,12 +130,11 @@ def _observed(points: bytes) -> str:
 
 def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
     """Own points, recovered points and the residuals from these to those, in L and R."""
-    own, idle, known = points[:, snapshot.usable], _idle(snapshot)[2:], snapshot.transfer is not None
+    own, known = points[:, snapshot.usable], snapshot.transfer is not None
     numbers = _with_residuals(snapshot, own, windows["L"].scale, gain) if known else own.reshape(2, -1)
     drawn = dict(zip("LR", svg.filled(_form(own.shape[1], known), numbers).split("|")))
-    for k, view in enumerate("LR"):
-        if idle[k].any():
-            drawn[view] += f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle[k]])}"/>'
+    for k, idle in _idle(snapshot, "LR"):
+        drawn["LR"[k]] += f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>'
     return drawn
 
 
@@ -161,9 +161,12 @@ def _form(count: int, known: bool) -> str:
     return f"{form}|{form}"
 
 
-def _idle(snapshot: Snapshot) -> NDArray:
-    """(4, N) bool: points that are seen in l, r, L, R, but not in all of them."""
-    return snapshot.views.visible.T & ~snapshot.usable
+def _idle(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray]]:
+    """The places in a pair of those views that show points which not all do, and which points, (N,) bool."""
+    if snapshot.views.complete:
+        return []
+    idle = snapshot.views.visible.T & ~snapshot.usable
+    return [(k, idle[view]) for k, view in enumerate(map(VIEWS.index, pair)) if idle[view].any()]
 
 
 def _rings(snapshot: Snapshot, points: NDArray, chosen: int) -> list[str]:

@@ -113,7 +113,7 @@ def _form(count: int, pair: str) -> str:
 
 def _free_radii(points: NDArray, there: NDArray) -> NDArray:
     """(2, N, 2) px → (2, N) px: half the way to the nearest other point that is there, so that no two circles meet."""
-    places = points[..., 0] + 1j * points[..., 1]
+    places = points.view(complex)[..., 0]
     apart = np.abs(places[:, :, None] - places[:, None]) + _to_itself(points.shape[1])
     if not there.all():
         apart = np.where(there[:, None], apart, np.inf)

@@ -368,7 +368,7 @@ class Session:
 
     def _drive(self, now: Snapshot, displacement: NDArray) -> tuple[NDArray, NDArray]:
         """Where the arm is sent within its limits, and where it then stands: (m,) rad each."""
-        commanded = np.clip(now.commanded + displacement, self.embodiment.lower, self.embodiment.upper)
+        commanded = (now.commanded + displacement).clip(self.embodiment.lower, self.embodiment.upper)
         return commanded, self.embodiment.drive(now.settings, now.theta, now.commanded, commanded)
 
     def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot, deed: Deed) -> None:

@@ -88,8 +88,8 @@ class Gradient:
         status = "stalled" if since_best >= PATIENCE else "moving"
         state = GradientState(jacobian, P, seen.displacement, seen.E, best_E, since_best, status)
         low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
-        inside = np.clip(np.radians(u), low, high)  # the dither comes after, to excite a joint that leans on its limit
-        return state, np.clip(inside + np.radians(dither), low, high)
+        inside = np.radians(u).clip(low, high)  # the dither comes after, to excite a joint that leans on its limit
+        return state, (inside + np.radians(dither)).clip(low, high)
 
     def equations(self, state: GradientState | None, moment: Moment) -> tuple[Equation, ...]:
         c = self.constants
@@ -113,11 +113,11 @@ class Gradient:
     def _learn(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:
         """Weighted recursive least squares, ρ the forgetting factor."""
         J, P, rho = state.jacobian, state.covariance, self.constants.forgetting
-        if not np.any(u):
+        if not u.any():
             return J, P
         Pu = P @ u
-        J = J + (dE - J @ u) * Pu / (rho + u @ Pu)
-        return J, (P - np.outer(Pu, Pu) / (rho + u @ Pu)) / rho
+        weight = rho + u @ Pu
+        return J + (dE - J @ u) * Pu / weight, (P - Pu[:, None] * Pu / weight) / rho
 
     def _bounded(self, u: NDArray) -> NDArray:
         length = np.linalg.norm(u)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from linear_world import LinearWorld
 
-from viewimit import evaluation
+from viewimit import Session, Settings, evaluation
 from viewimit.disturbances import NOISE, spoil
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
@@ -77,6 +77,16 @@ def test_random_starts_and_demonstrators_over_the_whole_range(scene, runs):
         assert (np.degrees(postures) >= limits[0] - 1e-9).all() and (np.degrees(postures) <= limits[1] + 1e-9).all()
         motions.append(len(postures) - 1)
     assert np.median(motions) <= 5 and np.percentile(motions, 95) <= 6
+
+
+def test_seven_joints_take_a_probe_each_a_check_each_and_no_motion_that_leads_nowhere():
+    joints = (1, 2, 3, 4, 5, 6, 7)
+    session = Session(Settings(transfer="projective", servo="trust-region", joints=joints, points=16))
+    lower, upper = session.embodiment.lower, session.embodiment.upper
+    session.pose(np.clip(session.snapshot.theta + np.random.default_rng(1).uniform(-0.5, 0.5, 7), lower, upper))
+    last = session.run(60)
+    motions = np.abs(np.diff([moment.theta for moment in session.history], axis=0)).max(1)
+    assert last.status == "converged" and last.motion <= 7 + 7 + 2 and motions.min() > np.radians(0.01)
 
 
 def test_rounding_decides_no_motion():

@@ -159,9 +159,10 @@ def _onwards(
     brief = ahead.step < SHORT or state.foresees
     last = brief and ahead.doubt_there < CERTAIN and state.checks < len(found.theta)
     if ahead.certify is not None and not weighted and last and not chasing:
-        beyond = ahead.certify(found.theta).check
-        if beyond.any():
-            return move(state, seen, aside(seen, found.theta, beyond), checks=state.checks + 1)
+        asked = ahead.certify(found.theta).check
+        beyond = aside(seen, found.theta, asked)
+        if asked.any() and nearest(state.known, beyond[None])[0] > LEAST_STEP:
+            return move(state, seen, beyond, checks=state.checks + 1)
     return move(state, seen, found.theta, promised=float(ahead.E - found.E))
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from .body_image import BodyImage, postures_apart
 from .session import Session
 
-POSTURES = 12  # with which two joints are imitated in a third of the motions
+POSTURES = 12  # with which two joints are imitated in three motions
 
 
 def rehearse(session: Session, count: int, seed: int, within_deg: float | None = None) -> BodyImage:

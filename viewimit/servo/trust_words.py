@@ -54,7 +54,7 @@ def says(state: TrustState, status: str) -> str:
         return "a probe, to learn how the images move"
     if state.strayed is not None:
         return "its arm does not stand where it was sent, so it goes by its images"
-    if state.kinematics is not None and state.promised is not None:
+    if state.kinematics is not None:
         return "knows how its joints turn its points, and goes where E should be least"
     other = PHASES[state.phase][0]
     return f"asks the {other} transfer for a way on" if other else ""

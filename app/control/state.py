@@ -152,6 +152,14 @@ class PageState:
         """The session's moment, or the imitation's that is seen in its place."""
         return self.present if self.imitated is None else self.shown
 
+    @property
+    def on_the_way(self) -> Snapshot | None:
+        """What the images show of the arm on its way, as a motion that goes on; None where it rests, or another is
+        seen."""
+        if self.on_its_way is None or self.imitated is not None or self.see_through is not None:
+            return None
+        return self.looked if self.looked.transfer is None else self.looked.with_fields(status="moving")
+
     @cached_property
     def arms_in_images(self) -> tuple[Bodies, Windows]:
         """What the arms look like in the four images, and the windows of these."""

@@ -1,7 +1,8 @@
 """The strip over the scene: what the learner says, and beneath it what is true.
 
 What it says gives way to a message while that stays, to what is recorded or replayed, to points that are edited, to a
-posture that is only looked at, and to that nothing is saved.
+posture that is only looked at, and to that nothing is saved. Of an arm on its way both are of where it is seen, as the
+images are.
 """
 
 from viewimit.drawing.body_points import describe_edited
@@ -35,12 +36,13 @@ class StatusPanel(Panel):
         return self._status.content
 
     def depends_on(self, state: PageState) -> tuple:
-        moments = state.present, state.see_through, state.imitated, state.points
+        on_its_way = None if state.on_its_way is None else state.on_its_way.tobytes()
+        moments = state.present, on_its_way, state.see_through, state.imitated, state.points
         return state.message, state.unsaved, *moments, state.playing, _busy(state)
 
     def period(self, state: PageState) -> float:
-        """Nobody reads faster what changes with every motion."""
-        return SLOW if state.playing else 0.0
+        """Nobody reads faster what changes with every motion, and on the way."""
+        return SLOW if state.playing or state.on_its_way is not None else 0.0
 
     def show(self, state: PageState) -> None:
         said, self._truth = _said(state), _truth(state)
@@ -74,6 +76,8 @@ def _said(state: PageState) -> Said:
     if state.unsaved is not None:
         return Said("message", f"not saved: {state.unsaved}; a reload would lose this session.")
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
+    if (on_the_way := state.on_the_way) is not None:
+        return describe(on_the_way, before, joints=session.scene.moving_joints)
     return describe(state.present, before, state.playing, state.assessment, session.scene.moving_joints)
 
 
@@ -81,7 +85,8 @@ def _truth(state: PageState) -> str:
     off = following(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
     if off:
         return off + "."
-    return describe_truth(state.session.scene.moving_joints, state.seen.theta, state.seen.theta_demo)
+    own = state.seen.theta if state.on_the_way is None else state.shown.theta
+    return describe_truth(state.session.scene.moving_joints, own, state.seen.theta_demo)
 
 
 def _busy(state: PageState) -> tuple[str, str] | None:

@@ -433,6 +433,8 @@ class TestStatus:
         [
             ("converged", assessed(), "arrived", ""),
             ("rests", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
+            ("rests", assessed(room_deg=0.34), "least", "So much E could hide up to 0.3°."),
+            ("rests", assessed(room_deg=0.02), "least", "So much E could hide less than 0.1°."),
             ("rests", assessed(room_deg=120), "least", "So much E could hide any displacement."),
             ("rests", assessed(lower_deg=3), "rests", ""),
             ("stalled", assessed(room_deg=14), "least", "So much E could hide up to 14°."),

@@ -24,6 +24,7 @@ from .metrics import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # off, which reads as 0.0°
+WHOLE = np.radians(1.0)  # from which a room is told in whole degrees
 ANY = np.radians(90.0)  # a pixel's cost, or a room, that says no more than "any posture"
 TITLES = {
     "ready": "Ready",
@@ -169,7 +170,9 @@ def _angle(rad: float) -> str:
 
 
 def _upto(rad: float) -> str:
-    return f"up to {svg.degrees(rad, 0)}" if rad < ANY else "any displacement"
+    if rad < EXACT:
+        return "less than 0.1°"
+    return f"up to {svg.degrees(rad, 0 if rad >= WHOLE else 1)}" if rad < ANY else "any displacement"
 
 
 def _too_few(used: int) -> str:

@@ -17,6 +17,7 @@ from .servo.visit import Visit
 CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
 STRETCH = 1.15  # of these about the middle: the images of a range are least known at its edges
 FEWEST = 3
+TURN = np.radians(20.0)  # of each joint by itself
 
 
 @dataclass(frozen=True)
@@ -115,6 +116,19 @@ def _body_image(table: dict[str, NDArray]) -> BodyImage:
 
 def _numbers(values: NDArray, kind: type) -> tuple[Any, ...]:
     return tuple(kind(value) for value in values.tolist())
+
+
+def rehearsal_postures(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:
+    """(count, m) rad: `postures_apart`, and on from the first of them by each joint in turn, as far as they are enough
+    for both: images between which one joint was turned tell which points it moves. Raises ValueError for fewer than
+    FEWEST."""
+    joints = len(low)
+    if count < FEWEST + joints:
+        return postures_apart(low, high, count, rng)
+    first, *others = postures_apart(low, high, count - joints, rng)
+    way = np.where(first < (low + high) / 2, 1.0, -1.0)  # where the limits leave more room
+    turns = np.minimum(TURN, (high - low) / 2)
+    return np.vstack([first, first + np.cumsum(np.diag(way * turns), axis=0), *others])
 
 
 def postures_apart(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:

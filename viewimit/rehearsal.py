@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .body_image import BodyImage, postures_apart
+from .body_image import BodyImage, rehearsal_postures
 from .session import Session
 
-POSTURES = 12  # with which two joints are imitated in three motions
+POSTURES = 12  # with which two joints are imitated in two motions
 
 
 def rehearse(session: Session, count: int, seed: int, within_deg: float | None = None) -> BodyImage:
@@ -19,13 +19,14 @@ def rehearse(session: Session, count: int, seed: int, within_deg: float | None =
 
 
 def begin_rehearsal(session: Session, count: int, seed: int, within_deg: float | None = None) -> None:
-    """The next motions lead through `count` postures far from each other, within so many degrees of where a session
-    stands, or over the whole range of its joints. seed: of the postures. Raises ValueError for too few of them."""
+    """The next motions lead through `count` postures, some a joint apart, the others far from each other, within so
+    many degrees of where a session stands, or over the whole range of its joints. seed: of the postures. Raises
+    ValueError for too few of them."""
     low, high = session.embodiment.lower, session.embodiment.upper
     if within_deg is not None:
         here, reach = session.snapshot.commanded, np.radians(within_deg)
         low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)
-    session.rehearse(postures_apart(low, high, count, np.random.default_rng(seed)))
+    session.rehearse(rehearsal_postures(low, high, count, np.random.default_rng(seed)))
 
 
 def motions_of_imitation(session: Session) -> int:

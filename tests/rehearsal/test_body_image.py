@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sameness import assert_same
 
-from viewimit.body_image import FEWEST, Body, BodyImage, postures_apart
+from viewimit.body_image import FEWEST, Body, BodyImage, postures_apart, rehearsal_postures
 from viewimit.servo.visit import Visit
 
 PANDA = Body("panda", (2, 4), (90.0, 180.0), 10, "points", (0.0, 0.0))
@@ -102,6 +102,21 @@ def test_postures_are_within_limits_and_apart_and_repeat_themselves(count):
     far = lambda among: np.linalg.norm(drawn[:, None] - among, axis=-1).min(1).mean()
     chance = [far(np.random.default_rng(k).uniform(size=(count, 2))) for k in range(20)]
     assert far(scaled) < min(chance), "nearer to every posture of the range than any random ones"
+
+
+@pytest.mark.parametrize("count", [5, 12])
+def test_a_rehearsal_turns_each_joint_by_itself_and_goes_far_apart(count):
+    postures = rehearsal_postures(LOW, HIGH, count, np.random.default_rng(1))
+    assert postures.shape == (count, 2) and (postures >= LOW).all() and (postures <= HIGH).all()
+    turned = np.abs(np.diff(postures[:3], axis=0))
+    assert (turned > np.radians(15)).tolist() == [[True, False], [False, True]] and turned.max() < np.radians(25)
+    apart = postures_apart(LOW, HIGH, count - 2, np.random.default_rng(1))
+    np.testing.assert_array_equal(np.delete(postures, [1, 2], 0), apart)
+
+
+def test_too_few_postures_for_both_are_far_apart():
+    few = rehearsal_postures(LOW, HIGH, 4, np.random.default_rng(1))
+    np.testing.assert_array_equal(few, postures_apart(LOW, HIGH, 4, np.random.default_rng(1)))
 
 
 def test_the_way_through_them_is_short():

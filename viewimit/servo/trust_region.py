@@ -90,7 +90,7 @@ class TrustRegion:
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
         state, seen = arrived(state, seen)
-        if state.rehearsed and not holds(state.rehearsed, state.visits, seen.noise_px):
+        if state.rehearsed and state.kinematics is None and not holds(state.rehearsed, state.visits, seen.noise_px):
             state = without_rehearsal(state)
         if state.probes:
             return probe(state, seen)

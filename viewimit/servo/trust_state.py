@@ -95,10 +95,10 @@ def arrived(state: TrustState, seen: Observation) -> tuple[TrustState, Observati
         return _by_images(state, seen, state.strayed)
     again = np.array_equal(state.visits[-1].displacement, seen.displacement)
     after = replace(state, visits=(*state.visits[: -1 if again else None], here)[-KEPT:])
-    if again:
+    if again and len(after.visits) > 1:
         return after, seen
     after = _with_kinematics(after, seen)
-    if after.kinematics is None and contradicts(state.known, here, seen.noise_px):
+    if not again and after.kinematics is None and contradicts(state.known, here, seen.noise_px):
         return _disobeyed(state, here), seen
     return after, seen
 

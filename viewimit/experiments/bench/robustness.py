@@ -20,7 +20,7 @@ NEAR_DEG = (0.5, 1.0, 3.0)
 SURELY = 3.0  # standard deviations
 PATIENCE = 20  # looks in a row with too few points, after which a learner is given up
 SEVEN = tuple(range(1, 8))
-SEVEN_16, SEVEN_REHEARSED = {"joints": SEVEN, "points": 16}, 80
+SEVEN_16, SEVEN_REHEARSED = {"joints": SEVEN, "points": 16}, 12
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import pytest
 
 from viewimit import Session, Settings
 from viewimit.geometry.kinematics.fit import fit_kinematics
+from viewimit.servo.images.kinematic_images import CONFIRMING
 from viewimit.servo.images.learned import Learned, seen_at
 from viewimit.servo.images.own_noise import own_noise
 from viewimit.servo.images.surrogate import learn
@@ -86,3 +87,14 @@ def test_what_noise_adds_to_the_curvature_is_the_mean_square_of_drawn_slopes(ima
     slopes = images.drawn(at, 500, seed=4)[1].reshape(500, 2, -1)
     expected = np.einsum("dik,djk->ij", slopes, slopes) / (500 * 10)
     np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=5 * np.sqrt(2 / 8))
+
+
+@pytest.mark.parametrize("count", [CONFIRMING - 1, CONFIRMING])
+def test_points_count_as_seen_only_where_enough_others_were(visits, count):
+    """A posture at which nearly nothing was seen is no evidence of what kinematics foretell there."""
+    last = Visit.of(visits[3].displacement, visits[3].own, (np.arange(10) < count)[:, None] & visits[3].seen)
+    shown = [*visits[:3], last]
+    images = Learned(shown, NOISE_PX, fit_kinematics(seen_at(shown), NOISE_PX)).about()
+    expected = np.arange(10) < (10 if count == CONFIRMING else count)
+    np.testing.assert_array_equal(images.seen[3], expected)
+    assert images.seen[:3].all()

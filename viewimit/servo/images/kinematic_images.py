@@ -15,6 +15,7 @@ from ...geometry.kinematics.seen import Seen
 from .surrogate import Surrogate
 
 APART = 1e-5  # rad, of difference quotients
+CONFIRMING = 4  # points seen at a visit, so that the others are as good as seen
 TINY = 1e-3  # standard deviations, of linear draws
 
 
@@ -36,11 +37,13 @@ class KinematicImages:
 
     @property
     def seen(self) -> NDArray:
-        """(n, N) bool: in both images, or as good as seen there: where kinematics tell it."""
-        return self.visited.whole | self._told[:, 0]
+        """(n, N) bool: in both images, or as good as seen there, as what was seen confirms the kinematics."""
+        confirmed = self.visited.whole.sum(1, keepdims=True) >= CONFIRMING
+        return self.visited.whole | (confirmed & self._told[:, 0])
 
     def completed(self, own: NDArray) -> NDArray:
-        """The images visited, (n, N, 4) px, those that were not seen as they are foretold."""
+        """The images visited, (n, N, 4) px, those that were not seen as they are foretold: `seen` says what they are
+        worth."""
         seen = self.visited.whole[..., None]
         return own if seen.all() else np.where(seen, own, self.predict(self.visited.displacement))
 

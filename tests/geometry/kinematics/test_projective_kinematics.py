@@ -41,6 +41,16 @@ def test_a_body_whose_points_do_not_turn_together_has_no_kinematics():
     assert fit_kinematics(body.seen(more), 0.0) is None
 
 
+@pytest.mark.parametrize("count", range(4))
+def test_hardly_any_points_tell_none(count):
+    """Of all but so many nothing is seen, at any visit."""
+    body = TurningBody(np.random.default_rng(0), ON, 2)
+    for begins in (0, 5):
+        whole = np.tile((np.arange(len(ON)) >= begins) & (np.arange(len(ON)) < begins + count), (3, 1))
+        for noise_px in (0.0, 0.2):
+            assert fit_kinematics(body.seen(body.probes(), whole), noise_px) is None
+
+
 def test_too_few_points_or_visits_tell_none():
     body = TurningBody(np.random.default_rng(0), [0, 1, 2], 2)
     assert fit_kinematics(body.seen(body.probes()), 0.0) is None

@@ -42,6 +42,10 @@ class Adjustment:
         parameters = FRAME + 6 * self.seen.displacement.shape[1]
         return 3 * (int(np.count_nonzero(self.seen.whole)) - self.seen.points) - parameters
 
+    def of_known(self, found: ProjectiveKinematics) -> "Adjustment":
+        """To the images of those points alone of which it knows."""
+        return replace(self, seen=self.seen.only(~found.unknown))
+
     def left(self, found: ProjectiveKinematics) -> NDArray:
         """(..., K, N, 3) px, 0 of what was not seen. found: with (..., P) parameters and (..., N, 3) points."""
         off = found.coordinates(self.seen.displacement) - self.coordinates

@@ -14,6 +14,7 @@ from .seen import Seen
 
 FORESEEN = 1e-6  # px, off without noise, from which nothing is to be learned
 IN_SPACE = 3.0  # times the noise: rms distance of images from a hyperplane, which those of parallel cameras have
+FEWEST = 4  # points that span a space
 NEAR = np.radians(40.0)  # from the first visit, of visits to begin with
 OF_ONE = 16.0  # times the noise's square, of a point that was placed by a single image
 CLEARLY = 4.0  # times as much by other joints
@@ -22,12 +23,13 @@ CLEARLY = 4.0  # times as much by other joints
 def fit_kinematics(
     seen: Seen, noise_px: float, rectification: Rectification | None = None, before: ProjectiveKinematics | None = None
 ) -> ProjectiveKinematics | None:
-    """noise_px: of an image coordinate, standard deviation; before: what explained all visits but the last."""
+    """What explains all visits as well as noise allows, None if nothing is found that does. noise_px: of an image
+    coordinate, standard deviation; before: what explained all visits but the last."""
     if before is not None and (before.rectification is None) != (rectification is None):
         before = None
     if before is not None and noise_px == 0 and before.rectification is rectification and _foresaw(before, seen):
         return before
-    if len(seen.displacement) <= seen.displacement.shape[1]:
+    if len(seen.displacement) <= seen.displacement.shape[1] or seen.points < FEWEST:
         return None
     grouped = moved_points(seen, noise_px)
     if grouped is None:
@@ -42,13 +44,12 @@ def fit_kinematics(
     moved = np.where(begun.unknown[:, None], moved, begun.moved)
     begun = replace(begun, moved=moved, rectification=rectification)
     begun = begun.with_points(told & begun.unknown, seen, coordinates)
-    found = _adjusted(begun, Adjustment(seen, coordinates, noise_px), anew=before is None)
+    whole = Adjustment(seen, coordinates, noise_px)
+    found = _adjusted(begun, whole, anew=before is None)
     if found is None:
         return None
-    more = _with_others(found, found.unknown & (seen.whole.sum(0) > 1), Adjustment(seen, coordinates, noise_px))
-    return (
-        found if more is found else Adjustment(seen.only(~more.unknown), coordinates, noise_px).adjusted(more) or found
-    )
+    more = _with_others(found, found.unknown & (seen.whole.sum(0) > 1), whole)
+    return found if more is found else whole.of_known(more).adjusted(more) or found
 
 
 def _anew(seen: Seen, images: NDArray, rectification: Rectification | None) -> ProjectiveKinematics:
@@ -68,7 +69,7 @@ def _foresaw(before: ProjectiveKinematics, seen: Seen) -> bool:
 
 def _adjusted(begun: ProjectiveKinematics, whole: Adjustment, anew: bool) -> ProjectiveKinematics | None:
     """anew: beginning with visits that are near, and again with other joints for the points that contradict."""
-    known = replace(whole, seen=whole.seen.only(~begun.unknown))
+    known = whole.of_known(begun)
     if known.freedom < 1:
         return None
     if not anew:

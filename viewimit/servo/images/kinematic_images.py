@@ -21,19 +21,14 @@ TINY = 1e-3  # standard deviations, of linear draws
 
 @dataclass(frozen=True)
 class KinematicImages:
-    """process: what the same visits, `visited`, tell without kinematics."""
+    """centre: (m,) rad; visited: what was learned from; noise_px: of an image coordinate; process: what the same visits
+    tell without kinematics, None where those tell all points."""
 
     kinematics: ProjectiveKinematics
-    process: Surrogate
+    centre: NDArray
     visited: Seen
-
-    @property
-    def centre(self) -> NDArray:
-        return self.process.centre
-
-    @property
-    def noise_px(self) -> float:
-        return self.process.noise_px
+    noise_px: float
+    process: Surrogate | None
 
     @property
     def seen(self) -> NDArray:
@@ -54,16 +49,15 @@ class KinematicImages:
     def predict(self, displacement: NDArray) -> NDArray:
         """(..., m) rad → (..., N, 4) px"""
         images = self.kinematics.predict(displacement)
-        if self._told.all():
-            return images
-        return np.where(self._told, images, self.process.predict(displacement))
+        return images if self.process is None else np.where(self._told, images, self.process.predict(displacement))
 
     def only(self, points: NDArray) -> "KinematicImages":
         """The same of some points, (N,) bool, that knows nothing of the others."""
         if points.all():
             return self
         shape = np.where(points[:, None], self.kinematics.shape, np.nan)
-        return replace(self, kinematics=replace(self.kinematics, shape=shape), process=self.process.only(points))
+        process = None if self.process is None else self.process.only(points)
+        return replace(self, kinematics=replace(self.kinematics, shape=shape), process=process)
 
     def slopes(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (m, N, 4) px/rad"""
@@ -78,13 +72,13 @@ class KinematicImages:
             columns = self._with(self._information.columns(TINY)).predict(displacement)
             off = (columns - self.kinematics.predict(displacement)) * (self.noise_px / TINY)
             spread = np.sqrt((off**2).sum(0).mean(-1))
-        return spread if self._told.all() else np.where(self._told[:, 0], spread, self.process.spread(displacement))
+        rest = np.inf if self.process is None else self.process.spread(displacement)
+        return np.where(self._told[:, 0], spread, rest)
 
     def unlearned_slopes(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (N,) px/rad: as the process has it, 0 for points that kinematics tell."""
-        if self._told.all():
-            return np.zeros(len(self._told))
-        return np.where(self._told[:, 0], 0.0, self.process.unlearned_slopes(displacement))
+        rest = np.inf if self.process is None else self.process.unlearned_slopes(displacement)
+        return np.where(self._told[:, 0], 0.0, rest)
 
     def drawn(self, displacement: NDArray, draws: int, seed: int) -> tuple[NDArray, NDArray]:
         """(m,) rad → draws of what the noise of all visits makes of the image foretold there, (draws, N, 4) px, and of
@@ -94,7 +88,7 @@ class KinematicImages:
         off = self._with(self._information.draws(rng, draws, TINY)).predict(displacement + apart)
         off = (off - self.kinematics.predict(displacement + apart)) * (self.noise_px / TINY)
         images, slopes = off[:, 0], (off[:, 1:] - off[:, :1]) / APART
-        if self._told.all():
+        if self.process is None:
             return images, slopes
         noise = self.noise_px * rng.standard_normal((draws, len(self.seen), *images.shape[1:]))
         of_images = np.tensordot(self.process.image_weights(displacement), noise, ([0], [1]))

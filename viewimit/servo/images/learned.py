@@ -24,10 +24,14 @@ class Learned:
 
     def about(self, centre: int = -1) -> Images:
         """About one of the visits."""
-        process = learn(list(self.visits), centre % len(self.visits), self.noise_px)
         if self.kinematics is None:
-            return process
-        return KinematicImages(self.kinematics, process, seen_at(self.visits))
+            return self._smoothly(centre)
+        process = self._smoothly(centre) if self.kinematics.unknown.any() else None
+        there = self.visits[centre].displacement
+        return KinematicImages(self.kinematics, there, seen_at(self.visits), self.noise_px, process)
+
+    def _smoothly(self, centre: int) -> Surrogate:
+        return learn(list(self.visits), centre % len(self.visits), self.noise_px)
 
 
 def seen_at(visits: Sequence[Visit]) -> Seen:

@@ -18,6 +18,7 @@ from .screws import exponentials, powers, twist_matrices
 from .seen import Seen
 
 FRAME = 8  # parameters: logarithms of two scales, three shears, the plane at infinity
+MOST_SCALE = 20.0  # of these logarithms: however wild a step is, the frame has an inverse
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ class ProjectiveKinematics:
         """(..., 4, 4): from the projective frame to a metric one."""
         parameters = self.parameters
         A = np.zeros((*parameters.shape[:-1], 4, 4))
-        A[..., 0, 0], A[..., 1, 1] = np.exp(parameters[..., 0]), np.exp(parameters[..., 1])
+        A[..., [0, 1], [0, 1]] = np.exp(np.clip(parameters[..., :2], -MOST_SCALE, MOST_SCALE))
         A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(parameters[..., 2:5], -1, 0)
         A[..., 2, 2] = A[..., 3, 3] = 1.0
         A[..., 3, :3] = parameters[..., 5:FRAME]

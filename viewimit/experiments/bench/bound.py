@@ -1,38 +1,90 @@
-"""The Cramér-Rao bound: how exactly the joints can be told at best from noisy images of the demonstrator.
+"""The Cramér-Rao bound: how exactly the joints can be told at best from noisy images.
 
-What is granted: the fundamental matrix of the head, and the own images at every posture, both without noise. What is
-not known of the two bodies and places is one projective map of space: the demonstrator's points are H times the own
-ones, H (4, 4), so that its images depend on θ and H. It needs the truth, so it is for benchmarks.
+What is not known of the two bodies and places is one projective map of space: the demonstrator's points are H times the
+own ones, H (4, 4), so that its images depend on θ and H. Either the own images are granted at every posture, without
+noise; or they are as noisy, and all that tells of the own body is what was seen of it at the postures visited: then
+where its points and joints are, by what each joint's angles are multiplied, and the projective frame A that
+uncalibrated eyes leave open, are not known either. The fundamental matrix of the head is granted. It needs the truth,
+so it is for benchmarks.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulation.camera import Cameras
 from ...simulation.world import World
 
 STEP = 1e-5  # rad, m
-SINGULAR = 1e-9
+SINGULAR = 1e-10  # of the largest singular value: what moves nothing, as scales and where the two bodies stand
 
 
-def bound(world: World, theta: NDArray, noise_px: float) -> NDArray:
-    """theta: (m,) rad, of the demonstrator; noise_px: of its image coordinates → standard deviations (m,) rad."""
+def bound(world: World, theta: NDArray, noise_px: float, visited: Sequence[NDArray] | None = None) -> NDArray:
+    """theta: (m,) rad, of the demonstrator; noise_px: of image coordinates; visited: (m,) rad each, postures that the
+    own body is known by, None if its images are granted → standard deviations (m,) rad."""
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
-    H = _similarity(own, demo)
-    by_joint = [_points_motion(world, theta, step) @ H[:, :3].T for step in STEP * np.eye(len(theta))]
-    h = np.concatenate([own, np.ones((len(own), 1))], 1)
-    by_H = [coordinate[:, None] * row for coordinate in h.T for row in np.eye(3)]
-    by_H += [coordinate[:, None] * demo for coordinate in h.T]  # H's last row moves points towards the origin
-    J, J_H = (np.stack([_image_motion(world, demo, motion) for motion in motions], 1) for motions in (by_joint, by_H))
-    U, sigma, _ = np.linalg.svd(J_H / np.linalg.norm(J_H, axis=0), full_matrices=False)
-    U = U[:, sigma > SINGULAR * sigma[0]]  # one direction, H's scale, moves nothing
+    H = _similarity(own, demo)[:, :3]
+    by_image = _image_derivatives(world.demo_pair, demo)
+    J, unknown = _moved(by_image, _joint_motions(world, theta) @ H.T), _moved(by_image, _projective_motions(demo))
+    if visited is not None:
+        of_demo = _moved(by_image, _body_motions(world, theta) @ H.T)
+        of_own = [_own_unknown(world, posture) for posture in visited]
+        none = np.zeros((len(of_own) * len(J), J.shape[1] + unknown.shape[1]))
+        of_frame = np.zeros((len(J), len(of_own[0].T) - len(of_demo.T)))
+        J, unknown = np.vstack([J, none[:, : J.shape[1]]]), np.vstack([unknown, none[:, J.shape[1] :]])
+        unknown = np.hstack([unknown, np.vstack([np.hstack([of_frame, of_demo]), *of_own])])
+    size = np.linalg.norm(unknown, axis=0)
+    U, sigma, _ = np.linalg.svd(unknown / np.where(size > 0, size, 1.0), full_matrices=False)
+    U = U[:, sigma > SINGULAR * sigma[0]]
     told = J - U @ (U.T @ J)
     return noise_px * np.sqrt(np.diag(np.linalg.pinv(told.T @ told)))
 
 
-def _points_motion(world: World, theta: NDArray, step: NDArray) -> NDArray:
-    """(N, 3) m/rad of the own points along a step, (m,) rad, of length STEP."""
-    ahead, behind = (world.points_world(theta + sign * step, world.T_world_own) for sign in (1, -1))
-    return (ahead - behind) / (2 * STEP)
+def _own_unknown(world: World, theta: NDArray) -> NDArray:
+    """(4 N, 16 + P): how the own images at a posture go with the frame and the body."""
+    own = world.points_world(theta, world.T_world_own)
+    motions = np.concatenate([_projective_motions(own), _body_motions(world, theta)])
+    return _moved(_image_derivatives(world.own_pair, own), motions)
+
+
+def _joint_motions(world: World, theta: NDArray) -> NDArray:
+    """(m, N, 3) m/rad of the own points."""
+    at = lambda step: world.points_world(theta + step, world.T_world_own)
+    return np.array([(at(step) - at(-step)) / (2 * STEP) for step in STEP * np.eye(len(theta))])
+
+
+def _body_motions(world: World, theta: NDArray) -> NDArray:
+    """(P, N, 3) of the own points: with where each point is on its link, with where and how each moving link is on its
+    joint, and with each joint's factor."""
+    points, frames = world.points_world(theta, world.T_world_own), world.link_frames(theta, world.T_world_own)
+    count, link = len(points), world.body.link
+    of_points = np.zeros((count, 3, count, 3))
+    of_points[range(count), :, range(count)] = frames[link, :3, :3].swapaxes(1, 2)
+    of_joints = [angle * motion for angle, motion in zip(theta, _joint_motions(world, theta))]
+    for joint in world.scene.moving:
+        carried, axes = (link > joint)[:, None], frames[joint + 1, :3, :3].T
+        arms = points - frames[joint + 1, :3, 3]
+        of_joints += [carried * np.cross(axis, arms) for axis in axes] + [carried * axis for axis in axes]
+    return np.concatenate([of_points.reshape(-1, count, 3), of_joints])
+
+
+def _projective_motions(points: NDArray) -> NDArray:
+    """(16, N, 3) of points (N, 3) m, by each number of a (4, 4) that maps them, about 1."""
+    h = np.concatenate([points, np.ones((len(points), 1))], 1).T
+    affine = h[:, None, :, None] * np.eye(3)[:, None]
+    return np.concatenate([affine.reshape(-1, len(points), 3), h[:, :, None] * points])
+
+
+def _image_derivatives(pair: Cameras, points: NDArray) -> NDArray:
+    """(N, 4, 3) px/m, by points (N, 3) m."""
+    at = lambda step: np.concatenate(list(pair.images(points + step)[0]), 1)
+    return np.stack([(at(step) - at(-step)) / (2 * STEP) for step in STEP * np.eye(3)], -1)
+
+
+def _moved(by_image: NDArray, motions: NDArray) -> NDArray:
+    """(4 N, P) of images with these derivatives, (N, 4, 3), as motions (P, N, 3) move their points."""
+    return np.einsum("nij,pnj->nip", by_image, motions).reshape(-1, len(motions))
 
 
 def _similarity(a: NDArray, b: NDArray) -> NDArray:
@@ -42,10 +94,3 @@ def _similarity(a: NDArray, b: NDArray) -> NDArray:
     R = U @ np.diag([1, 1, np.sign(np.linalg.det(U @ Vt))]) @ Vt
     s = np.linalg.norm(b - mean_b) / np.linalg.norm(a - mean_a)
     return np.column_stack([s * R, mean_b - s * R @ mean_a])
-
-
-def _image_motion(world: World, points: NDArray, motion: NDArray) -> NDArray:
-    """(4 N,) px: how the images in [l], [r] of points (N, 3) m move with a motion (N, 3) m."""
-    short = STEP / max(float(np.abs(motion).max()), 1e-300)
-    ahead, behind = (world.demo_pair.images(points + sign * short * motion)[0] for sign in (1, -1))
-    return ((ahead - behind) / (2 * short)).ravel()

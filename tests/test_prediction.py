@@ -4,9 +4,11 @@ import msgspec
 import numpy as np
 
 from viewimit.prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
+from viewimit.servo.identities import exchanged, with_exchanged
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
+from viewimit.transfer.weighted import Weighted
 from viewimit.views import FourViews
 
 
@@ -27,6 +29,53 @@ def test_a_servo_may_ask_another_transfer_and_for_weights():
     assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # nothing can be told of such images
     weighed = ask(own, None, own)
     assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
+
+
+def half_seen(session, points):
+    """Its present, [r] of these points hidden."""
+    views = session.snapshot.views
+    visible, demo = views.visible.copy(), views.demo.copy()
+    visible[points, 1], demo[points, 2:] = False, np.nan
+    return session.snapshot.with_fields(views=FourViews(demo, views.own, visible))
+
+
+def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_transfer_that_can():
+    session = Session(Settings(transfer="projective"))
+    there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
+    now = half_seen(session, [2, 7])
+    assert now.half_shown == 2 and now.shown == 8
+    ask = PredictedConflict(now)
+    assert ask(there).shape == (8, 4)
+    e = ask.with_half_seen()(there)
+    assert e.shape == (10, 4) and np.abs(e).max() < 1e-8
+    aside = np.array([there, there])
+    aside[1, 7, 3] += 1.0  # across the line on which it would be recovered
+    assert (ask(aside) == ask(there)).all() and np.abs(ask.with_half_seen()(aside)[1]).max() > 0.05
+    aside[1, 7] = np.nan
+    assert ask.with_half_seen()(aside).shape == (2, 9, 4)
+    assert np.isposinf(ask.with_half_seen()(np.full_like(there, np.nan))).all()
+    np.testing.assert_array_equal(ask.with_half_seen()(aside, "linear"), ask(aside, "linear"))
+    pairs = ((2, 3),)
+    swapped = exchanged(there, pairs)
+    np.testing.assert_array_equal(with_exchanged(ask, pairs).with_half_seen()(swapped), e)
+    for changed in ({"transfer": "epipolar"}, {"rectify": "off"}):
+        settings = msgspec.structs.replace(now.settings, **changed)
+        assert now.with_fields(settings=settings).half_shown == 0
+
+
+def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_alike_elsewhere():
+    session = Session(Settings(transfer="projective", scene="panda-toed", points=16, noise_px=0.2))
+    while session.snapshot.rectification is None and session.step():
+        pass
+    there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
+    now = half_seen(session, [1, 4, 9])
+    ask, own = PredictedConflict(now, noise_px=0.2).with_half_seen(), now.views.own
+    for like, weighed in ((there, True), (own + 40 * np.sin(own), False)):
+        views = FourViews(now.views.demo, like, now.views.visible)
+        by = Weighted.like if weighed else Weighted.even
+        np.testing.assert_array_equal(
+            ask(there, like=like), by(views, now.rectification).residual(views.with_own(there))
+        )
 
 
 def test_images_of_a_batch_are_answered_as_each_of_them():

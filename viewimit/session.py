@@ -206,6 +206,7 @@ class Session:
             noise_px=noise_px if known is None else max(noise_px, known.noise_px),
             rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
             shown=now.shown,
+            half_shown=now.half_shown,
             heads=0 if now.rectification is None else len(now.rectification.others),
             rectification=now.rectification,
         )

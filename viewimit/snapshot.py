@@ -66,6 +66,12 @@ class Snapshot:
         return int(np.count_nonzero(self.views.visible[:, :2].all(-1)))
 
     @property
+    def half_shown(self) -> int:
+        """How many are in sight in one image alone, for a transfer that can ask them: on a line of the other image."""
+        asked = TRANSFERS[self.settings.transfer].half_seen is not None and self.settings.rectify != "off"
+        return int(np.count_nonzero(self.views.half_seen)) if asked else 0
+
+    @property
     def shows_demonstrator(self) -> bool:
         """By as many points as a transfer needs."""
         return self.shown >= MIN_POINTS

@@ -88,6 +88,11 @@ class FourViews:
         return np.asarray(self.visible.all(-1))
 
     @property
+    def half_seen(self) -> NDArray:
+        """(..., N) bool: points of the demonstrator that one camera alone sees."""
+        return self.visible[..., 0] != self.visible[..., 1]
+
+    @property
     def used(self) -> "FourViews":
         """The views of the usable points only, of one posture."""
         return self if self.complete else self.select(self.usable)

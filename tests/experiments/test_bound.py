@@ -106,6 +106,20 @@ def test_the_more_is_seen_of_the_own_body_the_nearer_it_comes_to_own_images_that
     assert (looks[2] > granted).all() and (looks[2] < 1.02 * granted).all()
 
 
+def test_a_joint_is_lost_with_the_points_that_tell_it(world):
+    """One image of a base point, of three numbers two, tells the first joint; without any nothing does."""
+    whole, link = bound(world, THERE, 1.0), world.body.link
+    seen = np.ones((10, 2), bool)
+    np.testing.assert_array_equal(bound(world, THERE, 1.0, seen=seen), whole)
+    base = link <= world.scene.moving[0]
+    seen[base] = False
+    first, second = bound(world, THERE, 1.0, seen=seen)
+    assert np.isinf(first) and whole[1] < second < np.inf
+    seen[np.flatnonzero(base)[0], 0] = True
+    half = bound(world, THERE, 1.0, seen=seen)
+    assert (whole < half).all() and np.isfinite(half).all()
+
+
 def test_it_goes_with_the_noise(world, visited):
     np.testing.assert_allclose(
         bound(world, THERE, 3.0, list(visited)), 3 * bound(world, THERE, 1.0, list(visited)), rtol=1e-6

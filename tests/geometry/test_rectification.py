@@ -5,7 +5,7 @@ import pytest
 from stereo_heads import EQUAL, UNLIKE, head, matches
 
 from viewimit.geometry.fundamental import epipoles, fit_fundamental
-from viewimit.geometry.rectification import LEAST_PX, affine_squares, in_equal_rows, rectification_of, rectify
+from viewimit.geometry.rectification import LEAST_PX, affine_squares, in_equal_rows, level, rectification_of, rectify
 
 NEEDED = [head(12), head(3, *UNLIKE), head(20, *UNLIKE)]
 PARALLEL = [head(0), head(0, *UNLIKE)]
@@ -21,6 +21,22 @@ def test_matches_lie_in_equal_rows_also_those_that_it_was_not_found_from(stereo)
     np.testing.assert_allclose(rows[:, 0], rows[:, 1], atol=1e-8)
     assert np.abs(np.diff(images[:, 1::2])).max() > 1  # px, before
     np.testing.assert_allclose(found.restore(found.apply(images)), images, atol=1e-9)
+
+
+@pytest.mark.parametrize("stereo", PARALLEL)
+@pytest.mark.parametrize("roll_deg", [0, 8])
+def test_matches_of_parallel_axes_lie_in_equal_rows_once_they_are_level(stereo, roll_deg):
+    left, right, _ = matches(stereo, np.random.default_rng(0))
+    turn = np.radians([roll_deg, -2 * roll_deg])
+    left, right = (
+        (points - 200) @ [[np.cos(by), np.sin(by)], [-np.sin(by), np.cos(by)]] + 200
+        for points, by in zip((left, right), turn)
+    )
+    rows = level(left[:40], right[:40]).apply(np.concatenate([left, right], 1))
+    np.testing.assert_allclose(rows[:, 1], rows[:, 3], atol=1e-8)
+    for before, after in ((left, rows[:, :2]), (right, rows[:, 2:])):  # turned and scaled, not mirrored
+        (into, *_), scale = np.linalg.lstsq(np.c_[before, np.ones(len(before))], after, rcond=None), after.std(0)
+        assert np.linalg.det(into[:2]) > 0 and (scale > 1).all()
 
 
 @pytest.mark.parametrize("stereo", NEEDED)

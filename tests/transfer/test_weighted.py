@@ -55,6 +55,44 @@ def test_E_is_zero_in_the_demonstrators_posture_and_there_only(world, rectificat
     assert np.delete(E.ravel(), 60).min() > 1e-3
 
 
+def half_seen(views, rng, share=0.3):
+    """The same, some points of the demonstrator without one of their images."""
+    visible = views.visible.copy()
+    points = rng.choice(len(visible), int(share * len(visible)), replace=False)
+    visible[points, rng.integers(2, size=len(points))] = False
+    demo = np.where(np.repeat(visible[:, :2], 2, 1), views.demo, np.nan)
+    return FourViews(demo, views.own, visible)
+
+
+def test_a_point_that_one_camera_alone_sees_tells_too_and_what_the_other_would_see_has_no_part(world, rectification):
+    views = half_seen(world.look(THERE, THERE), np.random.default_rng(5))
+    around = THERE + np.radians(np.stack(np.meshgrid(*[np.arange(-10, 11, 2.0)] * 2, indexing="ij"), -1))
+    own = own_at(world, around)
+    for by in (Weighted.even(views, rectification), Weighted.like(views, rectification)):
+        e = by.residual(views.with_own(own))
+        E = conflict(e)
+        assert E[5, 5] < 1e-18 and np.delete(E.ravel(), 60).min() > 1e-4
+        assert (e[..., np.repeat(~views.visible[:, :2], 2, 1)] == 0).all()
+    elsewhere = FourViews(np.where(np.isnan(views.demo), 77.0, views.demo), views.own, views.visible)
+    np.testing.assert_array_equal(e, by.residual(elsewhere.with_own(own)))
+
+
+def test_points_half_seen_tell_a_joint_that_the_others_leave_open(world, rectification):
+    """Without a whole point of the base, the first joint turns all that is seen."""
+    views = world.look(THERE, THERE)
+    base = world.body.link < world.scene.moving[0] + 1
+    assert 0 < base.sum() < 16 - 5
+    turned = own_at(world, THERE + np.radians([[0.0, 0.0], [15.0, 0.0]]))
+    visible = views.visible.copy()
+    visible[base, :2] = False
+    without = FourViews(views.demo, views.own, visible).select(~base)
+    assert conflict(Weighted.even(without, rectification).residual(without.with_own(turned[:, ~base]))).max() < 1e-12
+    visible[base, 0] = True
+    lines = FourViews(views.demo, views.own, visible)
+    E = conflict(Weighted.even(lines, rectification).residual(lines.with_own(turned)))
+    assert E[0] < 1e-18 and E[1] > 0.1
+
+
 def test_images_of_a_batch_are_answered_as_each_of_them(world, rectification):
     views = world.look(THERE, THERE)
     by = Weighted.like(views, rectification)
@@ -70,6 +108,10 @@ def test_what_noise_leaves_is_that_noise_but_for_the_fifteen_parameters_of_G(wor
     by = Weighted.like(exact, rectification)
     squares = [np.square(by.residual(noisy(exact, rng, px, px))).sum() for _ in range(100)]
     assert np.mean(squares) == pytest.approx(px**2 * (4 * 16 - 15), rel=0.06)
+    half = half_seen(exact, np.random.default_rng(5))  # four points, each with half of its images
+    by = Weighted.like(half, rectification)
+    squares = [np.square(by.residual(noisy(half, rng, px, px))).sum() for _ in range(100)]
+    assert np.mean(squares) == pytest.approx(px**2 * (4 * 16 - 2 * 4 - 15), rel=0.06)
 
 
 def test_where_only_the_demonstrator_is_noisy_it_reaches_the_cramer_rao_bound(world, rectification, monkeypatch):

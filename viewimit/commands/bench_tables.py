@@ -145,10 +145,12 @@ def scenes_table(outcomes: Sequence[scenes.Outcome], heading: str) -> str:
 
 
 def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
-    """For people: a row a case. Shares of all runs, of those whose joints can be told, of all again, then of claims."""
+    """For people: a row a case. Shares of runs that end near, of those whose joints can be told, and of these that end
+    near; of all again; then of claims."""
     heads = (
         f"≤{claims.NEAR_DEG:g}°",
-        "if tellable",
+        "tellable",
+        "of these",
         "claimed",
         "not told",
         "no end",
@@ -160,10 +162,10 @@ def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
         "rms",
         "exp.",
     )
-    widths = (17, 17, 17, 17, 15, 8, 6, 20, 20, 20, 8, 8)
+    widths = (17, 17, 17, 17, 17, 15, 8, 6, 20, 20, 20, 8, 8)
     lines = [" " * 38 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
-        shares = ["–" if share is None else _share(share) for share in (o.within, o.within_tellable)]
+        shares = ["–" if share is None else _share(share) for share in (o.within, o.tellable, o.within_tellable)]
         shares += [_share(share) for share in (o.claimed, o.untold, o.unended)]
         motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
         of_claims = ["–" if share is None else _exact_share(share) for share in (o.beyond, o.falsely, o.covered)]

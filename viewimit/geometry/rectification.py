@@ -70,6 +70,18 @@ def rectify(F: NDArray, left: NDArray, right: NDArray) -> Rectification:
     return Rectification(H_left, H_right)
 
 
+def level(left: NDArray, right: NDArray) -> Rectification:
+    """Of cameras with parallel optical axes: the images turned so that their affine epipolar lines, Eq. (2), are rows,
+    the right ones as far apart as the left ones. left, right: (M, 2) px"""
+    mean, matches = centred(np.concatenate([left, right], 1))
+    normal = np.linalg.eigh(matches.T @ matches)[1][:, 0]
+    normal = normal * np.copysign(1.0, normal[1]) / np.hypot(*normal[:2])
+    (a, b, c, d), offset = normal, float(normal @ mean)
+    H_left = np.array([[b, -a, 0], [a, b, 0], [0, 0, 1]])
+    H_right = np.array([[-d, c, 0], [-c, -d, offset], [0, 0, 1]])
+    return Rectification(H_left, H_right)
+
+
 def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     """The matches' own, (M, 2) px each; None if they ask for none.
 

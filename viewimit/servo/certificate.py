@@ -20,6 +20,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.kinematics.fit import FORESEEN
 from .surroundings import UNTOLD, Surroundings, enough_points
 
 LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
@@ -86,7 +87,7 @@ def certify(here: Surroundings) -> Certificate:
             told = told & (np.abs(direction) <= PART)
         elif not check.any():
             check = _length(here, direction) * direction
-    noise = max(here.noise_px, np.sqrt(2 * here.points * here.E / here.freedom))
+    noise = max(here.noise_px, FORESEEN, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
     variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here, inverse) + _of_the_head(here, inverse)
     expected = np.where(told, np.sqrt(variance), np.inf)

@@ -6,6 +6,7 @@ left of E once the learner has gone there decides.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -27,15 +28,24 @@ def exchanged(images: NDArray, pairs: Pairs) -> NDArray:
     return images[..., exchange(np.arange(images.shape[-2]), pairs), :] if pairs else images
 
 
-def with_exchanged(conflict: Conflict, pairs: Pairs) -> Conflict:
+@dataclass(frozen=True)
+class ExchangedConflict:
     """The conflict if the pairs of the demonstrator's points are exchanged, which is that of exchanged own ones."""
-    if not pairs:
-        return conflict
 
-    def changed(own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
-        return conflict(exchanged(own, pairs), by, None if like is None else exchanged(like, pairs), head)
+    conflict: Conflict
+    pairs: Pairs
 
-    return changed
+    def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
+        like = None if like is None else exchanged(like, self.pairs)
+        return self.conflict(exchanged(own, self.pairs), by, like, head)
+
+    def with_half_seen(self) -> Conflict:
+        return ExchangedConflict(self.conflict.with_half_seen(), self.pairs)
+
+
+def with_exchanged(conflict: Conflict, pairs: Pairs) -> Conflict:
+    """The same if there are none."""
+    return ExchangedConflict(conflict, pairs) if pairs else conflict
 
 
 def likely_exchange(

@@ -23,6 +23,10 @@ class Conflict(Protocol):
 
     def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray: ...
 
+    def with_half_seen(self) -> "Conflict":
+        """The same that asks points of the demonstrator as well that one camera alone sees, after all others."""
+        ...
+
 
 @dataclass(frozen=True)
 class Observation:
@@ -31,7 +35,8 @@ class Observation:
     displacement: (m,) rad, made since the start; lower, upper: (m,) rad, what the joint limits leave of it.
     motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
     rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed. shown: how
-    many of the demonstrator's points are in sight. heads: how many other heads than it seems to be might be in its
+    many of the demonstrator's points are in sight; half_shown: and how many more in one image alone that can be asked.
+    heads: how many other heads than it seems to be might be in its
     place, each one standard deviation off in another respect. rectification: of the images, None if they need none.
     """
 
@@ -45,6 +50,7 @@ class Observation:
     noise_px: float = 0.0
     rehearsed: tuple[Visit, ...] = ()
     shown: int = 0
+    half_shown: int = 0
     heads: int = 0
     rectification: Rectification | None = None
 

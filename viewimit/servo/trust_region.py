@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..equations import Equation
+from ..geometry.kinematics.fit import FORESEEN
 from ..geometry.kinematics.frame import StereoFrame
 from ..geometry.kinematics.model import ProjectiveKinematics
 from ..geometry.rectification import Rectification
@@ -90,6 +91,7 @@ class TrustRegion:
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
         state, seen = arrived(state, seen)
+        conflict = conflict.with_half_seen() if state.lines else conflict
         if state.rehearsed and state.kinematics is None and not holds(state.rehearsed, state.visits, seen.noise_px):
             state = without_rehearsal(state)
         if state.probes:
@@ -112,6 +114,9 @@ class TrustRegion:
         if chasing:
             return replace(state, promised=None, status="moving", probe=False), np.zeros_like(seen.displacement)
         state, place = _placed(state, seen, ahead, weighted=measured.like is not None)
+        if _lines_may_tell(state, seen):
+            state = replace(state, lines=True, radius=first_radius(state.rehearsed), failures=0, promised=None)
+            return self._step(state, seen, conflict.with_half_seen(), chasing=False)
         settled = _settle(state, seen, place, ahead, int(measured.count[measured.best]))
         if settled is None:
             return self._step(*_otherwise(state, seen, conflict), chasing=False)
@@ -148,7 +153,7 @@ def _worthwhile(state: TrustState, seen: Observation, ahead: Outlook) -> bool:
     step, found = ahead.step, ahead.found
     promises = step >= DONE_STEP or (step >= LEAST_STEP and ahead.doubt_there < CERTAIN <= ahead.doubt)
     stands_there = np.abs(found.theta - seen.displacement).max() < LEAST_STEP
-    return bool(promises and not stands_there and state.failures < MOST_FAILURES)
+    return bool(promises and not stands_there and ahead.E > FORESEEN**2 and state.failures < MOST_FAILURES)
 
 
 def _onwards(
@@ -230,7 +235,12 @@ def _settle(
     if PHASES[state.phase][0] is None and certificate is not None:
         lost = certificate.spent and not certificate.told.all()
         asks = certificate.check.any() and state.checks < MOST_CHECKS * len(place)
-        if lost and not (asks and certificate.learnable) and told_by < seen.shown and state.restarts < MOST_RESTARTS:
+        if (
+            lost
+            and not (asks and certificate.learnable)
+            and told_by < _shown(state, seen)
+            and state.restarts < MOST_RESTARTS
+        ):
             return _where_more_is_seen(state, seen, place, ahead, told_by)
         barred = state.strayed is not None and ahead.doubt_there < CERTAIN  # its steps lead no nearer
         if barred or doubt < CERTAIN or ahead.E < NOISE_FLOOR * seen.noise_px**2 or lost:
@@ -248,6 +258,19 @@ def _settle(
     told = certificate is None or bool(certificate.told.all())
     limited = bool((np.minimum(ahead.found.theta - seen.lower, seen.upper - ahead.found.theta) < CLOSE).any())
     return _to_rest(replace(state, limited=limited), seen, place, "stalled" if told else "untold")
+
+
+def _lines_may_tell(state: TrustState, seen: Observation) -> bool:
+    """Whether points that one camera alone sees may tell a joint that the others do not. They cannot be held against
+    the other camera, so that they are asked only then."""
+    certificate = state.certificate if PHASES[state.phase][0] is None else None
+    lost = certificate is not None and certificate.spent and not certificate.told.all()
+    return lost and not state.lines and seen.half_shown > 0
+
+
+def _shown(state: TrustState, seen: Observation) -> int:
+    """How many points may tell of a posture."""
+    return seen.shown + (seen.half_shown if state.lines else 0)
 
 
 def _to_rest(state: TrustState, seen: Observation, place: NDArray, ending: str) -> tuple[TrustState, NDArray]:
@@ -276,4 +299,6 @@ def _where_more_is_seen(
 
 
 def _anew(state: TrustState) -> TrustState:
-    return replace(state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0, slight=0)
+    return replace(
+        state, phase=0, radius=float(FIRST_RADIUS), restarts=state.restarts + 1, checks=0, slight=0, lines=False
+    )

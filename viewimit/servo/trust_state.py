@@ -38,7 +38,8 @@ class TrustState:
     probes, and with it the whole range is the first region. needed: points by which E must be told at a posture for
     that to be the best, as those of another did not tell all joints. strayed: (m,) rad, from where the arm stands by
     its images to where it was sent, None as long as these agree; still: it stayed where it was, though it was sent
-    elsewhere. limited: where it stalled, E should be least where a joint cannot be sent on. kinematics: that explain
+    elsewhere. limited: where it stalled, E should be least where a joint cannot be sent on. lines: points that one
+    camera alone sees are asked, as the others do not tell every joint. kinematics: that explain
     all that is known of the own images, if any do: then they are foretold everywhere.
     """
 
@@ -65,6 +66,7 @@ class TrustState:
     strayed: NDArray | None = None
     still: bool = False
     limited: bool = False
+    lines: bool = False
     kinematics: ProjectiveKinematics | None = None
 
     @property

@@ -54,6 +54,8 @@ def says(state: TrustState, status: str) -> str:
         return "a probe, to learn how the images move"
     if state.strayed is not None:
         return "its arm does not stand where it was sent, so it goes by its images"
+    if state.lines:
+        return "asks points that one camera alone sees, too, as the others do not tell every joint"
     if state.kinematics is not None:
         return "knows how its joints turn its points, and goes where E should be least"
     other = PHASES[state.phase][0]

@@ -225,4 +225,5 @@ METHOD = TransferMethod(
     stored=(ProjectiveTransfer,),
     equations=equations,
     near=Weighted.like,
+    half_seen=Weighted.even,
 )

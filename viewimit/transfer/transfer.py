@@ -66,6 +66,8 @@ class TransferMethod:
     conflict_equation(E px²): in place of Eq. (6) where E is another function of the images.
     near(views, rectification): what weighs noise better than the transfer's own residuals, of rectified images near own
     ones that are like those of the views, of one posture; it gives residuals of any own images.
+    half_seen(views, rectification): the same that weighs all points alike, for views in which the demonstrator shows
+    one image alone of some points.
     """
 
     title: str
@@ -79,6 +81,7 @@ class TransferMethod:
     ill: str = FLAT
     conflict_equation: Callable[[float], Equation] | None = None
     near: Callable[[FourViews, Rectification], Residuals] | None = None
+    half_seen: Callable[[FourViews, Rectification], Residuals] | None = None
 
     def __call__(self, views: FourViews) -> FittedTransfer:
         """`fit`. Raises ValueError for coordinates that are not finite."""

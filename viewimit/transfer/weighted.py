@@ -5,9 +5,11 @@ projective map; so the demonstrator's images follow from the own ones by one hom
 read as (x_l, y, x_r, y). e_i = z_i - ẑ_i has the covariance Σ_i = D_i D_iᵀ + κ K_i K_iᵀ px² for noise of 1 px in the
 demonstrator's images and of √κ px in the own ones: D_i is the derivative of the rectification at the demonstrator's
 point, K_i that of ẑ_i by the own point in px. Σ_i is frozen at one own image; farther off it may be nearly singular.
+
+A point of the demonstrator that one camera alone sees has half of z_i, and no more than that is asked of ẑ_i.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +23,6 @@ STEADY = 1e-10  # of the normal equations' mean diagonal, added to it
 STEP_PX = 1e-3  # of difference quotients
 TO_TRIPLE = np.array([[1, 0, 0, 0], [0, 0.5, 0, 0.5], [0, 0, 1, 0]])
 TO_PAIR = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 0]])
-EQUAL = np.linalg.inv(np.linalg.cholesky(np.diag([1.0, 2, 1, 2])))  # weights before any are known: y counts once
 
 
 @dataclass(frozen=True)
@@ -36,21 +37,49 @@ class Weighted:
     @classmethod
     def like(cls, views: FourViews, rectification: Rectification) -> "Weighted":
         """views: of one posture, whose own images are taken for the weights."""
-        z, t = rectification.apply(views.demo), _triples(rectification, views.own)
-        frame = Frame.of(z, t)
-        G = _fit(z, t, np.broadcast_to(EQUAL, (len(z), 4, 4)), frame)
+        even = cls.even(views, rectification)
+        z, t, frame = _demo(rectification, views), _triples(rectification, views.own), even.frame
+        G = _fit(z, t, even.weight, frame)
         aside = STEP_PX * np.eye(4)
         moved = [_mapped(G, _triples(rectification, views.own + step), frame) for step in aside]
         K = (np.stack(moved, -1) - _mapped(G, t, frame)[..., None]) / STEP_PX
-        D = (np.stack([rectification.apply(views.demo + step) for step in aside], -1) - z[..., None]) / STEP_PX
+        stepped = [_demo(rectification, replace(views, demo=views.demo + step)) for step in aside]
+        D = (np.stack(stepped, -1) - z[..., None]) / STEP_PX
         covariance = D @ np.swapaxes(D, -1, -2) + OWN_SHARE * K @ np.swapaxes(K, -1, -2)
-        return cls(rectification, frame, np.linalg.inv(np.linalg.cholesky(covariance)))
+        return cls(rectification, frame, _whitening(covariance, views.visible[:, :2]))
+
+    @classmethod
+    def even(cls, views: FourViews, rectification: Rectification) -> "Weighted":
+        """All alike, as long as it is not known how noise spreads: each point's row counts once."""
+        eyes, none = views.visible[:, :2].sum(1), np.ones(len(views.demo))
+        covariance = np.stack([none, eyes, none, eyes], 1)[:, None] * np.eye(4)
+        frame = Frame.of(_demo(rectification, views), _triples(rectification, views.own.reshape(-1, 4)))
+        return cls(rectification, frame, _whitening(covariance, views.visible[:, :2]))
 
     def residual(self, views: FourViews) -> NDArray:
         """e C: (..., N, 4) px of the images as seen. views: own (..., N, 4) px, demo (N, 4)."""
-        z, t = self.rectification.apply(views.demo), _triples(self.rectification, views.own)
+        z, t = _demo(self.rectification, views), _triples(self.rectification, views.own)
         e = z - _mapped(_fit(z, t, self.weight, self.frame), t, self.frame)
         return np.einsum("nij,...nj->...ni", self.weight, e)
+
+
+def _demo(rectification: Rectification, views: FourViews) -> NDArray:
+    """(N, 4) rectified px; what one camera does not see is where a point at the mean depth of the others would be."""
+    seen = views.visible[:, :2]
+    if seen.all():
+        return rectification.apply(views.demo)
+    z = rectification.apply(np.nan_to_num(views.demo))
+    left, right = z[:, :2], z[:, 2:]
+    apart = (right - left)[seen.all(1)].mean(0) * [1, 0]
+    return np.concatenate([np.where(seen[:, :1], left, right - apart), np.where(seen[:, 1:], right, left + apart)], 1)
+
+
+def _whitening(covariance: NDArray, seen: NDArray) -> NDArray:
+    """(N, 4, 4): Cᵀ of what is seen, C Cᵀ = Σ⁻¹, else 0. covariance: (N, 4, 4); seen: (N, 2) bool."""
+    known = np.repeat(seen, 2, 1)
+    both = known[:, :, None] & known[:, None, :]
+    weight = np.linalg.inv(np.linalg.cholesky(np.where(both | np.eye(4, dtype=bool), covariance, 0.0)))
+    return weight if seen.all() else np.where(both, weight, 0.0)
 
 
 def _triples(rectification: Rectification, own: NDArray) -> NDArray:

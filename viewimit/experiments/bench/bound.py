@@ -18,11 +18,19 @@ from ...simulation.world import World
 
 STEP = 1e-5  # rad, m
 SINGULAR = 1e-10  # of the largest singular value: what moves nothing, as scales and where the two bodies stand
+UNTOLD = 1e-6  # of what a joint moves images by: what the unknown leaves of it, if nothing tells it
 
 
-def bound(world: World, theta: NDArray, noise_px: float, visited: Sequence[NDArray] | None = None) -> NDArray:
+def bound(
+    world: World,
+    theta: NDArray,
+    noise_px: float,
+    visited: Sequence[NDArray] | None = None,
+    seen: NDArray | None = None,
+) -> NDArray:
     """theta: (m,) rad, of the demonstrator; noise_px: of image coordinates; visited: (m,) rad each, postures that the
-    own body is known by, None if its images are granted → standard deviations (m,) rad."""
+    own body is known by, None if its images are granted; seen: (N, 2) bool, which images of the demonstrator there are,
+    None for all → standard deviations (m,) rad, inf of joints that nothing tells."""
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
     H = _similarity(own, demo)[:, :3]
     by_image = _image_derivatives(world.demo_pair, demo)
@@ -34,11 +42,16 @@ def bound(world: World, theta: NDArray, noise_px: float, visited: Sequence[NDArr
         of_frame = np.zeros((len(J), len(of_own[0].T) - len(of_demo.T)))
         J, unknown = np.vstack([J, none[:, : J.shape[1]]]), np.vstack([unknown, none[:, J.shape[1] :]])
         unknown = np.hstack([unknown, np.vstack([np.hstack([of_frame, of_demo]), *of_own])])
+    if seen is not None:
+        known = np.concatenate([np.repeat(seen, 2), np.ones(len(J) - 2 * seen.size, bool)])
+        J, unknown = J[known], unknown[known]
     size = np.linalg.norm(unknown, axis=0)
     U, sigma, _ = np.linalg.svd(unknown / np.where(size > 0, size, 1.0), full_matrices=False)
     U = U[:, sigma > SINGULAR * sigma[0]]
-    told = J - U @ (U.T @ J)
-    return noise_px * np.sqrt(np.diag(np.linalg.pinv(told.T @ told)))
+    _, told, directions = np.linalg.svd(J - U @ (U.T @ J))
+    lost = told < UNTOLD * np.linalg.norm(J, axis=0).max()
+    variances = (directions[~lost] ** 2 / told[~lost, None] ** 2).sum(0)
+    return noise_px * np.where((np.abs(directions[lost]) > UNTOLD).any(0), np.inf, np.sqrt(variances))
 
 
 def _own_unknown(world: World, theta: NDArray) -> NDArray:

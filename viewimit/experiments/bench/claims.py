@@ -6,24 +6,24 @@ points, those are seen whose normal faces the camera.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import msgspec
 import numpy as np
 
-from ...analysis.observability import joint_uncertainty
 from ...rehearsal import rehearse
-from ...servo.surroundings import UNTOLD
 from ...session import Session
 from ...settings import BEST
 from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
-from ...transfer import TRANSFERS
 from ..executors.study import Study, each
+from .bound import bound
 from .success import Share
 from .surface import SurfaceEyes, surface_points
 
 FALSE_DEG, TIMES, COVERED = 1.0, 3.0, 2.0  # off; times the expected error beyond which a claim is false; of coverage
 NEAR_DEG = 0.5
+LOOKS = 9  # postures a joint, evenly over its range
 MOST_MOTIONS, PATIENCE = 300, 5
 RIGID = ((4, 5, 6, 7), (2, 3, 4, 5, 6, 7), (0, 1, 2, 3))  # links: forearm and hand, all that moves, all but those
 TRIES = 200  # bodies, for one with enough points in sight at both ends
@@ -61,8 +61,8 @@ CASES = (
 @dataclass(frozen=True)
 class Ending:
     """Of one run: error: of the worst joint at the end, expected: what the learner says of that, degrees, inf or NaN
-    if it cannot; ended: whether it came to rest; tellable: whether the points in sight in all four images with the
-    learner at the demonstrator's posture tell every joint."""
+    if it cannot; ended: whether it came to rest; tellable: whether what the demonstrator shows tells every joint, be it
+    by next to nothing, of points that the learner sees of itself anywhere in its range."""
 
     status: str
     motions: int
@@ -85,12 +85,13 @@ class Ending:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of a case. within: NEAR_DEG of the demonstrator, of all runs, and of those that are `tellable`, None if there are
-    none; claimed, untold: shares of all runs; beyond: claims more than FALSE_DEG off, falsely: those of them
-    beyond TIMES the expected error as well; covered: claims within COVERED times it; unended: runs without an end.
-    rms_deg, expected_deg: of claims."""
+    """Of a case. tellable: of all runs; within: NEAR_DEG of the demonstrator, of all runs, and of those that are
+    `tellable`, None if there are none; claimed, untold: shares of all runs; beyond: claims more than FALSE_DEG off,
+    falsely: those of them beyond TIMES the expected error as well; covered: claims within COVERED times it; unended:
+    runs without an end. rms_deg, expected_deg: of claims."""
 
     case: str
+    tellable: Share
     within: Share
     within_tellable: Share | None
     claimed: Share
@@ -145,12 +146,11 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
 
 
 def _tellable(session: Session) -> bool:
-    last, eyes = session.snapshot, session.eyes
-    demo, seen = eyes.demo_images(last.theta_demo)
-    _, own_seen = eyes.own_images(last.theta_demo)
-    fit = TRANSFERS[session.settings.transfer].fit
-    cost = joint_uncertainty(session.world, fit, demo, seen & own_seen, last.theta_demo)
-    return cost is not None and bool(cost.max() < UNTOLD)
+    last, eyes, scene = session.snapshot, session.eyes, session.scene
+    _, shown = eyes.demo_images(last.theta_demo)
+    postures = product(*np.linspace(scene.lower, scene.upper, LOOKS).T)
+    known = np.any([eyes.own_images(theta)[1].all(-1) for theta in postures], axis=0)
+    return bool(np.isfinite(bound(session.world, last.theta_demo, 1.0, seen=shown & known[:, None])).all())
 
 
 def outcome(name: str, found: Sequence[Ending]) -> Outcome:
@@ -162,6 +162,7 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
     motions = [ending.motions for ending in found]
     return Outcome(
         name,
+        tellable=Share.of(ending.tellable for ending in found),
         within=near(found),
         within_tellable=near(tellable) if tellable else None,
         claimed=Share.of(ending.claimed for ending in found),

@@ -166,9 +166,16 @@ def outcome(name: str, runs: Sequence[Run]) -> Outcome:
         Share.of(claimed),
         Share.of(beyond),
         Share.of(beyond & (largest > TIMES * expected)),
-        *(float(np.sqrt((of_joints**2).mean())) for of_joints in (error, left, left_as_seen)),
-        *(_at_most(of_joints.max(1)) for of_joints in (left, left_as_seen)),
+        rms_deg=_rms(error),
+        bound_deg=_rms(left),
+        bound_as_seen_deg=_rms(left_as_seen),
+        at_most=_at_most(left.max(1)),
+        at_most_as_seen=_at_most(left_as_seen.max(1)),
     )
+
+
+def _rms(degrees: NDArray) -> float:
+    return float(np.sqrt((degrees**2).mean()))
 
 
 def _at_most(worst: NDArray) -> dict[float, float]:

@@ -12,7 +12,7 @@ from .groups import moved_points
 from .model import ProjectiveKinematics
 from .seen import Seen
 
-FORESEEN = 1e-6  # px, off without noise, from which nothing is to be learned
+FORESEEN = 1e-6  # px: what is foretold without noise is as far off, and nothing is to be learned from less
 IN_SPACE = 3.0  # times the noise: rms distance of images from a hyperplane, which those of parallel cameras have
 FEWEST = 4  # points that span a space
 NEAR = np.radians(40.0)  # from the first visit, of visits to begin with

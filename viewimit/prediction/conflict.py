@@ -1,4 +1,4 @@
-"""The conflict that images would have which a servo predicts: no motion is made for it, and no posture is known."""
+"""The conflict of points that both cameras see of the demonstrator, and how these drift."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -6,13 +6,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .geometry.affine import MIN_POINTS
-from .servo.observation import Conflict
-from .snapshot import Snapshot
-from .transfer import TRANSFERS
-from .transfer.noise import noise_weight
-from .transfer.transfer import Residuals
-from .views import FourViews
+from ..geometry.affine import MIN_POINTS
+from ..servo.observation import Conflict
+from ..snapshot import Snapshot
+from ..transfer import TRANSFERS
+from ..transfer.noise import noise_weight
+from ..transfer.transfer import Residuals
+from ..views import FourViews
+from .half_seen import HalfSeenConflict
 
 DRIFT_MOMENTS = 3  # two displacements
 NO_DRIFT = np.zeros(())
@@ -41,7 +42,12 @@ def _near(now: Snapshot, views: FourViews, noise_px: float) -> Residuals | None:
     if near is None or now.rectification is None or len(views.own) < NEAR_POINTS:
         return None
     E = float(now.fit(views).conflict(views))
-    return near(views, now.rectification) if E < max(NEAR, NEAR_NOISE * noise_px**2) else None
+    return near(views, now.rectification) if E < _nearest(noise_px) else None
+
+
+def _nearest(noise_px: float) -> float:
+    """px², E up to which own images are near the demonstrator's."""
+    return max(NEAR, NEAR_NOISE * noise_px**2)
 
 
 class _Answers:
@@ -124,6 +130,9 @@ class PredictedConflict:
         transfer = self._now.fit(imagined, by) if by or self._frozen is None else self._frozen
         e = transfer.residual(imagined)
         return e if one is None or transfer.weighs_noise else e @ self._weight(one)
+
+    def with_half_seen(self) -> Conflict:
+        return HalfSeenConflict(self, self._now, self._demo, _nearest(self._noise_px))
 
     def _weighed_near(self, one: Likeness) -> Residuals | None:
         if one not in self._near:  # a servo asks about many images that are like the same one

@@ -192,18 +192,27 @@ def click(page, words: str) -> None:
     pause(page)
 
 
-def fold(page, folder: str) -> None:
-    """Open it, or shut it, and wait until nothing moves: a press on what moves goes down on one thing, up on another,
-    and so is no click."""
-    of_panels = "[...document.querySelectorAll('.mantine-ScrollArea-content')].map(e => e.offsetHeight).join()"
-    heights = [page.evaluate(of_panels)]
+def still(page, read, looks: int = 4):
+    """What `read` gives, once it has given it in so many looks in a row: a press on what moves goes down on one thing,
+    up on another, and so is no click."""
+    found = [read()]
 
     def rests():
-        heights.append(page.evaluate(of_panels))
-        return heights[0] != heights[-2] == heights[-1]
+        found.append(read())
+        return len(found) >= looks and all(one == found[-1] for one in found[-looks:])
 
-    page.get_by_text(folder, exact=True).click()
     wait(page, rests)
+    return found[-1]
+
+
+def fold(page, folder: str) -> None:
+    """Open it, or shut it, and wait until nothing moves."""
+    of_panels = "[...document.querySelectorAll('.mantine-ScrollArea-content')].map(e => e.offsetHeight).join()"
+    heights = lambda: page.evaluate(of_panels)
+    before = heights()
+    page.get_by_text(folder, exact=True).click()
+    wait(page, lambda: heights() != before)
+    still(page, heights)
 
 
 def downloaded(page, button: str) -> tuple[str, bytes]:

@@ -44,6 +44,7 @@ from browsing import (
     set_number,
     stands,
     status,
+    still,
     switch,
     wait,
     wait_for_count,
@@ -302,7 +303,9 @@ def test_how_a_point_is_recovered_is_built_up(session):
 def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):
     page = session
     width = lambda selector: (page.locator(selector).first.bounding_box() or {"width": 0.0})["width"]
-    usual = width(IMAGE_L), width(LEVELS)
+    widths = lambda: (width(IMAGE_L), width(LEVELS))
+    wait(page, lambda: all(widths()))
+    usual = still(page, widths)
     page.get_by_role("link", name="Images, large or not").click()
     wait(page, lambda: width(IMAGE_L) > 1.3 * usual[0] and not page.locator(LEVELS).first.is_visible())
     page.get_by_role("link", name="image L, large or not", exact=True).click()
@@ -313,8 +316,9 @@ def test_panels_and_images_are_enlarged_by_a_link_and_a_key(session):
     press(page, "m")
     wait(page, lambda: width(LEVELS) > 1.3 * usual[1] and not page.locator(IMAGE_L).first.is_visible())
     assert all(page.get_by_text(words, exact=True).is_visible() for words in ("Play", "Step"))
+    still(page, widths)
     page.get_by_role("link", name="Figures, large or not").click()
-    wait(page, lambda: (width(IMAGE_L), width(LEVELS)) == usual)
+    wait(page, lambda: widths() == usual)
 
 
 def test_a_learner_that_watches_itself_first_imitates_in_few_motions(session):

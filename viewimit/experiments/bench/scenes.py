@@ -136,7 +136,8 @@ def run_once(settings: Settings, size: float, max_motions: int) -> Run:
     session = Session(settings, partial(open_resized, size=size))
     last = session.run(max_motions, PATIENCE)
     least = partial(bound, session.world, last.theta_demo, session.observer.noise_at_rest(settings))
-    left, left_as_seen = least(), least([moment.theta for moment in session.history])
+    left = least()
+    left_as_seen = least([moment.theta for moment in session.history]) if settings.noise_px else left
     error = np.degrees(np.abs(last.theta - last.theta_demo))
     expected = np.inf if last.expected_error is None else float(np.degrees(last.expected_error))
     return Run(error, np.degrees(left), np.degrees(left_as_seen), last.motion, last.status == "converged", expected)

@@ -22,8 +22,8 @@ SLACK, ROUNDS = np.radians(0.3), 4
 
 
 def contradicts(known: tuple[Visit, ...], here: Visit, noise_px: float) -> bool:
-    """Whether an image was seen before that was to be another one. known: visits; here: displaced by where it was sent;
-    noise_px: of an image coordinate, standard deviation."""
+    """Whether an image was seen before that was to be another one, by more than is unsure. known: visits; here:
+    displaced by where it was sent; noise_px: of an image coordinate, standard deviation."""
     if len(known) <= len(here.displacement):
         return False
     displacement = np.array([visit.displacement for visit in known])
@@ -32,8 +32,10 @@ def contradicts(known: tuple[Visit, ...], here: Visit, noise_px: float) -> bool:
     if not len(there):
         return False
     model = learn(list(known), len(known) - 1, noise_px)
-    change = (model.predict(there) - model.predict(here.displacement))[:, here.seen.all(-1)]
-    change = np.abs(np.nan_to_num(change)).reshape(len(there), -1) / (SAME * max(noise_px, LEAST_PX))
+    unsure = model.spread(here.displacement[None])[0] / (SAME * FORESEEN)
+    surely = np.maximum(unsure, max(noise_px, LEAST_PX))
+    change = (model.predict(there) - model.predict(here.displacement)) / (SAME * surely[:, None])
+    change = np.abs(np.nan_to_num(change[:, here.seen.all(-1)])).reshape(len(there), -1)
     most = np.median(change, 1) > 1  # of a few points wrong places at other visits foretell anything
     return bool((most & (np.sqrt((change**2).mean(1)) > FORESEEN)).any())
 

@@ -118,6 +118,7 @@ def test_a_joint_is_lost_with_the_points_that_tell_it(world):
     seen[np.flatnonzero(base)[0], 0] = True
     half = bound(world, THERE, 1.0, seen=seen)
     assert (whole < half).all() and np.isfinite(half).all()
+    assert np.isinf(bound(world, THERE, 1.0, seen=np.zeros((10, 2), bool))).all()
 
 
 def test_it_goes_with_the_noise(world, visited):

@@ -57,6 +57,11 @@ class Certificate:
         return "untold" if not self.told.all() else "converged" if self.shown else "rests"
 
     @property
+    def lost(self) -> bool:
+        """Whether nothing tells some joint, though E is small."""
+        return self.spent and not self.told.all()
+
+    @property
     def worst(self) -> float:
         """rad: twice this holds the largest joint error as often as twice `expected` holds each (Šidák 1967)."""
         each, together = NormalDist(), 2 * NormalDist().cdf(2.0) - 1

@@ -36,8 +36,8 @@ class Observation:
     motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
     rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed. shown: how
     many of the demonstrator's points are in sight; half_shown: and how many more in one image alone that can be asked.
-    heads: how many other heads than it seems to be might be in its
-    place, each one standard deviation off in another respect. rectification: of the images, None if they need none.
+    heads: how many other heads than it seems to be might be in its place, each one standard deviation off in another
+    respect. rectification: of the images, None if they need none.
     """
 
     own: NDArray

@@ -233,7 +233,7 @@ def _settle(
     next phase. told_by: so many points."""
     doubt, certificate, state = ahead.doubt, state.certificate, replace(state, failures=0)
     if PHASES[state.phase][0] is None and certificate is not None:
-        lost = certificate.spent and not certificate.told.all()
+        lost = certificate.lost
         asks = certificate.check.any() and state.checks < MOST_CHECKS * len(place)
         if (
             lost
@@ -264,8 +264,7 @@ def _lines_may_tell(state: TrustState, seen: Observation) -> bool:
     """Whether points that one camera alone sees may tell a joint that the others do not. They cannot be held against
     the other camera, so that they are asked only then."""
     certificate = state.certificate if PHASES[state.phase][0] is None else None
-    lost = certificate is not None and certificate.spent and not certificate.told.all()
-    return lost and not state.lines and seen.half_shown > 0
+    return certificate is not None and certificate.lost and not state.lines and seen.half_shown > 0
 
 
 def _shown(state: TrustState, seen: Observation) -> int:

@@ -51,8 +51,8 @@ class Weighted:
     @classmethod
     def even(cls, views: FourViews, rectification: Rectification) -> "Weighted":
         """All alike, as long as it is not known how noise spreads: each point's row counts once."""
-        eyes, none = views.visible[:, :2].sum(1), np.ones(len(views.demo))
-        covariance = np.stack([none, eyes, none, eyes], 1)[:, None] * np.eye(4)
+        eyes, once = views.visible[:, :2].sum(1), np.ones(len(views.demo))
+        covariance = np.stack([once, eyes, once, eyes], 1)[:, None] * np.eye(4)
         frame = Frame.of(_demo(rectification, views), _triples(rectification, views.own.reshape(-1, 4)))
         return cls(rectification, frame, _whitening(covariance, views.visible[:, :2]))
 

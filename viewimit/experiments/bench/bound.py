@@ -18,6 +18,7 @@ from ...simulation.world import World
 
 STEP = 1e-5  # rad, m
 SINGULAR = 1e-10  # of the largest singular value: what moves nothing, as scales and where the two bodies stand
+PROJECTIVE = 16  # numbers of a projective map of space
 UNTOLD = 1e-6  # of what a joint moves images by: what the unknown leaves of it, if nothing tells it
 
 
@@ -31,34 +32,39 @@ def bound(
     """theta: (m,) rad, of the demonstrator; noise_px: of image coordinates; visited: (m,) rad each, postures that the
     own body is known by, None if its images are granted; seen: (N, 2) bool, which images of the demonstrator there are,
     None for all → standard deviations (m,) rad, inf of joints that nothing tells."""
-    demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
-    H = _similarity(own, demo)[:, :3]
-    by_image = _image_derivatives(world.demo_pair, demo)
-    J, unknown = _moved(by_image, _joint_motions(world, theta) @ H.T), _moved(by_image, _projective_motions(demo))
+    J, unknown = _demo_images(world, theta)
     if visited is not None:
-        of_demo = _moved(by_image, _body_motions(world, theta) @ H.T)
-        of_own = [_own_unknown(world, posture) for posture in visited]
-        none = np.zeros((len(of_own) * len(J), J.shape[1] + unknown.shape[1]))
-        of_frame = np.zeros((len(J), len(of_own[0].T) - len(of_demo.T)))
-        J, unknown = np.vstack([J, none[:, : J.shape[1]]]), np.vstack([unknown, none[:, J.shape[1] :]])
-        unknown = np.hstack([unknown, np.vstack([np.hstack([of_frame, of_demo]), *of_own])])
+        own = np.vstack([_own_images(world, posture) for posture in visited])
+        J, unknown = np.vstack([J, np.zeros((len(own), J.shape[1]))]), np.vstack([unknown, own])
     if seen is not None:
         known = np.concatenate([np.repeat(seen, 2), np.ones(len(J) - 2 * seen.size, bool)])
         J, unknown = J[known], unknown[known]
+    if visited is None:
+        unknown = unknown[:, :PROJECTIVE]
     size = np.linalg.norm(unknown, axis=0)
     U, sigma, _ = np.linalg.svd(unknown / np.where(size > 0, size, 1.0), full_matrices=False)
-    U = U[:, sigma > SINGULAR * sigma[0]]
-    _, told, directions = np.linalg.svd(J - U @ (U.T @ J))
-    lost = told < UNTOLD * np.linalg.norm(J, axis=0).max()
-    variances = (directions[~lost] ** 2 / told[~lost, None] ** 2).sum(0)
-    return noise_px * np.where((np.abs(directions[lost]) > UNTOLD).any(0), np.inf, np.sqrt(variances))
+    U = U[:, sigma > SINGULAR * sigma.max(initial=0.0)]
+    left = J - U @ (U.T @ J)
+    told, directions = np.linalg.eigh(left.T @ left)
+    lost = told <= (UNTOLD * np.linalg.norm(J, axis=0).max()) ** 2
+    variances = (directions[:, ~lost] ** 2 / told[~lost]).sum(1)
+    return noise_px * np.where((np.abs(directions[:, lost]) > UNTOLD).any(1), np.inf, np.sqrt(variances))
 
 
-def _own_unknown(world: World, theta: NDArray) -> NDArray:
-    """(4 N, 16 + P): how the own images at a posture go with the frame and the body."""
+def _demo_images(world: World, theta: NDArray) -> tuple[NDArray, NDArray]:
+    """(4 N, m) px/rad by the joints, and by H, by the frame, which moves none of them, and by the body."""
+    demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
+    H = _similarity(own, demo)[:, :3]
+    motions = [_projective_motions(demo), np.zeros((PROJECTIVE, *demo.shape)), _body_motions(world, theta) @ H.T]
+    by_image = _image_derivatives(world.demo_pair, demo)
+    return _moved(by_image, _joint_motions(world, theta) @ H.T), _moved(by_image, np.concatenate(motions))
+
+
+def _own_images(world: World, theta: NDArray) -> NDArray:
+    """(4 N, 32 + P), as the second of `_demo_images`, of the own ones at a posture: H moves none of them."""
     own = world.points_world(theta, world.T_world_own)
-    motions = np.concatenate([_projective_motions(own), _body_motions(world, theta)])
-    return _moved(_image_derivatives(world.own_pair, own), motions)
+    motions = [np.zeros((PROJECTIVE, *own.shape)), _projective_motions(own), _body_motions(world, theta)]
+    return _moved(_image_derivatives(world.own_pair, own), np.concatenate(motions))
 
 
 def _joint_motions(world: World, theta: NDArray) -> NDArray:

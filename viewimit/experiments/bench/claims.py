@@ -148,8 +148,11 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
 def _tellable(session: Session) -> bool:
     last, eyes, scene = session.snapshot, session.eyes, session.scene
     _, shown = eyes.demo_images(last.theta_demo)
-    postures = product(*np.linspace(scene.lower, scene.upper, LOOKS).T)
-    known = np.any([eyes.own_images(theta)[1].all(-1) for theta in postures], axis=0)
+    known = ~shown.any(1)
+    for theta in product(*np.linspace(scene.lower, scene.upper, LOOKS).T):
+        if known.all():
+            break
+        known = known | eyes.own_images(theta)[1].all(-1)
     return bool(np.isfinite(bound(session.world, last.theta_demo, 1.0, seen=shown & known[:, None])).all())
 
 

@@ -148,7 +148,7 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
 def _tellable(session: Session) -> bool:
     last, eyes, scene = session.snapshot, session.eyes, session.scene
     _, shown = eyes.demo_images(last.theta_demo)
-    known = ~shown.any(1)
+    known = np.logical_not(shown.any(1))
     for theta in product(*np.linspace(scene.lower, scene.upper, LOOKS).T):
         if known.all():
             break

@@ -75,15 +75,16 @@ def test_exchanging_moves_the_demonstrators_points_only_and_twice_nothing(pairs)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.2])
-def test_a_learner_arrives_names_them_and_shows_the_conflict_that_is_left(share):
+def test_a_learner_arrives_as_soon_names_them_and_shows_the_conflict_that_is_left(share):
     for seed in range(2):
         settings = anywhere(replace(BEST, points=16, swapped=share), seed)
         session = Session(settings)
         last = session.run(40)
         assert set(last.exchanged) == swapped(settings, 16) and last.status == "converged"
         assert error_deg(last) < 0.5 and last.E < 0.01 < session.history[0].E
-        straight = Session(replace(settings, swapped=0.0)).snapshot.views
-        np.testing.assert_array_equal(last.views.demo, straight.demo)
+        straight = Session(replace(settings, swapped=0.0)).run(40)
+        np.testing.assert_array_equal(last.views.demo, straight.views.demo)
+        assert last.motion <= straight.motion + 1  # foreseen everywhere, E need not be met to be too large
         assert all(f"{i} and {j}" in describe(last).doubt for i, j in last.exchanged)
 
 

@@ -60,7 +60,8 @@ SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
 NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
 MOST_CHECKS = 3
 SLIGHT, MOST_SLIGHT = 0.01, 8  # share of E; motions that may gain less, though they keep what they promise
-ASKED_AT = 5, 10, 16, 24  # visits and as many as joints, after which E must be small, or points may be exchanged
+ASKED_AT = 1, 5, 10, 16, 24  # visits, more than joints, after which E must be small, or points may be exchanged; the
+# first is for a learner that foresees E all over its range
 SUSPECT, SURE = 1e-3, 25.0  # of the mean square of the own image; times the noise's square: E that is small
 
 
@@ -103,12 +104,15 @@ class TrustRegion:
     def _step(
         self, state: TrustState, seen: Observation, conflict: Conflict, chasing: bool
     ) -> tuple[TrustState, NDArray]:
-        state, conflict = _identified(state, seen, conflict)
         by = PHASES[state.phase][0]
         learned = Learned(state.known, seen.noise_px, state.kinematics)
         measured = measure(learned, conflict, by, state.needed)
         state = _judge(state, measured.E, NOISE_FLOOR * seen.noise_px**2)
         ahead = look_out(learned, measured, state.reach, seen, conflict, by)
+        if _puzzled(state, seen, ahead):
+            state = _identified(state, seen, learned, conflict)
+            if state.exchanged:
+                return self._step(state, seen, with_exchanged(conflict, state.exchanged), chasing)
         if _worthwhile(state, seen, ahead):
             return _onwards(state, seen, ahead, weighted=measured.like is not None, chasing=chasing)
         if chasing:
@@ -129,23 +133,33 @@ class TrustRegion:
         return says(state, status)
 
 
-def _identified(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Conflict]:
-    """Now and then, while E stays too large: with what seems to be exchanged of the demonstrator's points, and the
-    conflict that is left then."""
-    asked = state.asked < len(ASKED_AT) and len(state.known) >= ASKED_AT[state.asked] + len(seen.displacement)
-    if state.exchanged or not asked or not np.isfinite(seen.E):
-        return state, conflict
-    small = max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
-    if seen.E <= small:
-        return state, conflict
-    model = Learned(state.known, seen.noise_px, state.kinematics).about()
-    pairs = likely_exchange(model.predict, conflict, seen.lower, seen.upper, small)
-    state = replace(state, asked=state.asked + 1)
-    if pairs:
-        state = replace(
-            state, exchanged=pairs, phase=0, radius=first_radius(state.rehearsed), failures=0, promised=None
-        )
-    return state, with_exchanged(conflict, pairs)
+def _turn(state: TrustState) -> int:
+    """How often it has been asked, or was left out, what seems to be exchanged."""
+    return state.asked if state.kinematics is not None else max(state.asked, 1)
+
+
+def _small(seen: Observation) -> float:
+    """px²: an E that explains itself."""
+    return max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
+
+
+def _puzzled(state: TrustState, seen: Observation, ahead: Outlook) -> bool:
+    """Whether to ask what seems to be exchanged: now and then while E stays too large, unless it is foreseen to be
+    small somewhere."""
+    turn = _turn(state)
+    if state.exchanged or turn >= len(ASKED_AT) or len(state.known) < ASKED_AT[turn] + len(seen.displacement):
+        return False
+    foreseen = ahead.found.E if state.kinematics is not None and ahead.certify is not None else np.inf
+    return bool(np.isfinite(seen.E) and min(seen.E, foreseen) > _small(seen))
+
+
+def _identified(state: TrustState, seen: Observation, learned: Learned, conflict: Conflict) -> TrustState:
+    """With what seems to be exchanged of the demonstrator's points, if anything does."""
+    pairs = likely_exchange(learned.about().predict, conflict, seen.lower, seen.upper, _small(seen))
+    state = replace(state, asked=_turn(state) + 1)
+    if not pairs:
+        return state
+    return replace(state, exchanged=pairs, phase=0, radius=first_radius(state.rehearsed), failures=0, promised=None)
 
 
 def _worthwhile(state: TrustState, seen: Observation, ahead: Outlook) -> bool:

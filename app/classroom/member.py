@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from .messages import Answer, Copy, Orders, Round, Summary, encode
+from .messages import Answer, Asked, Copy, Orders, Round, Summary, encode
 from .orders import taken_over
 
 
@@ -23,6 +23,11 @@ class Heard:
     @property
     def freezes(self) -> bool:
         return self.present and self.orders.frozen
+
+    @property
+    def asked(self) -> Asked | None:
+        """The question that goes on."""
+        return self.orders.asked if self.present else None
 
 
 @dataclass(frozen=True)

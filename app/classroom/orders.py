@@ -13,7 +13,7 @@ def taken_over(orders: Orders, by: str, present: bool) -> Orders:
     """What another page had ordered goes on, unless that one had let go by its silence."""
     if present:
         return msgspec.structs.replace(orders, leader=by)
-    return msgspec.structs.replace(orders, leader=by, lead=None, frozen=False)
+    return msgspec.structs.replace(orders, leader=by, lead=None, frozen=False, asked=None)
 
 
 def earlier_round(orders: Orders) -> Round | None:

@@ -82,6 +82,10 @@ class Course:
     def screen(self) -> Screen:
         return self.screens[self.progress.at]
 
+    def shows(self, lesson: str, step: str) -> bool:
+        """Whether it is at this step, by both names."""
+        return self.step is not None and (self.progress.lesson, self.step.id) == (lesson, step)
+
     @property
     def step(self) -> Step | None:
         """None at a question and at the end."""

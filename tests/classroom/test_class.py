@@ -10,7 +10,7 @@ from drawn import OTHERS_MARKS, RIGHT_ANSWERS, TALLY
 from quiet_page import QuietPage
 from viewimit.app.classroom.board import LED_S
 from viewimit.app.classroom.classroom import Classroom
-from viewimit.app.classroom.member import Member
+from viewimit.app.classroom.member import Member, Seen
 from viewimit.app.classroom.messages import Summary
 from viewimit.app.control.classroom.following import rest
 from viewimit.app.control.commands.classroom import NameYourself, OfClass
@@ -246,6 +246,59 @@ def test_a_question_is_asked_counted_revealed_and_asked_again():
     of.do("close")
     assert model(student).guided.course.lesson.short == model(student).guided.lessons["limits"].short
     assert model(of.students[1]).guided.course is None and model(of.students[1]).session.cursor == 2
+
+
+@pytest.mark.parametrize("comes_back", ["before it is known", "later"])
+def test_a_question_ends_with_the_lecturer_who_asked_it(of, comes_back):
+    of.lecturer.page.put(BeginLesson("limits"))
+    of.go_on(0.5)
+    of.lecturer.page.put(InLesson("next"))
+    of.go_on(0.5)
+    step_shown = model(of.lecturer).guided.course.step.id
+    of.do("ask")
+    student = of.students[0]
+    assert model(student).guided.asked and model(student).role.holds is not None
+    of.lecturer.page.close()
+    of.lecturer = of.students.pop()
+    if comes_back == "later":
+        of.go_on(LED_S + 2)
+        new = of.open(key="a newcomer")
+        of.students.append(new)
+        of.go_on()
+        for page in of.students:
+            assert model(page).guided.course is None and model(page).role.holds is None
+    of.lecturer = of.open(lecturer=True)
+    of.go_on()
+    asked = model(of.lecturer).role.orders.asked
+    if comes_back == "later":
+        assert asked is None and not model(student).guided.asked
+    else:
+        assert asked.round.step == step_shown and model(student).guided.asked
+
+
+def test_a_question_that_goes_on_is_shown_wherever_the_lecturer_is_and_can_be_closed(of):
+    of.lecturer.page.put(BeginLesson("tour"))
+    of.go_on(0.5)
+    model(of.lecturer).guided.go_to_step("tour", "arrows")
+    of.do("ask")
+    waits = "The class is asked.</b> 2 pages wait until that is closed."
+    assert waits not in of.lecturer.shown  # the card says it
+    of.lecturer.page.put(LeaveLesson())
+    of.do("lead")
+    assert waits in of.lecturer.shown and "follow this one" not in of.lecturer.shown
+    assert not any(model(page).role.follows for page in of.students)
+    of.do("close")
+    assert waits not in of.lecturer.shown and "2 pages follow this one" in of.lecturer.shown
+    assert all(model(page).role.follows for page in of.students)
+
+
+def test_who_rests_where_E_is_not_0_is_not_counted_as_there(of):
+    counts = {"rests": "1 at rest", "arrived": "1 there"}
+    for state, words in counts.items():
+        seen = Seen(students=(Summary(id="0" * 16, state=state, E=45.0),))
+        model(of.lecturer).role.see(seen)
+        of.lecturer.tick(0.25)
+        assert [other in of.lecturer.shown for other in counts.values()] == [one == words for one in counts.values()]
 
 
 def test_clicks_of_a_class_are_a_cloud_in_the_figure_of_all_once_it_is_revealed():

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...classroom.member import Heard, Member
-from ...classroom.messages import Answer, Asked, Copy, Orders, Round, Shown, Summary, call_of
+from ...classroom.messages import Answer, Asked, Copy, Round, Shown, Summary, call_of
 from ...sessions.link import written
 from ..commands.links import show_view_of
 from ..history.past import Left
@@ -80,7 +80,7 @@ class Student(Role):
 
     @property
     def asked(self) -> Asked | None:
-        return None if self.heard is None else self.heard.orders.asked
+        return None if self.heard is None else self.heard.asked
 
     @property
     def own(self) -> Left | None:
@@ -111,7 +111,7 @@ class Student(Role):
         elif led and not heard.leads and self._own is not None:
             model.past.leave_here(self._own)
             self._own = None
-        self._take_question(model, orders)
+        self._take_question(model, heard.asked)
         return follow
 
     def due(self, model: PageModel) -> bool:
@@ -166,8 +166,7 @@ class Student(Role):
         model.guided.go_to(*shown.lesson)
         return None
 
-    def _take_question(self, model: PageModel, orders: Orders) -> None:
-        asked = orders.asked
+    def _take_question(self, model: PageModel, asked: Asked | None) -> None:
         if asked is None:
             if self._asked is not None:
                 model.guided.end_question()

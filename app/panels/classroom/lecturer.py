@@ -31,7 +31,7 @@ class LecturerPanel(Panel):
                 layout.gui.add_html(sink())
 
     def depends_on(self, state: PageState) -> tuple:
-        return (state.classroom,)
+        return state.classroom, _question_here(state)
 
     def show(self, state: PageState) -> None:
         view = state.classroom
@@ -39,7 +39,7 @@ class LecturerPanel(Panel):
             return
         names = {name: lesson.short for name, lesson in state.lessons.items()}
         tiles = [tile_of(one, names) for one in view.students]
-        put_html(self._banner, _banner(view, self._address))
+        put_html(self._banner, _banner(view, _question_here(state), self._address))
         put_html(self._head, _head(view, self._address, self._shared))
         put_html(self._invitation, invitation_html(view, self._address, self._shared))
         few = " vi-tiles-few" if len(tiles) <= FEW else ""
@@ -73,16 +73,29 @@ def tile_of(one: Summary, lessons: dict[str, str]) -> Tile:
     )
 
 
-def _banner(view: ClassView, address: str | None) -> str:
-    """Over the scene, while all follow or are locked, or another page of the lecturer's leads."""
+def _question_here(state: PageState) -> bool:
+    """Whether the step that is shown is the one that the class is asked: its card says so, and how to go on."""
+    asked = None if state.classroom is None else state.classroom.orders.asked
+    return asked is not None and state.course is not None and state.course.shows(asked.round.lesson, asked.round.step)
+
+
+def _banner(view: ClassView, question_here: bool, address: str | None) -> str:
+    """Over the scene, while all wait, follow or are locked, or another page of the lecturer's leads."""
     if not view.present:
         return ""
     if not view.leads:
         take = _button(address, "take", "Take over")
         return f'<div class="vi-banner" role="alert"><p><b>Another of your pages leads the class.</b></p>{take}</div>'
-    here = f"{len(view.students)} page{'' if len(view.students) == 1 else 's'}"
+    pages, s = ("page", "s") if len(view.students) == 1 else ("pages", "")
+    here = f"{len(view.students)} {pages}"
+    if view.orders.asked is not None:  # whatever else is ordered: nobody follows meanwhile
+        if question_here:
+            return ""
+        words = f"<b>The class is asked.</b> {here} wait{s} until that is closed."
+        close = _button(address, "close", "Close the question")
+        return f'<div class="vi-banner" role="alert"><p>{words}</p>{close}</div>'
     if view.orders.lead is not None:
-        return f'<div class="vi-banner" role="alert"><p><b>You lead.</b> {here} follow this one.</p></div>'
+        return f'<div class="vi-banner" role="alert"><p><b>You lead.</b> {here} follow{s} this one.</p></div>'
     if view.orders.frozen:
         return f'<div class="vi-banner" role="alert"><p><b>Frozen:</b> {here}.</p></div>'
     return ""
@@ -93,7 +106,8 @@ def _head(view: ClassView, address: str | None, shared: str | None) -> str:
         (sum(one.state in STUCK for one in view.students), "stuck", SHAPES["stalled"]),
         (sum(one.state in ("moving", "paused") for one in view.students), "on the way", SHAPES["moving"]),
         (sum(one.state == "ready" for one in view.students), "not begun", SHAPES["ready"]),
-        (sum(one.state in ("rests", "arrived") for one in view.students), "there", SHAPES["arrived"]),
+        (sum(one.state == "rests" for one in view.students), "at rest", SHAPES["rests"]),
+        (sum(one.state == "arrived" for one in view.students), "there", SHAPES["arrived"]),
     )
     told = "".join(
         f'<span><svg viewBox="0 0 22 22" aria-hidden="true">{shape}</svg>{count} {words}</span>'

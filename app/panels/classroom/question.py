@@ -24,7 +24,7 @@ def question_html(state: PageState, course: Course, address: str | None) -> str:
     if view is not None:
         return _boxed("The class", _for_lecturer(view, course, stage, address))
     asked = state.asked
-    if asked is None or (course.progress.lesson, stage.step.id) != (asked.round.lesson, asked.round.step):
+    if asked is None or not course.shows(asked.round.lesson, asked.round.step):
         return ""
     if not asked.revealed:
         words = "Your answer counts; you may change it." if course.answered else "The class is asked: what do you say?"
@@ -41,10 +41,9 @@ def _for_lecturer(view: ClassView, course: Course, stage: Stage, address: str | 
     links = _Links(address)
     if not view.leads:
         return f"<p>Another of your pages leads the class.</p>{links.of('take', 'Take over')}"
-    this = asked is not None and (course.progress.lesson, stage.step.id) == (asked.round.lesson, asked.round.step)
-    if asked is None or not this:
+    if asked is None or not course.shows(asked.round.lesson, asked.round.step):
         other = "" if asked is None else "<p>Another question is asked now.</p>"
-        once = any((one.lesson, one.step) == (course.progress.lesson, stage.step.id) for one in view.orders.rounds)
+        once = any(course.shows(one.lesson, one.step) for one in view.orders.rounds)
         words = f"Ask the class{' again' if once else ''}"
         save = links.of("save", "Save as CSV", "vi-text") if view.orders.rounds else ""
         return f"<p>{_count(here, 'page')} here.</p>{other}{links.of('ask', words, 'vi-filled')}{save}"

@@ -6,6 +6,7 @@ import pytest
 
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.self_assessment import NEAR, assess
+from viewimit.drawing.status import describe
 from viewimit.history import History
 from viewimit.servo import SERVOS
 from viewimit.servo.trust_region import CERTAIN
@@ -42,6 +43,16 @@ def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
 def test_five_points_do_not_tell_the_joints():
     found = assess(rested(Settings(points=5, start_deg=(25, -45))))
     assert sorted(found.untold) == [0, 1] and found.certificate.claim == "untold"
+
+
+@pytest.mark.parametrize("noise_px, seed", [(0.5, 7), (0.25, 1)])
+def test_what_the_visits_under_noise_leave_open_is_not_said_of_the_points(noise_px, seed):
+    session = rested(Settings(noise_px=noise_px, seed=seed, start_deg=(25, -45)))
+    now, found = session.snapshot, assess(session)
+    views = now.views
+    true = joint_uncertainty(session.world, now.fit, views.demo, views.visible[:, :2], now.theta)
+    assert not found.certificate.told.any() and (true < np.radians(3)).all()
+    assert found.untold == [] and describe(now, assessment=found, joints=(2, 4)).state in ("rests", "least", "stalled")
 
 
 def test_only_an_E_that_leaves_no_room_is_a_claim():

@@ -398,14 +398,15 @@ class TestEquations:
         assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)
 
 
-def certified(spread_deg=(2.0, 2.0), told=True, shown=True):
+def certified(spread_deg=(2.0, 2.0), told=True, shown=True, learnable=False):
     spread = np.radians(spread_deg)
     told = (spread < UNTOLD) & np.array(told)
-    return Certificate(spread, np.where(told, 0.0, np.inf), told, shown, np.zeros(2), False)
+    return Certificate(spread, np.where(told, 0.0, np.inf), told, shown, np.zeros(2), False, learnable)
 
 
 def assessed(spread_deg=(2.0, 2.0), room_deg=0.1, lower_deg=0.1, **known):
-    return Assessment(certified(spread_deg, **known), np.radians(room_deg), np.radians(lower_deg))
+    certificate = certified(spread_deg, **known)
+    return Assessment(certificate, np.radians(room_deg), np.radians(lower_deg), certificate.untold)
 
 
 class TestStatus:
@@ -443,6 +444,9 @@ class TestStatus:
             ("untold", assessed(told=(False, True)), "untold", ""),
             ("rests", assessed((36.0, 3.0)), "untold", ""),
             ("stalled", assessed((36.0, 3.0)), "untold", ""),
+            ("untold", assessed((36.0, 3.0), learnable=True), "untold", ""),
+            ("rests", assessed((36.0, 3.0), lower_deg=3, learnable=True), "rests", ""),
+            ("stalled", assessed((36.0, 3.0), room_deg=14, learnable=True), "least", "So much E could hide up to 14°."),
         ],
     )
     def test_at_rest_it_claims_no_more_than_it_can_know(self, session, claimed, known, state, doubt):

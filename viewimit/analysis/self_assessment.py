@@ -26,21 +26,17 @@ NEAR = np.radians(1.5)  # a posture nearer than that to where E should be least 
 @dataclass(frozen=True)
 class Assessment:
     """room: rad, how far off a posture can be that has such an E; lower: rad, how far away E should be least, at most
-    REACH."""
+    REACH; untold: indices of the joints that nothing tells, the worst first."""
 
     certificate: Certificate
     room: float
     lower: float
+    untold: list[int]
 
     @property
     def spread(self) -> NDArray:
         """(m,) rad/px, what a pixel of noise would turn each joint by."""
         return self.certificate.spread
-
-    @property
-    def untold(self) -> list[int]:
-        """Indices of the joints that nothing tells, the worst first."""
-        return self.certificate.untold
 
     @property
     def least(self) -> bool:
@@ -73,7 +69,8 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment:
     if certificate is None:
         points = np.isfinite(model.at_centre).all(-1)
         certificate = certify(survey(Known(visits, len(visits) - 1, now.E, points, model, seen, conflict), found, here))
-    return Assessment(certificate, _room(now.E, found), float(np.abs(found.theta - here).max()))
+    lower = float(np.abs(found.theta - here).max())
+    return Assessment(certificate, _room(now.E, found), lower, certificate.named(now.status))
 
 
 def _room(E: float, found: Minimum) -> float:

@@ -6,12 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..analysis.self_assessment import assess
+from ..analysis.self_assessment import Assessment, assess
 from ..body_image import BodyImage
 from ..history import MAX_HISTORY
 from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
-from ..servo.certificate import Certificate
 from ..session import Session
 from ..settings import BEST
 from ..snapshot import Snapshot
@@ -82,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
         print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g', '°')} at most{reckoned}")
         untold = [printable(joint["name"], MOST_NAME) for joint in result["joints"] if joint["told"] is False]
         if untold:
-            print(f"not told      {', '.join(untold)}: its points do not say where that is")
+            print(f"not told      {', '.join(untold)}: what it has seen does not say where that is")
         if result["exchanged"]:
             named = " and ".join(f"{i} with {j}" for i, j in result["exchanged"])
             print(f"exchanged     points {named} of the demonstrator, as it seems")
@@ -139,11 +138,11 @@ def _at_least(value: float, least: float, form: str, unit: str) -> str:
     return f"below {least:g}{unit}" if value < least else figure(value, form, unit)
 
 
-def _told(certificate: Certificate, joint: int, status: str) -> bool | None:
+def _told(known: Assessment | None, joint: int) -> bool | None:
     """Whether its points tell a joint, by index; None where the visits that there are leave that open."""
-    if certificate.told[joint]:
-        return True
-    return False if status == "untold" else None
+    if known is None or known.certificate.told[joint]:
+        return None if known is None else True
+    return False if joint in known.untold else None
 
 
 def outcome(session: Session) -> dict:
@@ -161,7 +160,7 @@ def outcome(session: Session) -> dict:
                 "name": f"theta{joint}",
                 "deg": np.degrees(last.theta[k]),
                 "expected_error_deg": None if expected is None else np.degrees(expected[k]),
-                "told": None if known is None else _told(known.certificate, k, last.status),
+                "told": _told(known, k),
             }
             for k, joint in enumerate(session.scene.moving_joints)
         ],

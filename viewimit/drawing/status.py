@@ -146,8 +146,9 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
         if known is not None and known.worst > EXACT:
             why = f"; expects to be about {svg.short(float(np.degrees(known.worst)))}° off."
         return Said("arrived", f"{E} {after}{why}")
-    if known is not None and known.untold:
-        names = " and ".join(svg.joint_symbol(joints[k]) for k in known.untold)
+    untold = [] if known is None else known.named(snapshot.status)
+    if known is not None and untold:
+        names = " and ".join(svg.joint_symbol(joints[k]) for k in untold)
         return Said("untold", f"{_costs(known, joints)} {E} {after}{why}", names)
     if assessment is not None and assessment.least:
         return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")

@@ -41,7 +41,8 @@ class Certificate:
     joint errors, inf of joints that are not told; told: (m,) bool; shown: whether E was seen to rise along every
     direction; check: (m,) rad, a motion that would show more, all 0 if there is none to make; spent: whether E is as
     small as where nothing is told; learnable: whether points that were seen rarely, or noise that is not averaged yet,
-    hide what should be told. A check may be worth making though all is shown: where slopes are told badly."""
+    hide what should be told; untried: whether no visit went in some direction. A check may be worth making though all
+    is shown: where slopes are told badly."""
 
     spread: NDArray
     expected: NDArray
@@ -50,6 +51,7 @@ class Certificate:
     check: NDArray
     spent: bool
     learnable: bool = False
+    untried: bool = False
 
     @property
     def claim(self) -> str:
@@ -72,6 +74,11 @@ class Certificate:
     def untold(self) -> list[int]:
         """Indices of the joints that nothing tells, the worst first."""
         return [int(j) for j in np.argsort(-self.spread, kind="stable") if not self.told[j]]
+
+    def named(self, status: str) -> list[int]:
+        """Of these, those that may be named where a servo rests: none, unless it names them itself, if only the visits
+        leave them open."""
+        return self.untold if status == "untold" or not (self.learnable or self.untried) else []
 
 
 def certify(here: Surroundings) -> Certificate:
@@ -97,7 +104,9 @@ def certify(here: Surroundings) -> Certificate:
     variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here, inverse) + _of_the_head(here, inverse)
     expected = np.where(told, np.sqrt(variance), np.inf)
     learnable = not told.all() and bool((deviations(here.foreseen, here.points) < UNTOLD).all())
-    return Certificate(spread, expected, told, shown, check if check.any() else again, bool(spent), learnable)
+    untried = bool(np.linalg.norm(here.away @ np.linalg.eigh(here.away.T @ here.away)[1][:, 0]) < LEAST)
+    check = check if check.any() else again
+    return Certificate(spread, expected, told, shown, check, bool(spent), learnable, untried)
 
 
 def deviations(hessian: NDArray, points: int) -> NDArray:

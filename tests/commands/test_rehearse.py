@@ -89,12 +89,14 @@ def test_files_that_are_none_are_named(ask, tmp_path):
     assert status == 2 and "no body image" in err and "viewimit rehearse" in err
     assert ask("rehearse", "--out", tmp_path / "body.csv")[0] == 2
     assert ask("rehearse", "--out", tmp_path / "nowhere" / "body.npz")[0] == 2
-    assert ask("rehearse", "--out", tmp_path / "body.npz", "--postures", 2)[0] == 2
+    for joints, words in (2, ()), (7, ("--joints", "all", "--points", 16)):
+        status, _, err = ask("rehearse", "--out", tmp_path / "body.npz", "--postures", joints + 2, *words)
+        assert status == 2 and f"{joints} joints take {joints + 3} or more to foretell from" in err
     assert ask("rehearse")[0] == 2
 
 
 def test_a_rehearsal_that_shows_nothing_is_no_success(ask, tmp_path):
-    status, out, err = ask("rehearse", "--out", tmp_path / "body.npz", "--missing", 1, "--postures", 4)
+    status, out, err = ask("rehearse", "--out", tmp_path / "body.npz", "--missing", 1, "--postures", 5)
     assert status == 1 and "imitate with" not in out and "no posture shows 5 points" in err
 
 

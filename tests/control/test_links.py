@@ -174,6 +174,17 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     assert again.session.world.scene == got.session.world.scene and again.session.script == got.session.script
 
 
+def test_what_is_too_much_for_a_link_is_said_in_python():
+    page = QuietPage(Settings()).page.model
+    angles = np.random.default_rng(0).uniform((0, -140), (90, -40), (900, 2))
+    for theta in np.radians(angles):
+        page.session.pose(theta)
+    card = share_html(page.state(0.0), "http://here:8080")
+    assert (
+        "too much was done for a link" in card and "The same in Python" in card and "as Python it can be said" in card
+    )
+
+
 def test_the_card_says_where_alone_a_link_with_a_robot_of_ones_own_opens():
     page = QuietPage(Settings(scene=str(ROOT / "docs/gallery-arm.urdf")))
     card = share_html(page.page.model.state(0.0), "http://here:8080")

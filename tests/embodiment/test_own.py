@@ -255,6 +255,7 @@ def test_what_is_found_cannot_be_asked_to_be_other(fields):
     [
         ("lower", np.zeros(3), "limits must be finite angles in rad, one a joint"),
         ("lower", np.array([0.0, np.nan]), "limits must be finite"),
+        ("lower", np.array((-60.0, -180.0)), r"limits must be in rad: .* are beyond 4 turns"),
         ("lower", np.radians((95.0, -180.0)), "joint 1: limits 95° … 90° are empty"),
         ("start", np.radians((25.0, 10.0)), "the start joint 2 at 10° is outside its limits -180° … 0°"),
         ("start", np.zeros(3), "the start posture needs 2 angles, got 3"),

@@ -235,7 +235,10 @@ def _too_few(tracked: TrackedPoints, least_confidence: float) -> str:
 
 def _report(result: dict) -> None:
     how = "" if result["rectification"] is None else ", images rectified"
-    print(f"{result['transfer']} transfer{how}, {len(result['points'])} points, {len(result['frames'])} frames")
+    count = len(result["frames"])
+    print(
+        f"{result['transfer']} transfer{how}, {len(result['points'])} points, {count} frame{'' if count == 1 else 's'}"
+    )
     print(f"{'frame':>7}{'usable':>8}{'E px²':>12}{'rms px':>9}{'condition':>11}{'flatness':>10}")
     for frame in result["frames"]:
         numbers = [

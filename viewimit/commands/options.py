@@ -287,7 +287,8 @@ def angles(text: str) -> tuple[float, ...]:
 
 
 def posture(theta_deg: Iterable[float]) -> str:
-    return f"({', '.join(figure(angle, '.4g', '°') for angle in theta_deg)})"
+    """To a thousandth of a degree: digits of less are the machine's."""
+    return f"({', '.join(figure(round(angle, 3) + 0.0, '.4g', '°') for angle in theta_deg)})"
 
 
 def figure(value: float, form: str, unit: str = "") -> str:

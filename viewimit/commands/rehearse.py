@@ -32,6 +32,7 @@ from .options import (
 )
 
 MOST_POSTURES = 200
+ASIDE = 3  # more than joints, of which each is turned by itself once
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -54,6 +55,11 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput(f"--out: {args.out}: unknown extension {args.out.suffix!r}; there is .npz")
     settings = settings_from(args, BEST)
     session = Session(settings)
+    joints = len(session.scene.moving_joints)
+    if args.postures < joints + ASIDE:
+        raise BadInput(
+            f"--postures: {joints} joints take {joints + ASIDE} or more to foretell from, got {args.postures}"
+        )
     body = rehearse(session, args.postures, settings.seed, args.within)
     with naming("--out"):
         body.save(args.out)

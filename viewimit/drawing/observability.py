@@ -63,6 +63,8 @@ def sentences(joints: Sequence[int], spread: NDArray) -> list[str]:
         )
         return [f"{_named(joints, untold)} not observable: hardly anything in the images tells.", ending]
     if not weak:
+        if len(joints) == 1:
+            return [f"1 px costs {_cost(rest.max())}."]
         return [f"No joint is much weaker than the others: 1 px costs {most}."]
     costs = _listed([_cost(degrees[k]) for k in weak])
     return [f"{_named(joints, weak)} weakly observable:", f"1 px costs {costs} there, {most} at the others."]

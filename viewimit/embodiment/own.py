@@ -17,6 +17,7 @@ from .protocol import Beginning
 HAVE = ("transfer", "servo", "frames", "rectify", "start_deg", "seed")  # of the settings; all else is of scenes
 FOUND = ("scene", "points")  # set by what there is
 ROUNDING_DEG = 1e-6
+MOST_TURNS = 4  # that a joint has to either side
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,8 @@ def _limits(arm: Arm) -> tuple[NDArray, NDArray]:
     lower, upper = _numbers(arm.lower), _numbers(arm.upper)
     if lower.ndim != 1 or lower.shape != upper.shape or len(lower) == 0 or not np.isfinite([lower, upper]).all():
         raise ValueError(f"the arm's limits must be finite angles in rad, one a joint, got {arm.lower} and {arm.upper}")
+    if np.abs([lower, upper]).max() > MOST_TURNS * 2 * np.pi:
+        raise ValueError(f"the arm's limits must be in rad: {arm.lower} and {arm.upper} are beyond {MOST_TURNS} turns")
     for k, (low, high) in enumerate(zip(np.degrees(lower), np.degrees(upper)), 1):
         if not low < high:
             raise ValueError(f"joint {k}: limits {low:g}° … {high:g}° are empty")

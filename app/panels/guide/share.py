@@ -55,15 +55,14 @@ def share_html(state: PageState, origin: str | None) -> str:
         parts.append(_copied(f"A link that opens this {what}", address))
         parts.append(_bound(files_named(text)))
         parts.append(_qr(address) if origin is not None else "")
-        if state.course is not None:
-            return f'<div class="vi-share">{"".join(parts)}</div>'
-        parts.append(_copied("The same in Python", as_python(script), lines=True))
     except ValueError as error:
         parts.append(f"<p>{html.escape(str(error))}</p>")
-    try:
-        parts.append(_copied("The same as a command", as_command(script), lines=True))
-    except ValueError as error:
-        parts.append(f"<p>{html.escape(str(error))}</p>")
+    if state.course is None:
+        for what, said in ("in Python", as_python), ("as a command", as_command):
+            try:
+                parts.append(_copied(f"The same {what}", said(script), lines=True))
+            except ValueError as error:
+                parts.append(f"<p>{html.escape(str(error))}</p>")
     return f'<div class="vi-share">{"".join(parts)}</div>'
 
 

@@ -12,6 +12,7 @@ import io
 import os
 import re
 import sys
+from typing import NoReturn
 
 from . import __version__, threads
 from .commands import BadInput
@@ -67,11 +68,16 @@ def _print_no_more() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+class Parser(argparse.ArgumentParser):
+    """That says what is wrong in one line, as all else does, without all options before it."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {printable(message)}; see {self.prog} --help\n")
+
+
 def parser_of(chosen: str) -> argparse.ArgumentParser:
     """All commands are listed, but only the chosen one is loaded, with what it needs."""
-    top = argparse.ArgumentParser(
-        prog="viewimit", description="View-based imitation. Alone: serve.", allow_abbrev=False
-    )
+    top = Parser(prog="viewimit", description="View-based imitation. Alone: serve.", allow_abbrev=False)
     top.add_argument("--version", action="version", version=f"viewimit {__version__}")
     commands = top.add_subparsers(dest="command", metavar="command", required=True)
     for name, text in COMMANDS.items():

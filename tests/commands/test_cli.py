@@ -526,3 +526,15 @@ def test_linear_algebra_is_held_to_one_thread_before_numpy_is_loaded(monkeypatch
 def test_the_page_is_served_at_the_printed_address(server):
     with urllib.request.urlopen(server, timeout=10) as answer:
         assert answer.status == 200 and b"<html" in answer.read().lower()
+
+
+@pytest.mark.parametrize(
+    "words", ["imitate --undistort 0.1", "imitate --joints 2:3", "nonsense", "bench claims --nonsense 3", "rehearse"]
+)
+def test_an_option_that_cannot_be_is_one_line(ask, words):
+    status, out, err = ask(*words.split())
+    assert status == 2 and out == "" and err.count("\n") == 1 and "--help" in err
+
+
+def test_an_option_is_told_without_what_a_terminal_would_obey(ask):
+    assert "\x1b" not in ask("imitate", "--joints", "\x1b[2J")[2]

@@ -178,6 +178,11 @@ def thinned_between(count: int, limit: int, keep: int) -> Sequence[int]:
     families = (0, 1), (keep, -1), (keep, 1)
     room = [max(count - 1 - end if way > 0 else end, 0) for end, way in families]
     each = (limit - 2) // sum(map(bool, room))
-    apart = [np.unique(np.geomspace(1, most, each).astype(int)) if most else np.empty(0, int) for most in room]
-    kept = [end + way * steps for (end, way), steps in zip(families, apart)]
+    kept = [end + way * _ever_farther(most, each) for (end, way), most in zip(families, room)]
     return np.unique(np.concatenate([*kept, [0, keep]])).tolist()
+
+
+@lru_cache(1024)  # a class has paths about as long as each other
+def _ever_farther(most: int, count: int) -> NDArray:
+    """Whole numbers from 1 to most, `count` or fewer, in ever larger steps; none if most is 0."""
+    return np.unique(np.geomspace(1, most, count).astype(int)) if most else np.empty(0, int)

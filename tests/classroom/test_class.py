@@ -281,7 +281,7 @@ def test_a_question_that_goes_on_is_shown_wherever_the_lecturer_is_and_can_be_cl
     of.go_on(0.5)
     model(of.lecturer).guided.go_to_step("tour", "arrows")
     of.do("ask")
-    waits = "The class is asked.</b> 2 pages wait until that is closed."
+    waits = "The class is asked.</b> 2 pages wait until the question is closed."
     assert waits not in of.lecturer.shown  # the card says it
     of.lecturer.page.put(LeaveLesson())
     of.do("lead")

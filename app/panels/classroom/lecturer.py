@@ -91,7 +91,7 @@ def _banner(view: ClassView, question_here: bool, address: str | None) -> str:
     if view.orders.asked is not None:  # whatever else is ordered: nobody follows meanwhile
         if question_here:
             return ""
-        words = f"<b>The class is asked.</b> {here} wait{s} until that is closed."
+        words = f"<b>The class is asked.</b> {here} wait{s} until the question is closed."
         close = _button(address, "close", "Close the question")
         return f'<div class="vi-banner" role="alert"><p>{words}</p>{close}</div>'
     if view.orders.lead is not None:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from linear_world import LinearWorld
@@ -14,6 +15,7 @@ from viewimit.servo.certificate import EQUAL
 from viewimit.servo.trust_motions import aside, farthest
 from viewimit.servo.trust_region import TrustRegion
 from viewimit.servo.visit import Visit
+from viewimit.settings import BEST
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import linear_combination, projective
@@ -246,3 +248,15 @@ def test_a_promise_made_where_nothing_was_told_is_not_judged():
         state, step = servo.step(state, seen, conflict)
         theta = theta + step
     assert len(state.visits) == 6
+
+
+@pytest.mark.filterwarnings("error")
+def test_where_too_few_points_are_foretold_for_any_E_nothing_is_certified():
+    settings = msgspec.structs.replace(
+        BEST, scene="panda-toed", missing=0.05, outliers=0.1, noise_px=0.1, frames=1, quantum_deg=0.3, seed=272,
+        demonstrator_deg=(30.372212534, -179.358611514), start_deg=(77.507350992, -35.308881809),
+    )  # fmt: skip
+    session = Session(settings)
+    session.run(60, 5)
+    certificates = [moment.certificate for moment in session.history if moment.certificate is not None]
+    assert certificates and not any(np.isnan(one.spread).any() for one in certificates)

@@ -44,11 +44,12 @@ class Assessment:
         return self.lower < NEAR
 
 
-_ASSESSED: WeakKeyDictionary[Snapshot, Assessment] = WeakKeyDictionary()  # a moment is drawn many times
+_ASSESSED: WeakKeyDictionary[Snapshot, Assessment | None] = WeakKeyDictionary()  # a moment is drawn many times
 
 
 def assess(session: Session) -> Assessment | None:
-    """Of the present moment; None without a transfer, or before as many motions as there are joints."""
+    """Of the present moment; None without a transfer, before as many motions as there are joints, or where too few
+    points are known for any E."""
     now = session.snapshot
     if now.transfer is None or session.cursor < len(now.theta):
         return None
@@ -57,7 +58,7 @@ def assess(session: Session) -> Assessment | None:
     return _ASSESSED[now]
 
 
-def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment:
+def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
     seen, conflict = session.observation(now), session.predicted_conflict(now)
     kept = np.unique(np.linspace(0, cursor, VISITS).round().astype(int)).tolist()
     visits = tuple(_visit(session.history[k]) for k in kept)
@@ -65,6 +66,8 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment:
     here = seen.displacement
     low, high = np.maximum(seen.lower, here - REACH), np.minimum(seen.upper, here + REACH)
     found = minimise(lambda theta: conflict(model.predict(theta)), here[None], low, high)
+    if not np.isfinite(found.E):
+        return None
     certificate = now.certificate
     if certificate is None:
         points = np.isfinite(model.at_centre).all(-1)

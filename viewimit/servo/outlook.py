@@ -36,7 +36,8 @@ class Measured:
 @dataclass(frozen=True)
 class Outlook:
     """E: px², at the best posture visited; model: of the images about it; found: where the predicted E is least;
-    certify: a posture (m,) rad → its certificate, None by another transfer than the chosen one."""
+    certify: a posture (m,) rad → its certificate, None by another transfer than the chosen one, and where too few
+    points are foretold for any E."""
 
     E: float
     model: Images
@@ -94,7 +95,7 @@ def look_out(
     asked = model.only(measured.points[best])
     found = _search(model, radius, seen, lambda theta: conflict(asked.predict(theta), by, like))
     E = float(measured.E[best])
-    if by is not None:
+    if by is not None or not np.isfinite(found.E):
         return Outlook(E, model, found, None)
     residual_of = partial(conflict, by=None, like=like)
     others = tuple(partial(residual_of, head=k) for k in range(1, seen.heads + 1))

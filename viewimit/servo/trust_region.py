@@ -194,7 +194,7 @@ def _placed(state: TrustState, seen: Observation, ahead: Outlook, weighted: bool
     if state.strayed is not None and state.ending and (state.still or _often(state, seen)):
         place = seen.displacement
     if ahead.certify is None:
-        return state, place
+        return (replace(state, certificate=None) if PHASES[state.phase][0] is None else state), place
     certificate = ahead.certify(place)
     if state.strayed is not None and not np.array_equal(place, best):
         certificate = replace(certificate, shown=False)

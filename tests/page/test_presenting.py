@@ -11,6 +11,9 @@ ANSWER = r"\b45(\.0)?°|[-−]90(\.0)?°|° off|smallest E"
 TOLD = """[...document.querySelectorAll("svg text,p,span,td,label,pre,i,b,input:not([type=radio])")]
   .filter(one => one.checkVisibility({visibilityProperty: true, opacityProperty: true}) && one.getClientRects().length)
   .map(one => one.value ?? one.textContent)"""
+SHADOWS = """[...document.querySelector("[data-dock-root]").children].filter(one =>
+  getComputedStyle(one).boxShadow != "none" && getComputedStyle(one).visibility == "visible")
+  .map(one => one.getBoundingClientRect().left)"""
 SHOWN = "name => window.__viserMutable.nodeRefFromName[name].visible"
 
 
@@ -79,6 +82,7 @@ def test_a_page_that_is_loaded_anew_hides_it_again(browser, server):
     wait_until_complete(page)
     wait_for_node(page, "/now/residuals", False)
     assert told(page) == []
+    assert page.evaluate(SHADOWS) == [640]  # of the images' panel; none is left of the controls'
     page.goto(server)
     wait_until_complete(page)
     wait_for_node(page, "/now/residuals", True)

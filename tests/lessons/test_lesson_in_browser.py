@@ -232,6 +232,9 @@ def assert_the_offer_covers_nothing(page):
     page.set_viewport_size({"width": 768, "height": 1024})
     wait_for_count(page, CARD, 0, exactly=True)
     page.locator(OFFER).get_by_text("Not now").click(trial=True)  # nothing covers it either
+    begin, no = (page.locator(f"{OFFER} a").nth(k).bounding_box() for k in (0, 1))
+    words = page.locator(f"{OFFER} > span").bounding_box()
+    assert begin["y"] == no["y"] < words["y"] + words["height"] and begin["x"] > words["x"] + words["width"]
     page.set_viewport_size({"width": 1280, "height": 720})
 
 

@@ -16,6 +16,7 @@ from browsing import (
     fold,
     open_page,
     press,
+    status,
     switch,
     wait,
     wait_for_count,
@@ -28,6 +29,7 @@ RATIOS = (1, 1.25, 1.5, 2)
 SIZES = [(1024, 640), (1024, 768), (1280, 720), (1440, 900), (1920, 1080)]
 WIDE = [(1600, 900), (1920, 1080)]
 SMALL = [(390, 844), (360, 640), (853, 480), (576, 700), (577, 700), (999, 700), (1024, 600)]  # among them 150 % zoom
+SIDEWAYS = [(640, 360), (667, 375), (844, 390)]  # phones
 LEAST_TEXT = 8.0  # px, as a drawing's letters come out
 BUTTONS = ("Play", "Step", "Undo", "Reset")
 
@@ -111,6 +113,19 @@ def test_nothing_is_cut_or_covered_at_any_size_and_pixel_ratio(page, dark):
                 assert_seen(page, f"{CARD} svg", where=where)
 
 
+CUT = """() => [...document.querySelectorAll(".vi-status p")].filter(p => p.scrollHeight > p.clientHeight + 1)
+  .map(p => p.textContent)"""
+
+
+def test_all_that_the_learner_says_and_what_is_true_is_read(page):
+    """The doubt, too, in which its sentence ends."""
+    assert "could hide" in status(page)
+    for size in (*SIZES, *SMALL, *SIDEWAYS, (500, 800), (768, 1024), (1000, 620), (1180, 820), (1213, 720)):
+        resize(page, *size)
+        assert page.evaluate(CUT) == [], size
+        assert_seen(page, f"{STATUS}, .vi-truth p", 2, str(size))
+
+
 # px of the lowest marks and of the legend that a pair's caption lies over
 COVERED = """() => [["own", "L", ".vi-found:not(.vi-bone)"], ["own", "R", ".vi-found:not(.vi-bone)"],
   ["demo", "l", ".vi-seen"], ["demo", "r", ".vi-seen"]].map(([pair, view, marks]) => {
@@ -180,8 +195,6 @@ def test_a_small_window_shows_one_view_at_a_time(page):
         assert_seen(page, METRICS, where=where)
 
 
-CUT = """() => [...document.querySelectorAll(".vi-status p")].filter(p => p.scrollHeight > p.clientHeight + 1)
-  .map(p => p.textContent)"""
 OVERLAPPING = """() => { // px by which a "?" lies over the label behind it
   const metrics = document.querySelector(".vi-four:not(.vi-over *) .vi-metrics");
   const labels = [...metrics.querySelectorAll("text.vi-2nd")].map(label => label.getBoundingClientRect());

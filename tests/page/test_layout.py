@@ -131,7 +131,9 @@ COVERED = """() => [["own", "L", ".vi-found:not(.vi-bone)"], ["own", "R", ".vi-f
   ["demo", "l", ".vi-seen"], ["demo", "r", ".vi-seen"]].map(([pair, view, marks]) => {
   const box = selector => document.querySelector(`.vi-four:not(.vi-over *) ${selector}`).getBoundingClientRect();
   const caption = box(`.vi-over-${pair}`);
-  return Math.max(box(`svg.vi-at-${view} ${marks}`).bottom - caption.top, caption.bottom - box(".vi-legend text").top);
+  const legend = box(".vi-legend text");
+  return Math.max(box(`svg.vi-at-${view} ${marks}`).bottom - caption.top,
+    Math.min(caption.bottom - legend.top, caption.right - legend.left));
 })"""
 
 SCROLLS = """() => { for (let a = document.querySelector(".vi-four:not(.vi-over *)"); a; a = a.parentElement)
@@ -149,7 +151,9 @@ def test_the_images_legend_and_figures_are_seen_without_scrolling(page, width, h
     assert not any(scrolls)
 
 
-@pytest.mark.parametrize("width, height", [*SIZES, (390, 844), (360, 640), (320, 640), (576, 700), (1024, 600)])
+@pytest.mark.parametrize(
+    "width, height", [*SIZES, *SIDEWAYS, (390, 844), (360, 640), (320, 640), (576, 700), (1024, 600)]
+)
 def test_captions_lie_over_no_point_and_not_over_the_legend(page, width, height):
     resize(page, width, height)
     covered = page.evaluate(COVERED)
@@ -168,8 +172,9 @@ def test_in_a_low_window_all_is_seen_and_links_lie_where_their_points_are(page, 
     """However many words tell how a point is recovered."""
     choose(page, "Transfer", transfer)
     told = "carried" if transfer.startswith("P") else "lines cross"
-    for size in ((1024, 620), (1024, 640), (1100, 679), (1280, 680), (1280, 719), (1280, 720)):
+    for size in (*SIDEWAYS, (1024, 620), (1024, 640), (1100, 679), (1280, 680), (1280, 719), (1280, 720)):
         resize(page, *size)
+        show(page, "images")
         wait(page, lambda: told in page.text_content("p.vi-how"))
         assert_seen(page, METRICS, where=str(size))
         wait(page, lambda: max(page.evaluate(APART)) < 0.5, 10)

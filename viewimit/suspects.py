@@ -16,6 +16,7 @@ from .geometry.affine import MIN_POINTS
 from .geometry.consensus import FEWEST, Fit, contradicting, geometry_of, rows_of, spread
 from .geometry.rectification import Rectification, rectification_of
 from .perception.degeneracy import why_degenerate
+from .perception.rounding import rounding
 from .rectifying import pooled
 from .transfer import TRANSFERS
 from .transfer.rectified import fit
@@ -63,9 +64,12 @@ class Suspects:
     undecided: tuple[str, ...]
 
 
-def suspects(views: FourViews, seed: int = 0) -> Suspects:
-    """views: of T frames, (T, N, …). seed: of the draws."""
-    geometry = _geometry(telling(views, seed), np.random.default_rng(seed))
+def suspects(views: FourViews, seed: int = 0, rounding_px: float | None = None) -> Suspects:
+    """views: of T frames, (T, N, …); seed: of the draws; rounding_px: of a coordinate, standard deviation, of views
+    that were undistorted after they were rounded. None: as the coordinates tell."""
+    if rounding_px is None:
+        rounding_px = rounding_of(views)
+    geometry = _geometry(telling(views, seed), rounding_px, np.random.default_rng(seed))
     if geometry is None:
         few = f"misplaced points: they need {ENOUGH} matches of left and right, or {FEWEST} that lie in equal rows"
         return Suspects((), (few, "swapped points: they need to know the noise, which the same matches tell"))
@@ -88,15 +92,20 @@ def telling(views: FourViews, seed: int = 0) -> NDArray:
     return matches[np.sort(np.random.default_rng(seed).choice(len(matches), MATCHES, replace=False))]
 
 
-def _geometry(matches: NDArray, rng: np.random.Generator) -> Fit | None:
+def rounding_of(views: FourViews) -> float:
+    """Standard deviation of a coordinate, px, that rounding to whole pixels, or to another grid, has left."""
+    return rounding(np.concatenate([views.demo, views.own], -1), views.visible)
+
+
+def _geometry(matches: NDArray, rounding_px: float, rng: np.random.Generator) -> Fit | None:
     """Of the matches, (M, 4) px, that do not contradict each other; None with too few of them."""
     left, right = matches[:, :2], matches[:, 2:]
     if len(matches) < FEWEST:
         return None
     if len(matches) < ENOUGH:
-        return rows_of(left, right)
-    wrong = contradicting(left, right, spread(left, right, rng), rng)
-    return geometry_of(left[~wrong], right[~wrong]) if (~wrong).sum() >= FEWEST else None
+        return rows_of(left, right, rounding_px)
+    wrong = contradicting(left, right, max(spread(left, right, rng), rounding_px), rng)
+    return geometry_of(left[~wrong], right[~wrong], rounding_px) if (~wrong).sum() >= FEWEST else None
 
 
 def _misplaced(images: NDArray, seen: NDArray, geometry: Fit, views: tuple[str, ...]) -> tuple[list[Suspect], NDArray]:

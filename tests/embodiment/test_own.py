@@ -161,6 +161,54 @@ def test_noise_keeps_the_demonstrators_images_and_is_measured_at_rest():
     assert one.observer.noise_at_rest(one.settings) == pytest.approx(4 / 3, rel=0.05)
 
 
+class WholePixels(Robot):
+    """Its tracker gives whole pixels."""
+
+    def look(self):
+        seen = super().look()
+        return FourViews(np.round(seen.demo), np.round(seen.own), seen.visible)
+
+
+@pytest.mark.parametrize("frames", [1, 25])
+def test_rounding_is_noise_that_pictures_at_rest_do_not_show_and_that_more_of_them_do_not_lessen(frames):
+    settings = msgspec.structs.replace(BEST, frames=frames)
+    for sigma in (0.0, 0.1):
+        one = session(WholePixels(noise_px=sigma), settings)
+        assert one.observer.noise_at_rest(one.settings) == pytest.approx(1 / np.sqrt(12), rel=0.1)
+    mixed = session(WholePixels(noise_px=2.0, points=20), settings)  # noise of steps and more is averaged, as any is
+    assert mixed.observer.noise_at_rest(mixed.settings) == pytest.approx(2 / np.sqrt(frames), rel=0.25)
+
+
+@pytest.mark.parametrize("noise_px", [0.0, 0.2])
+def test_whole_pixels_are_believed_and_the_learner_arrives_as_near_as_they_tell(noise_px):
+    """Taken for exact ones, none of eight such learners converged in forty motions."""
+    for seed in range(4):
+        start, demo = np.radians(np.random.default_rng(seed).uniform((0, -140), (90, -40), (2, 2)))
+        robot = WholePixels(demo, noise_px, points=16)
+        robot.start = start
+        one = session(robot)
+        last = one.run(40)
+        assert all(moment.views.complete for moment in one.history)
+        assert last.status == "converged" and error_deg(last, demo) < 2.5
+
+
+def test_a_point_that_is_misplaced_by_many_pixels_is_not_believed_among_whole_ones_either():
+    robot = WholePixels(noise_px=0.2, points=16)
+    one = session(robot)
+    one.run(3)
+    clean = robot.look
+
+    def look():
+        seen = clean()
+        seen.own[5, 3] += 30
+        return seen
+
+    robot.look = look
+    one.look()
+    visible = one.snapshot.views.visible
+    assert not visible[5, 2:].any() and np.delete(visible, 5, 0).all() and visible[5, :2].all()
+
+
 @pytest.mark.parametrize("late", range(MOST_LAG + 1))
 def test_the_first_motion_tells_how_late_pictures_come_and_as_many_are_let_pass(late):
     robot = Robot(late=late)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stereo_heads import UNLIKE, fundamental_of, head, matches
 
-from viewimit.geometry.consensus import GROSS, LEAST_PX, agree, contradicting
+from viewimit.geometry.consensus import GROSS, LEAST_PX, agree, contradicting, geometry_of, rows_of
 from viewimit.geometry.fundamental import sampson_distance
 
 HEADS = {"parallel": head(0), "parallel, unlike": head(0, *UNLIKE), "toed-in": head(12), "both": head(9, *UNLIKE)}
@@ -48,3 +48,20 @@ def test_matches_of_parallel_cameras_agree_until_one_is_moved_out_of_its_row(noi
     along[3, 0] += 20
     across[3, 1] += 20
     assert agree(left, along, noise_px) and not agree(left, across, noise_px)
+
+
+@pytest.mark.parametrize("count, geometry", [(20, rows_of), (200, geometry_of)])
+def test_rows_that_rounding_made_equal_do_not_make_a_pixel_many_deviations(count, geometry):
+    """Whole pixels of parallel cameras: rows differ by -1, 0 or 1, mostly 0, whose deviation is at least rounding's."""
+    rounding_px = 1 / np.sqrt(12)
+    for seed in range(6):
+        left, right, _ = matches(HEADS["parallel"], np.random.default_rng(seed), count, 0.1)
+        left, right = np.round(left), np.round(right)
+        rows = right[:, 1] - left[:, 1]
+        assert np.median(rows) == 0 and np.abs(rows).max() <= 1
+        fit = geometry(left, right, rounding_px)
+        assert fit.deviation >= rounding_px
+        assert np.abs(fit.distance(left, right)).max() < fit.gross * fit.deviation
+        assert not contradicting(left, right, rounding_px, np.random.default_rng(seed)).any()
+        wrong = right[:1] + [0, 20]
+        assert np.abs(fit.distance(left[:1], wrong))[0] > fit.gross * fit.deviation

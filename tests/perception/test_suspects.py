@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench.random_scenes import draw, resize
+from viewimit.geometry.distortion import Radial
+from viewimit.simulation.lens import undistorted
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.suspects import FEWEST_POINTS, suspects
+from viewimit.suspects import FEWEST_POINTS, rounding_of, suspects
 from viewimit.views import FourViews
 
 FRAMES = 10
@@ -59,6 +61,53 @@ def test_a_point_at_a_wrong_place_in_one_image_is_named_alone(count, frames, noi
         (found,) = suspects(views).found
         assert (found.kind, found.points, found.views) == ("misplaced", (point,), pair)
         assert found.frames == tuple(range(frames)) and found.score > 20
+
+
+def on_grid(views, step):
+    return FourViews(np.round(views.demo / step) * step, np.round(views.own / step) * step, views.visible)
+
+
+@pytest.mark.parametrize("step", [0.5, 1.0, 4.0])
+@pytest.mark.parametrize("any_head", [False, True], ids=["parallel", "any head"])
+def test_rounding_raises_no_alarm_however_many_rows_it_makes_equal(any_head, step):
+    """With noise of a third of a step more than half of the rows are equal, all others one step off."""
+    rng = np.random.default_rng(20)
+    for _ in range(6):
+        drawn = draw(rng, any_head)
+        world = World(drawn.scene, drawn.points)
+        resize(world, drawn.size)
+        for frames, share in product((1, FRAMES), (0.0, 0.1, 0.3, 0.5)):
+            assert suspects(on_grid(looks(world, rng, frames, share * step, alike=False), step)).found == ()
+
+
+@pytest.mark.parametrize("count", [10, 16])
+@pytest.mark.parametrize("frames", [1, FRAMES])
+@pytest.mark.parametrize("noise_px", [0.0, 0.1, 0.3])
+def test_in_whole_pixels_a_point_at_a_wrong_place_is_named_alone(count, frames, noise_px):
+    rng = np.random.default_rng(count)
+    for _ in range(4):
+        views, point = looks(panda(count), rng, frames, noise_px, alike=False), int(rng.integers(count))
+        views.own[:, point, 1] += rng.choice((-30, 30))
+        assert named(on_grid(views, 1.0)) == [("misplaced", (point,), ("L", "R"))]
+
+
+def test_in_whole_pixels_arms_in_one_posture_have_nobody_swapped_and_a_swapped_pair_is_told():
+    rng = np.random.default_rng(9)
+    views = looks(panda(16), rng, FRAMES)
+    assert suspects(on_grid(views, 1.0)) == suspects(views)
+    assert named(on_grid(views.with_exchanged(((3, 8),)), 1.0)) == [("exchanged", (3, 8), ("l", "r"))]
+
+
+def test_images_that_were_undistorted_after_they_were_rounded_lie_on_no_grid_and_are_told_by_how_much():
+    rounded = on_grid(looks(panda(16), np.random.default_rng(10), FRAMES, 0.2, alike=False), 1.0)
+
+    def straight(images):
+        halves = np.split(images, 2, axis=-1)
+        return np.concatenate([undistorted(half, (256, 256), (320, 120), Radial(1e-3, 0)) for half in halves], -1)
+
+    views = FourViews(straight(rounded.demo), straight(rounded.own), rounded.visible)
+    assert rounding_of(views) == 0 and suspects(views).found
+    assert suspects(views, rounding_px=rounding_of(rounded)).found == ()
 
 
 def test_its_score_is_its_distance_in_deviations_of_the_others():

@@ -19,7 +19,7 @@ from ..perception.tracks import TrackedPoints, read_files, read_tidy
 from ..quoting import MOST_NAME, printable
 from ..settings import Settings
 from ..simulation.lens import undistorted
-from ..suspects import suspects, telling
+from ..suspects import rounding_of, suspects, telling
 from ..transfer import TRANSFERS, TransferMethod
 from ..transfer.rectified import fit
 from ..transfer.transfer import FLAT, FLATNESS
@@ -74,11 +74,12 @@ def run(args: argparse.Namespace) -> int:
     if lost := tracked.lost(args.min_confidence):
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
         print(f"viewimit evaluate: {says}", file=sys.stderr)
-    views = _pinhole(args, tracked.views(args.min_confidence))
+    images = tracked.views(args.min_confidence)
+    views = _pinhole(args, images)
     rectification = None if args.rectify == "off" else rectification_of(*np.split(telling(views), 2, axis=1))
     frames = evaluate_frames(tracked.frames, tracked.points, views, args.transfer, rectification)
     rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
-    found = suspects(views)
+    found = suspects(views, rounding_px=rounding_of(images))
     result = {
         "transfer": args.transfer,
         "rectification": rectified,

@@ -37,7 +37,8 @@ class Eyes(Protocol):
 
     @property
     def noise_px(self) -> float:
-        """Standard deviation of a coordinate beyond what can be measured with an arm at rest, px, from 0; mostly 0."""
+        """Standard deviation of a coordinate beyond what can be measured with an arm at rest, px, from 0; mostly 0.
+        Rounding to whole pixels, or to steps of any other grid, is found by itself."""
         ...
 
     def look(self) -> FourViews:

@@ -11,6 +11,7 @@ from ..perception import frames
 from ..perception.degeneracy import dimensions
 from ..perception.latency import MOST_LAG, lag_of
 from ..perception.lost import astray, lost
+from ..perception.rounding import rounding
 from ..settings import Settings
 from ..snapshot import Snapshot
 from ..views import FourViews
@@ -32,18 +33,17 @@ class OwnLooks:
     def __init__(self, eyes: Eyes, points: int):
         self._eyes, self._points = eyes, points
         self._demo: Images | None = None
-        self._noise_px: float | None = None  # of a single picture
+        self._noise: tuple[float, float] | None = None  # see _noises
 
     def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
         """Whatever is to be seen now."""
-        seen = [look_with(self._eyes, self._points) for _ in range(settings.frames)]
-        points = np.array([np.concatenate([views.demo, views.own], -1) for views in seen])
-        merged, visible = frames.merge(points, np.array([views.visible for views in seen]))
+        merged, visible = frames.merge(*self._pictures(settings.frames))
         demo, demo_visible = self._demonstrator((merged[:, :4], visible[:, :2]), self.noise_at_rest(settings))
         return FourViews(demo, merged[:, 4:], np.concatenate([demo_visible, visible[:, 2:]], -1))
 
     def noise_at_rest(self, settings: Settings) -> float:
-        return self._single_noise() / np.sqrt(settings.frames)
+        single, rounded = self._noises()
+        return float(np.hypot(single / np.sqrt(settings.frames), rounded))
 
     def wait(self, now: Snapshot, theta: NDArray) -> tuple[int, int | None]:
         """Looks are pictures here."""
@@ -51,7 +51,7 @@ class OwnLooks:
             for _ in range(now.lag):
                 self._eyes.look()
             return now.lag, now.lag
-        lag = lag_of((now.views.own, now.views.visible[:, 2:]), lambda k: self._own(), self._single_noise())
+        lag = lag_of((now.views.own, now.views.visible[:, 2:]), lambda k: self._own(), self._noises()[0])
         return MOST_LAG if lag is None else lag, lag
 
     def _demonstrator(self, now: Images, noise_px: float) -> Images:
@@ -64,12 +64,20 @@ class OwnLooks:
         views = look_with(self._eyes, self._points)
         return views.own, views.visible[:, 2:]
 
-    def _single_noise(self) -> float:
-        if self._noise_px is None:
-            points, visible = zip(*(self._own() for _ in range(REST_LOOKS)))
-            measured = frames.noise(np.array(points), np.array(visible))
-            self._noise_px = float(np.hypot(measured, _unmeasured(self._eyes)))
-        return self._noise_px
+    def _pictures(self, count: int) -> Images:
+        """(count, N, 8) px and (count, N, 4) bool, in l, r, L, R."""
+        seen = [look_with(self._eyes, self._points) for _ in range(count)]
+        points = np.array([np.concatenate([views.demo, views.own], -1) for views in seen])
+        return points, np.array([views.visible for views in seen])
+
+    def _noises(self) -> tuple[float, float]:
+        """Of a single picture, px, and what rounding adds however many are averaged: none if noise mixes the steps."""
+        if self._noise is None:
+            points, visible = self._pictures(REST_LOOKS)
+            measured, rounded = frames.noise(points[..., 4:], visible[..., 2:]), rounding(points, visible)
+            single = float(np.hypot(measured, _unmeasured(self._eyes)))
+            self._noise = single, 0.0 if measured > rounded else rounded
+        return self._noise
 
 
 def look_with(eyes: Eyes, points: int | None = None) -> FourViews:

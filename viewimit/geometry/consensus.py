@@ -84,9 +84,9 @@ def spread(left: NDArray, right: NDArray, rng: np.random.Generator) -> float:
     return TO_NORMAL * (1 + 5 / count) * min(float(np.median(one)) for one in away)
 
 
-def geometry_of(left: NDArray, right: NDArray) -> Fit:
+def geometry_of(left: NDArray, right: NDArray, rounding_px: float = 0.0) -> Fit:
     """Of matches that do not contradict each other, (M, 2) px each: affine, or a fundamental matrix's where that is
-    needed and they are enough to tell it."""
+    needed and they are enough to tell it. rounding_px: of a coordinate, standard deviation, which equal rows hide."""
     count = len(left)
     least = LEAST_PX if count >= FEWEST_OF_F else LEAST_OF_FEW_PX
     distance, free, off = affine_distance, 4, _squares(affine_distance(left, right))
@@ -94,20 +94,19 @@ def geometry_of(left: NDArray, right: NDArray) -> Fit:
         left_over = _squares(fundamental_distance(left, right))
         if (off - left_over) / 3 > TELLING * left_over / (count - 7):
             distance, free, off = fundamental_distance, 7, left_over
-    deviation = max(float(np.sqrt(off / (count - free))), least / GROSS)
+    deviation = max(float(np.sqrt(off / (count - free))), least / GROSS, rounding_px)
     return Fit(lambda l, r: distance(left, right, l, r), deviation, _gross(count))
 
 
-def rows_of(left: NDArray, right: NDArray) -> Fit | None:
+def rows_of(left: NDArray, right: NDArray, rounding_px: float = 0.0) -> Fit | None:
     """Of matches, (M, 2) px each, most of which lie in equal rows but for one offset, as parallel cameras have them:
-    the one geometry that few matches tell from all others. None if they do not."""
+    the one geometry that few matches tell from all others. None if they do not. rounding_px: as of `geometry_of`."""
     below = right[:, 1] - left[:, 1]
     offset = float(np.median(below))
     away = np.abs(below - offset) / np.sqrt(2)
-    deviation = TO_NORMAL * (1 + 5 / len(away)) * float(np.median(away))
+    deviation = max(TO_NORMAL * (1 + 5 / len(away)) * float(np.median(away)), rounding_px, LEAST_PX / GROSS)
     if deviation > MOST_OF_ROWS_PX:
         return None
-    deviation = max(deviation, LEAST_PX / GROSS)
     gross = _gross(len(away))
     farthest = float(away[away <= gross * deviation].max()) / deviation
     return Fit(lambda l, r: (r[:, 1] - l[:, 1] - offset) / np.sqrt(2), deviation, max(gross, APART * farthest))

@@ -71,9 +71,9 @@ def anywhere(seen: Observation) -> NDArray:
 
 def along(seen: Observation, place: NDArray, way: NDArray) -> NDArray:
     """(k, m) rad: many postures on the line through a place, from limit to limit."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ends = np.sort([(seen.lower - place) / way, (seen.upper - place) / way], axis=0)
-    return place + np.linspace(np.nanmax(ends[0]), np.nanmin(ends[1]), FAR_CANDIDATES)[:, None] * way
+    turned = way != 0  # no limit of the others is met
+    ends = np.sort([(limit - place)[turned] / way[turned] for limit in (seen.lower, seen.upper)], axis=0)
+    return place + np.linspace(ends[0].max(), ends[1].min(), FAR_CANDIDATES)[:, None] * way
 
 
 def farthest(visits: tuple[Visit, ...], candidates: NDArray) -> NDArray:

@@ -140,8 +140,10 @@ def _at_least(value: float, least: float, form: str, unit: str) -> str:
 
 def _told(known: Assessment | None, joint: int) -> bool | None:
     """Whether its points tell a joint, by index; None where the visits that there are leave that open."""
-    if known is None or known.certificate.told[joint]:
-        return None if known is None else True
+    if known is None:
+        return None
+    if known.certificate.told[joint]:
+        return True
     return False if joint in known.untold else None
 
 

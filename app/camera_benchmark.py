@@ -16,7 +16,7 @@ from viewimit.settings import BEST, Settings
 
 from .control.commands.method import switch_camera
 from .control.commands.session import ChooseSpeed, Play
-from .control.redraw import Drawing, draw_all
+from .control.redraw import draw_all
 from .control.scheduler import Scheduler
 from .control.services import Services
 from .jobs.camera_images import CameraProcess
@@ -38,11 +38,11 @@ class TimedPage(Page):
         self.ticks: list[float] = []
         super().__init__(quiet_client(page_id), services, settings, lambda memory: None)
 
-    def tick(self, now: float) -> list[Drawing]:
+    def tick(self, now: float) -> None:
         began = time.perf_counter()
-        draw_all(super().tick(now))
+        super().tick(now)
+        draw_all(self.drawings())
         self.ticks.append(time.perf_counter() - began)
-        return []
 
     def play(self, speed: str) -> None:
         self.put(ChooseSpeed.parse(speed))

@@ -43,8 +43,8 @@ class CannotResume(Exception):
 
 
 class Page:
-    """tick(now) takes what the visitor did, moves the loop on, and tells how to show what changed. keep(memory): at
-    times → why it is not kept, None if it is."""
+    """tick(now) takes what the visitor did, moves the loop on and poses the arms; drawings() tells how to show all else
+    that changed. keep(memory): at times → why it is not kept, None if it is."""
 
     def __init__(
         self,
@@ -57,6 +57,7 @@ class Page:
     ):
         self._client, self._shedding, self._keep, self.address = client, services.shedding, keep, reach.address
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(services.clock), Redraw()
+        self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         self._attendance = Attendance(services.classroom, reach.of_class, self.model, self.queue)
@@ -96,17 +97,27 @@ class Page:
         """Nothing of it is sent inside, but as a whole afterwards."""
         return self._client.atomic()
 
-    def tick(self, now: float) -> list[Drawing]:
-        """What is to be drawn but the poses, which are."""
-        drawings: list[Drawing] = []
+    def tick(self, now: float) -> None:
+        """Up to the poses, of which all else is drawn as they stand."""
+        self._now = now
         self._commands.tick(now)
         if self._commands.drawable:
-            drawings = self._show(now)
+            self._pose()
         if not self._commands.busy:
             self._attendance.tick(now)
             if self._redraw.due("kept", now, KEPT_EVERY):
                 self.model.unsaved = self._keep(self.memory())
-        return drawings
+
+    def drawings(self) -> list[Drawing]:
+        """Of what has changed and is due, but the poses."""
+        if not (self._commands.drawable and self._shown):
+            return []
+        every = PANELS_EVERY * self._shedding.panels
+        if not self._redraw.due("panels", self._now, every) and not self._anew:
+            return []
+        self._anew = False
+        self.model.ask_for_landscapes()
+        return self._drawings_of(self.model.state(self._now, shortest_motion=2 * every))
 
     def memory(self) -> SavedSession:
         """What of the page is kept."""
@@ -162,25 +173,26 @@ class Page:
         if memory.head.motion is not None:
             self.queue.put(LoadMotion.parse(memory.head.motion))
 
-    def _show(self, now: float) -> list[Drawing]:
-        if WINDOW in self.model.view.unseen:
-            return []
-        world, docked = self.model.shown_session.world, self._docking.over(now)
-        anew = self._redraw.changed("world", world, docked)
-        if docked:
-            poses = self.model.poses(now)
-            if anew:  # widgets of the world before are gone at once: what is sent to them would be lost
+    @property
+    def _shown(self) -> bool:
+        """Whether its window is seen at all."""
+        return WINDOW not in self.model.view.unseen
+
+    def _pose(self) -> None:
+        if not self._shown:
+            return
+        world, docked = self.model.shown_session.world, self._docking.over(self._now)
+        if self._redraw.changed("world", world, docked):
+            self._anew = True
+            if docked:  # widgets of the world before are gone at once: what is sent to them would be lost
                 self._scene.build(world)
+        if docked:
+            poses = self.model.poses(self._now)
             if self._redraw.changed("poses", world, *(pose.tobytes() for pose in poses)):
                 self._scene.arms.draw(*poses)
-        every = PANELS_EVERY * self._shedding.panels
-        if not self._redraw.due("panels", now, every) and not anew:
-            return []
-        self.model.ask_for_landscapes()
-        return self._drawings(self.model.state(now, shortest_motion=2 * every), now)
 
-    def _drawings(self, state: PageState, now: float) -> list[Drawing]:
-        """Of what has changed and is due."""
+    def _drawings_of(self, state: PageState) -> list[Drawing]:
+        """Of what of a state has changed and is due."""
         drawings: list[Drawing] = []
         if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
             drawings.append((Scene3D, partial(self._scene.show, state)))
@@ -188,16 +200,17 @@ class Page:
             if not panel.seen(state) or (state.course is not None and not panel.in_lessons):
                 continue
             period = panel.period(state) * self._shedding.plots
-            if period and not self._redraw.due(type(panel), now, period):
+            if period and not self._redraw.due(type(panel), self._now, period):
                 continue
             if self._redraw.changed(type(panel), *panel.depends_on(state)):
                 drawings.append((type(panel), partial(panel.show, state)))
         return drawings
 
-    def _announce_pictures(self, now: float) -> None:
+    def _announce_pictures(self) -> None:
         """At once: it takes seconds to begin with them, in which nothing is drawn."""
-        draw_all(self._show(now))
-        draw_all(self._drawings(replace(self.model.state(now), message="starting the camera images …"), now))
+        self._pose()
+        draw_all(self.drawings())
+        draw_all(self._drawings_of(replace(self.model.state(self._now), message="starting the camera images …")))
 
     def _send(self, name: str, data: bytes) -> None:
         now = self._clock()

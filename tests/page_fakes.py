@@ -210,7 +210,8 @@ class Visit:
     def tick(self, count=1):
         for _ in range(count):
             self.now += 0.05
-            draw_all(self.page.tick(self.now))
+            self.page.tick(self.now)
+            draw_all(self.page.drawings())
 
     def rest(self, seconds=30.0):
         """Tick until no turn goes on."""

@@ -117,7 +117,8 @@ class QuietPage:
     def tick(self, seconds=0.05):
         """One tick, after that time."""
         self.now += seconds
-        draw_all(self.page.tick(self.now))
+        self.page.tick(self.now)
+        draw_all(self.page.drawings())
 
     def tick_until(self, condition, patience=60.0, seconds=0.5):
         """Tick while threads of the page work. Raises AssertionError after so many seconds of patience."""

@@ -32,7 +32,7 @@ def _no_time() -> float:
 class CommandLoop:
     """tick(now) ends a turn, begins the next, or does meanwhile what need not wait.
 
-    announce_pictures(now): the first camera images are about to be waited for; budget: of what the visitor does, whose
+    announce_pictures(): the first camera images are about to be waited for; budget: of what the visitor does, whose
     rest waits for the next ticks.
     """
 
@@ -41,7 +41,7 @@ class CommandLoop:
         model: PageModel,
         queue: CommandQueue,
         shedding: LoadShedding,
-        announce_pictures: Callable[[float], None],
+        announce_pictures: Callable[[], None],
         budget: TimeBudget | None = None,
     ):
         self._model, self._queue, self._shedding = model, queue, shedding
@@ -90,7 +90,7 @@ class CommandLoop:
         rest = commands[first:]  # in their order: what comes after a motion may depend on it
         self._asked_at = now
         if opens:
-            self._announce_pictures(now)
+            self._announce_pictures()
         if rest or model.motions.replaying:
             self._background.begin(lambda: self._carry_out(rest, now, _no_time), alone=True)
             return

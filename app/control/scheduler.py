@@ -5,11 +5,12 @@ A thread beside it would wait for it at every message, and it for the thread; a 
 
 import asyncio
 import concurrent.futures
+import contextlib
 import logging
 import threading
 import time
 import traceback
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from pathlib import Path
@@ -20,6 +21,7 @@ from .shedding import LoadShedding
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
 TOGETHER = 16  # pages that are drawn kind by kind
+FEW = 3  # that are so while there is too much to draw
 AT_ONCE = 0.002  # s that may pass before what comes in is read
 FAULTS_EVERY = 1.0  # s between two faults that are logged, of all pages: each is one line
 FRAMES = 4  # of a fault, innermost
@@ -28,12 +30,14 @@ T = TypeVar("T")
 
 
 class Ticked(Protocol):
-    """A page. held(): nothing of it is sent inside; tick(now): s of a monotonic clock → what it is to draw, each
-    independent of the others; fail(error): what that raised, for it to say."""
+    """A page. held(): nothing of it is sent inside; tick(now): up to its poses, s of a monotonic clock; drawings(): all
+    else that is to be drawn then, each independent of the others; fail(error): what these raised, for it to say."""
 
     def held(self) -> AbstractContextManager: ...
 
-    def tick(self, now: float) -> Iterable[Drawing]: ...
+    def tick(self, now: float) -> None: ...
+
+    def drawings(self) -> Iterable[Drawing]: ...
 
     def fail(self, error: Exception) -> None: ...
 
@@ -50,6 +54,7 @@ class Scheduler:
         self._unlogged = 0  # faults since
         self.shedding = LoadShedding(TICK)
         self._gave_way = 0.0  # s
+        self._left_out: Ticked | None = None  # of the last round's drawings
         self._running = False
         self._task: concurrent.futures.Future | None = None
 
@@ -83,34 +88,61 @@ class Scheduler:
             self._log(worse, anyway=True)
             self.remove(page)
 
-    async def _tick(self, pages: Sequence[Ticked]) -> None:
-        """Let them tick, then draw kind by kind: code that has just run for one page is still near at hand for the
-        next. What comes in is read meanwhile; what is drawn of a page is sent as a whole, with its last drawing."""
+    async def _round(self, pages: Sequence[Ticked], until: float) -> float:
+        """Each page's poses, and what else is to be drawn, by a time. → s that it took, or that all would have."""
+        began, lacking = time.monotonic(), 0.0
+        first, self._left_out = self._left_out, None
+        if self.shedding.strain:
+            lacking = await self._within(pages, until, first)
+        else:
+            for alike in _parts(pages, TOGETHER):
+                with _holding(alike) as held:
+                    for page in alike:
+                        self._let(page, partial(page.tick, time.monotonic()))
+                        await self._give_way()
+                    await self._draw(held)
+                await asyncio.sleep(0)  # what was drawn is sent
+        return time.monotonic() - began + lacking
+
+    async def _within(self, pages: Sequence[Ticked], until: float, first: Ticked | None) -> float:
+        """Poses do not wait for drawings, of which there are too many: pages that the time is not enough for come first
+        in the next round. first: of the last one's. → s that it lacks."""
+        for page in pages:
+            with page.held():
+                self._let(page, partial(page.tick, time.monotonic()))
+            await self._give_way()
+        began, drawn = time.monotonic(), 0
+        at = pages.index(first) if first in pages else 0
+        in_turn = [*pages[at:], *pages[:at]]
+        for few in _parts(in_turn, FEW):
+            if drawn and time.monotonic() >= until:
+                break
+            with _holding(few) as held:
+                await self._draw(held)
+            await asyncio.sleep(0)
+            drawn += len(few)
+        if drawn < len(pages):
+            self._left_out = in_turn[drawn]
+        return (time.monotonic() - began) * (len(pages) - drawn) / max(drawn, 1)
+
+    async def _draw(self, held: Mapping[Ticked, ExitStack]) -> None:
+        """Kind by kind: code that has just run for one page is still near at hand for the next. What comes in is read
+        meanwhile; what is drawn of a page is sent as a whole, with its last drawing."""
         drawings: dict[Hashable, list[tuple[Ticked, Callable[[], None]]]] = {}
         left: dict[Ticked, int] = {}  # drawings of a page
-        with ExitStack() as all_held:
-            held = {page: all_held.enter_context(ExitStack()) for page in pages}
-            for page in pages:
-                held[page].enter_context(page.held())
-                for kind, draw in self._let(page, partial(page.tick, time.monotonic())) or ():
-                    drawings.setdefault(kind, []).append((page, draw))
-                    left[page] = left.get(page, 0) + 1
-                if page not in left:
+        for page in held:
+            for kind, draw in self._let(page, page.drawings) or ():
+                drawings.setdefault(kind, []).append((page, draw))
+                left[page] = left.get(page, 0) + 1
+            if page not in left:
+                held[page].close()
+        for alike in drawings.values():
+            for page, draw in alike:
+                self._let(page, draw)
+                left[page] -= 1
+                if not left[page]:
                     held[page].close()
                 await self._give_way()
-            if self.shedding.strain:  # poses do not wait for drawings, of which there are too many
-                for page in left:
-                    held[page].close()
-                await asyncio.sleep(0)
-                for page in left:
-                    held[page].enter_context(page.held())
-            for alike in drawings.values():
-                for page, draw in alike:
-                    self._let(page, draw)
-                    left[page] -= 1
-                    if not left[page]:
-                        held[page].close()
-                    await self._give_way()
 
     async def _give_way(self) -> None:
         """To all else that the loop has to do, now and then."""
@@ -145,14 +177,24 @@ class Scheduler:
     async def _run(self) -> None:
         next_tick = time.monotonic()
         while self._running:
-            began = time.monotonic()
             self._heartbeat()
             with self._lock:
                 pages = list(self._pages)
-            for first in range(0, len(pages), TOGETHER):
-                await self._tick(pages[first : first + TOGETHER])
-                await asyncio.sleep(0)  # what was drawn is sent
-            self.shedding.ticked(time.monotonic() - began)
+            self.shedding.ticked(await self._round(pages, next_tick + TICK))
             # one long tick is made up for by the next short one; further behind, ticks are skipped, not chased
             next_tick = max(next_tick + TICK, time.monotonic() - TICK)
             await asyncio.sleep(max(next_tick - time.monotonic(), 0))
+
+
+@contextlib.contextmanager
+def _holding(pages: Iterable[Ticked]) -> Iterator[dict[Ticked, ExitStack]]:
+    """Nothing of a page is sent before its stack is closed, as all are in the end."""
+    with ExitStack() as all_held:
+        held = {page: all_held.enter_context(ExitStack()) for page in pages}
+        for page, sent in held.items():
+            sent.enter_context(page.held())
+        yield held
+
+
+def _parts(pages: Sequence[Ticked], size: int) -> Iterator[Sequence[Ticked]]:
+    return (pages[first : first + size] for first in range(0, len(pages), size))

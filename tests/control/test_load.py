@@ -66,11 +66,14 @@ class Slow:
 
     held = staticmethod(contextlib.nullcontext)
 
-    def tick(self, now: float) -> list[Drawing]:
+    def tick(self, now: float) -> None:
         self.poses += 1
-        if now < self.next:
+        self.now = now
+
+    def drawings(self) -> list[Drawing]:
+        if self.now < self.next:
             return []
-        self.next = now + 0.1 * self.load.panels
+        self.next = self.now + 0.1 * self.load.panels
         return [("panels", self.draw)]
 
     def draw(self) -> None:

@@ -6,7 +6,7 @@ import threading
 import time
 from functools import partial
 
-from viewimit.app.control.scheduler import FAULTS_EVERY, Scheduler
+from viewimit.app.control.scheduler import FAULTS_EVERY, FEW, TICK, Scheduler
 from viewimit.app.jobs.landscapes import LandscapeWorker
 from waiting import stays, wait_until
 
@@ -26,6 +26,8 @@ class Counting:
         self.threads.add(threading.get_ident())
         if self.fault:
             raise self.fault
+
+    def drawings(self):
         return ()
 
     def fail(self, error):
@@ -100,8 +102,7 @@ class Drawn(Counting):
         super().__init__()
         self.name, self.kinds, self.drawn, self.while_drawing = name, kinds, drawn, dict(while_drawing)
 
-    def tick(self, now):
-        super().tick(now)
+    def drawings(self):
         return [(kind, partial(self.draw, kind)) for kind in self.kinds]
 
     def draw(self, kind):
@@ -165,6 +166,36 @@ def test_poses_do_not_wait_for_drawings_of_which_there_are_too_many(event_loop):
     pages = [Sent("a", ("scene",), drawn), Sent("b", ("scene",), drawn)]
     one_round(event_loop, *pages, before=lambda scheduler: setattr(scheduler.shedding, "strain", 0.1))
     assert drawn == ["a is sent", "b is sent", "scene of a", "a is sent", "scene of b", "b is sent"]
+
+
+def test_drawings_that_a_tick_has_no_time_for_come_first_in_the_next(event_loop):
+    drawn = []
+    pages = [Drawn(name, ("scene",), drawn, {"scene": partial(time.sleep, TICK)}) for name in "abcdefg"]
+    scheduler = Scheduler(no_heartbeat)
+    scheduler.shedding.strain = 2.0
+    for page in pages:
+        scheduler.add(page)
+    scheduler.start(event_loop)
+    wait_until(lambda: len(drawn) >= 4 * FEW)
+    scheduler.stop()
+    rounds = pages[0].ticks  # in each of which few are drawn, as the first of these takes all of its time
+    assert [one[-1] for one in drawn] == [name for _, name in zip(drawn, itertools.cycle("abcdefg"))]
+    assert FEW * (rounds - 1) <= len(drawn) <= FEW * rounds
+    assert all(rounds - 1 <= page.ticks <= rounds for page in pages)
+
+
+def test_a_page_that_has_gone_while_its_drawings_waited_holds_up_no_other(event_loop):
+    drawn = []
+    pages = [Drawn(name, ("scene",), drawn, {"scene": partial(time.sleep, TICK)}) for name in "abcdefg"]
+    leaves, rounds = pages[FEW], itertools.count()
+    scheduler = Scheduler(lambda: scheduler.remove(leaves) if next(rounds) == 1 else None)
+    scheduler.shedding.strain = 2.0
+    for page in pages:
+        scheduler.add(page)
+    scheduler.start(event_loop)
+    wait_until(lambda: {one[-1] for one in drawn} == set("abcdefg") - {leaves.name})
+    scheduler.stop()
+    assert leaves.ticks == 1
 
 
 def test_a_page_is_sent_with_its_last_drawing_and_at_once_without_any(event_loop):

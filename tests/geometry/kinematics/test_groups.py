@@ -25,16 +25,29 @@ def test_images_between_which_several_joints_were_turned_tell_nothing():
     assert moved_points(body.seen(np.array([[0, 0], [0.3, 0.2], [0.5, -0.3]])), 0.0) is None
 
 
-def test_a_point_that_was_hidden_is_told_by_what_agrees_with_it_only_if_that_is_one():
+def test_a_point_that_was_hidden_at_a_probe_is_told_by_the_others_order_of_joints():
     """Unseen at the second probe, a point that the first one moved may be moved by the second, or not; one that the
-    second moved is moved by the first, as all others that it moved were."""
+    second moved is moved by the first, as all others that it moved were; and one that the first did not move is not
+    moved by the second."""
     body = TurningBody(np.random.default_rng(0), ON, 2)
     whole = np.ones((3, len(ON)), bool)
     whole[2, 3] = False  # the first joint moves it, the second was not asked
+    whole[2, 1] = False  # the first joint does not move it, the second was not asked
     whole[0, 6] = False  # the second joint moves it, the first was not asked
     moved, told = moved_points(body.seen(body.probes(), whole), 0.0)
     assert not told[3] and told[np.arange(len(ON)) != 3].all()
-    np.testing.assert_array_equal(moved[6], [True, True])
+    np.testing.assert_array_equal(moved[[1, 6]], [[False, False], [True, True]])
+
+
+def test_a_joint_that_was_not_asked_may_move_a_point_as_it_moves_no_other():
+    """All points between both joints are hidden at the first probe: that the joints move both or none of the others
+    tells nothing of them, nor which joint is the inner one."""
+    on = [0, 0, 1, 1, 2, 2, 2, 2, 2]
+    body = TurningBody(np.random.default_rng(0), on, 2)
+    whole = np.ones((3, len(on)), bool)
+    whole[0, [2, 3, 8]] = False  # the second joint moves the last one
+    told = moved_points(body.seen(body.probes(), whole), 0.0)[1]
+    np.testing.assert_array_equal(np.flatnonzero(~told), [2, 3, 8])
 
 
 @pytest.mark.parametrize("deviations, told, moves", [(2.0, True, False), (3.5, False, False), (6.0, True, True)])

@@ -73,6 +73,20 @@ def test_a_point_that_is_hidden_at_some_visits_is_foretold_from_a_single_sight_o
     assert np.isnan(found.predict(np.zeros(2))[7]).all()
 
 
+def test_a_point_that_moves_as_no_other_does_is_foretold_once_its_images_tell_so():
+    """The only one between both joints, hidden where the first one is asked: as long as its images leave that open it
+    is not known; then it is, though no other point is moved by that joint alone."""
+    rng = np.random.default_rng(4)
+    on = [0, 0, 0, 1, 2, 2, 2, 2, 2, 2]
+    body = TurningBody(rng, on, 2)
+    visits = np.vstack([body.probes(), [0.7, -0.6], [-0.5, 0.3]])
+    whole = np.ones((len(visits), len(on)), bool)
+    whole[0, 3] = False
+    open_yet, told = (fit_kinematics(body.seen(visits[:k], whole[:k]), 0.0) for k in (3, len(visits)))
+    assert open_yet.unknown.tolist() == [k == 3 for k in range(len(on))] and not told.unknown.any()
+    assert furthest(told, body, rng.uniform(-1, 1, (20, 2))) < 1e-4
+
+
 def test_what_foretold_the_last_visit_is_kept_as_it_is():
     body = TurningBody(np.random.default_rng(5), ON, 2)
     before = fit_kinematics(body.seen(body.probes()), 0.0)

@@ -91,7 +91,9 @@ def _regrouped(begun: ProjectiveKinematics, known: Adjustment) -> ProjectiveKine
 
 def _with_others(found: ProjectiveKinematics, points: NDArray, whole: Adjustment) -> ProjectiveKinematics:
     """With these points, (N,) bool, moved by the joints that all their images tell, where these tell one answer."""
-    patterns, most = np.unique(found.moved[~found.unknown], axis=0), OF_ONE * whole.least_px**2
+    known = found.moved[~found.unknown]
+    but_one = known[:, None] ^ np.eye(known.shape[1], dtype=bool)
+    patterns, most = np.unique([*known, *but_one.reshape(-1, known.shape[1])], axis=0), OF_ONE * whole.least_px**2
     for point in np.flatnonzero(points):
         one = np.arange(len(points)) == point
         trials = [replace(found, moved=np.where(one[:, None], pattern, found.moved)) for pattern in patterns]

@@ -61,7 +61,8 @@ def moved_points(seen: Seen, noise_px: float) -> tuple[NDArray, NDArray] | None:
     """(N, m) bool, which joints move each point, and (N,) bool, of which points that is told. noise_px: of an image
     coordinate, standard deviation.
 
-    None if the images do not tell of each joint which points it moves.
+    Of a joint that was not turned alone while a point was seen others may tell: what the outer one moves the inner one
+    does. None if the images do not tell of each joint which points it moves.
     """
     farthest = np.full((seen.whole.shape[1], seen.displacement.shape[1]), -1.0)  # px, that a joint moved a point
     for k, l, joint in _turned_alone(seen.displacement):
@@ -73,12 +74,16 @@ def moved_points(seen: Seen, noise_px: float) -> tuple[NDArray, NDArray] | None:
     told = asked.all(1)
     if not moved[told].any(0).all():
         return None
-    patterns = np.unique(moved[told], axis=0)
-    for point in np.flatnonzero(~told & asked.any(1)):
-        agree = patterns[(patterns == moved[point])[:, asked[point]].all(1)]
-        if len(agree) == 1:
-            moved[point], told[point] = agree[0], True
-    return moved, told
+    inner = _inner(moved[told])
+    by_outer, by_inner = (moved & asked) @ inner.T, (~moved & asked) @ inner
+    return moved | (~asked & by_outer), (asked | by_outer | by_inner).all(1)
+
+
+def _inner(moved: NDArray) -> NDArray:
+    """(m, m) bool: whether a joint moves all that another one moves, and more. moved: (n, m) bool, by which joints a
+    point is moved."""
+    beyond = moved.T.astype(int) @ ~moved  # how many points one moves that the other does not
+    return (beyond > 0) & (beyond.T == 0)
 
 
 def _turned_alone(displacement: NDArray) -> list[tuple[int, int, int]]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .geometry.affine import MIN_POINTS
-from .geometry.consensus import FEWEST, Fit, contradicting, geometry_of, rows_of, spread
+from .geometry.consensus import FEWEST, FEWEST_OF_F, Fit, contradicting, geometry_of, rows_of, spread
 from .geometry.rectification import Rectification, rectification_of
 from .perception.degeneracy import why_degenerate
 from .perception.rounding import rounding
@@ -26,7 +26,6 @@ POOLED, MATCHES = 200, 8000  # frames, evenly spaced, and matches of those, that
 BODIES = ("l", "r"), ("L", "R")
 METHOD = TRANSFERS["projective"]  # which has no bias: of points that are right, in one posture, E is that of the noise
 ALWAYS = 0.5  # of what contradicts in a frame: what does as the rms of all frames, be they ever so many
-ENOUGH = 60  # matches, of which any geometry can be told from one that a few wrong ones spoil
 FRAMES = 20  # in which exchanges are tried
 FEWEST_POINTS = 8  # of fewer, many exchanges fit
 MOST_POINTS = 32  # those with the largest residuals, of more
@@ -71,7 +70,7 @@ def suspects(views: FourViews, seed: int = 0, rounding_px: float | None = None) 
         rounding_px = rounding_of(views)
     geometry = _geometry(telling(views, seed), rounding_px, np.random.default_rng(seed))
     if geometry is None:
-        few = f"misplaced points: they need {ENOUGH} matches of left and right, or {FEWEST} that lie in equal rows"
+        few = f"misplaced points: they need {FEWEST_OF_F} matches of left and right, or {FEWEST} that lie in equal rows"
         return Suspects((), (few, "swapped points: they need to know the noise, which the same matches tell"))
     misplaced, visible = [], views.visible.copy()
     for body, (images, seen) in enumerate(views.bodies):
@@ -102,7 +101,7 @@ def _geometry(matches: NDArray, rounding_px: float, rng: np.random.Generator) ->
     left, right = matches[:, :2], matches[:, 2:]
     if len(matches) < FEWEST:
         return None
-    if len(matches) < ENOUGH:
+    if len(matches) < FEWEST_OF_F:
         return rows_of(left, right, rounding_px)
     wrong = contradicting(left, right, max(spread(left, right, rng), rounding_px), rng)
     return geometry_of(left[~wrong], right[~wrong], rounding_px) if (~wrong).sum() >= FEWEST else None

@@ -65,3 +65,16 @@ def test_rows_that_rounding_made_equal_do_not_make_a_pixel_many_deviations(count
         assert not contradicting(left, right, rounding_px, np.random.default_rng(seed)).any()
         wrong = right[:1] + [0, 20]
         assert np.abs(fit.distance(left[:1], wrong))[0] > fit.gross * fit.deviation
+
+
+def test_of_few_matches_what_is_far_from_all_others_is_held_to_the_noise_that_it_would_add():
+    """Whatever it is that they tell of F: deviations of further matches are those of a standard normal variable, though
+    they lie where F is extrapolated."""
+    deviations = []
+    for seed in range(60):
+        left, right, _ = matches(HEADS["both"], np.random.default_rng(seed), 40, 0.3)
+        order = np.argsort(np.linalg.norm(left - np.median(left, 0), axis=1))
+        near, far = order[:26], order[26:]
+        fit = geometry_of(left[near], right[near])
+        deviations.append(fit.distance(left[far], right[far]) / fit.deviation)
+    assert 0.9 < np.sqrt(np.mean(np.square(deviations))) < 1.2

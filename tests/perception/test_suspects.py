@@ -63,6 +63,22 @@ def test_a_point_at_a_wrong_place_in_one_image_is_named_alone(count, frames, noi
         assert found.frames == tuple(range(frames)) and found.score > 20
 
 
+@pytest.mark.parametrize("noise_px", [0.0, 0.3])
+def test_in_a_single_frame_of_any_head_a_point_at_a_wrong_place_is_named_alone(noise_px):
+    """By 28 to 58 matches of left and right, of which one alone may spoil a fundamental matrix."""
+    rng, turned = np.random.default_rng(3), 0
+    while turned < 6:
+        drawn = draw(rng, any_head=True)
+        world = World(drawn.scene, drawn.points)
+        if not 14 <= len(world.body) <= 29:
+            continue
+        turned += 1
+        views, point = looks(world, rng, 1, noise_px, alike=False), int(rng.integers(len(world.body)))
+        assert suspects(views).found == ()
+        views.demo[:, point, 1] += 60
+        assert named(views) == [("misplaced", (point,), ("l", "r"))]
+
+
 def on_grid(views, step):
     return FourViews(np.round(views.demo / step) * step, np.round(views.own / step) * step, views.visible)
 

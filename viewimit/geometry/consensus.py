@@ -21,6 +21,7 @@ LEAST_OF_FEW_PX = 1.0  # with too few to see whether they want a fundamental mat
 FITS = 3.0  # times the noise, or the least that contradicts: what the deviation of half of the matches may be
 TO_NORMAL = 1.4826  # from the median of |x| to the standard deviation
 ROUNDS = 3  # in which the nearest half of the matches tells the geometry anew (Rousseeuw & Van Driessen 1999)
+PLENTY = 120  # matches, of which none has much part in a geometry of its own; of fewer each is asked for what it adds
 SCARCE = 17.0  # matches, as few as which leave their deviation uncertain: twice as many of it contradict then
 MOST_OF_ROWS_PX = 1.5  # standard deviation of matches in equal rows
 APART = 2.0  # times the farthest of the others: cameras that are turned a little spread matches without a gap
@@ -95,7 +96,19 @@ def geometry_of(left: NDArray, right: NDArray, rounding_px: float = 0.0) -> Fit:
         if (off - left_over) / 3 > TELLING * left_over / (count - 7):
             distance, free, off = fundamental_distance, 7, left_over
     deviation = max(float(np.sqrt(off / (count - free))), least / GROSS, rounding_px)
+    if count < PLENTY:
+        return Fit(lambda l, r: _added(distance, left, right, l, r), deviation, _gross(count))
     return Fit(lambda l, r: distance(left, right, l, r), deviation, _gross(count))
+
+
+def _added(distance: Callable, left: NDArray, right: NDArray, *more: NDArray) -> NDArray:
+    """(M,) px: by how much each further match alone, (M, 2) px, moves the geometry and stays off it, as the root of the
+    squares that it adds: what is far from all others is off any geometry that was fitted without it."""
+    off = _squares(distance(left, right))
+    each = zip(
+        *(np.concatenate([np.repeat(of[None], len(one), 0), one[:, None]], 1) for of, one in zip((left, right), more))
+    )
+    return np.sqrt(np.maximum([_squares(distance(*both)) - off for both in each], 0.0))
 
 
 def rows_of(left: NDArray, right: NDArray, rounding_px: float = 0.0) -> Fit | None:

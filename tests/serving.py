@@ -55,10 +55,11 @@ class Server:
         self.url = address.group()
 
     def _read(self) -> None:
-        for line in self.process.stdout:
-            with self._news:
-                self.lines.append(line)
-                self._news.notify_all()
+        with self.process.stdout as said:
+            for line in said:
+                with self._news:
+                    self.lines.append(line)
+                    self._news.notify_all()
         with self._news:
             self._ended = True
             self._news.notify_all()

@@ -199,6 +199,8 @@ def test_sessions_keep_their_pace_while_an_experiment_runs(worker, event_loop):
 
         def tick(self, now):
             ticks.append(time.monotonic())
+
+        def drawings(self):
             return ()
 
     scheduler, told = Scheduler(SeatCounts().rows[0].live), Told()

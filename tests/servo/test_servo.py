@@ -140,6 +140,15 @@ def test_the_retuned_law_bounds_its_steps():
     assert np.degrees(np.linalg.norm(step)) == pytest.approx(RETUNED.max_step_deg)
 
 
+@pytest.mark.parametrize("motion", [0, 15, 16, 700])
+def test_the_dither_of_a_motion_is_a_stream_of_its_own(motion):
+    still = Observation(np.zeros((5, 4)), np.ones((5, 2), bool), 0.0, np.zeros(3), -np.ones(3), np.ones(3), motion)
+    servo = replace(Gradient(RETUNED), seed=11)
+    _, step = servo.step(servo.start(still), still, None)
+    expected = RETUNED.dither_deg * np.random.default_rng([11, motion]).standard_normal(3)
+    np.testing.assert_allclose(np.degrees(step), expected)
+
+
 def hide_truth(session):
     """Only the images of the demonstrator stay; its posture becomes NaN."""
     images = session.world.demo_images(session.snapshot.theta_demo)

@@ -21,6 +21,7 @@ from .servo import Moment
 
 _LAW = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
 PATIENCE, PROGRESS = 30, 0.99  # motions without E falling to this share of its least, after which it has stalled
+TOGETHER = 16  # motions, whose dither is made at once
 
 
 @dataclass(frozen=True)
@@ -124,10 +125,16 @@ class Gradient:
         return u * min(1.0, self.constants.max_step_deg / length) if length > 0 else u
 
 
-@lru_cache(4096)  # many a session has the same seed: a class that begins with the same settings
 def _excitation(seed: int, motion: int, count: int) -> NDArray:
     """(count,) standard normal, a stream of the seed for every motion; not to be written into."""
-    return np.random.default_rng([seed, motion]).standard_normal(count)
+    return _excitations(seed, motion // TOGETHER, count)[motion % TOGETHER]
+
+
+@lru_cache(256)  # many a session has the same seed: a class that begins with the same settings
+def _excitations(seed: int, few: int, count: int) -> NDArray:
+    """(TOGETHER, count), of the few-th so many motions: an array for each would take nine times the memory."""
+    motions = range(few * TOGETHER, (few + 1) * TOGETHER)
+    return np.array([np.random.default_rng([seed, motion]).standard_normal(count) for motion in motions])
 
 
 RETUNED_LAW = Gradient(

@@ -23,10 +23,12 @@ class Redraw:
         self._at: dict[Hashable, float] = {}
 
     def due(self, what: Hashable, now: float, period: float) -> bool:
-        """Whether that long has passed, s, since this was last answered with yes."""
-        if now - self._at.get(what, -np.inf) < EARLY * period:
+        """Whether that long has passed, s, since this was last to be answered with yes: what is asked late by less than
+        a period keeps its pace."""
+        at = self._at.get(what, -np.inf)
+        if now - at < EARLY * period:
             return False
-        self._at[what] = now
+        self._at[what] = min(at + period, now) if now - at < 2 * period else now
         return True
 
     def changed(self, what: Hashable, *state) -> bool:

@@ -54,7 +54,7 @@ class Scheduler:
         self._unlogged = 0  # faults since
         self.shedding = LoadShedding(TICK)
         self._gave_way = 0.0  # s
-        self._left_out: Ticked | None = None  # of the last round's drawings
+        self._left_out: Sequence[Ticked] = ()  # of the last round's drawings, in their turn
         self._running = False
         self._task: concurrent.futures.Future | None = None
 
@@ -89,11 +89,11 @@ class Scheduler:
             self.remove(page)
 
     async def _round(self, pages: Sequence[Ticked], until: float) -> float:
-        """Each page's poses, and what else is to be drawn, by a time. → s that it took, or that all would have."""
+        """Each page's poses, and what else is to be drawn, by a time. → s that it took, and that there are too few."""
         began, lacking = time.monotonic(), 0.0
-        first, self._left_out = self._left_out, None
+        waiting, self._left_out = self._left_out, ()
         if self.shedding.strain:
-            lacking = await self._within(pages, until, first)
+            lacking = await self._within(pages, until, waiting)
         else:
             for alike in _parts(pages, TOGETHER):
                 with _holding(alike) as held:
@@ -104,15 +104,16 @@ class Scheduler:
                 await asyncio.sleep(0)  # what was drawn is sent
         return time.monotonic() - began + lacking
 
-    async def _within(self, pages: Sequence[Ticked], until: float, first: Ticked | None) -> float:
+    async def _within(self, pages: Sequence[Ticked], until: float, waiting: Sequence[Ticked]) -> float:
         """Poses do not wait for drawings, of which there are too many: pages that the time is not enough for come first
-        in the next round. first: of the last one's. → s that it lacks."""
+        in the next round. waiting: those of the last one. → s for what is left out twice: what is so once is drawn, and
+        takes its time, in the next round."""
         for page in pages:
             with page.held():
                 self._let(page, partial(page.tick, time.monotonic()))
             await self._give_way()
         began, drawn = time.monotonic(), 0
-        at = pages.index(first) if first in pages else 0
+        at = next((pages.index(page) for page in waiting if page in pages), 0)
         in_turn = [*pages[at:], *pages[:at]]
         for few in _parts(in_turn, FEW):
             if drawn and time.monotonic() >= until:
@@ -121,9 +122,9 @@ class Scheduler:
                 await self._draw(held)
             await asyncio.sleep(0)
             drawn += len(few)
-        if drawn < len(pages):
-            self._left_out = in_turn[drawn]
-        return (time.monotonic() - began) * (len(pages) - drawn) / max(drawn, 1)
+        self._left_out = in_turn[drawn:]
+        twice = len(set(waiting).intersection(self._left_out))
+        return twice * (time.monotonic() - began) / max(drawn, 1)
 
     async def _draw(self, held: Mapping[Ticked, ExitStack]) -> None:
         """Kind by kind: code that has just run for one page is still near at hand for the next. What comes in is read

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-AIM = 0.9  # of a tick that may be spent on all pages together, and on sending what they draw
+AIM = 0.98  # of a tick that may be spent on all pages together, and on sending what they draw
 GAIN = 0.04  # a tick: from nothing given way to everything in some seconds
 SLOWEST = 5.0  # times the usual period
 STEPS = 0.4  # of a tick: for sessions that run as fast as they compute, all together

@@ -1,11 +1,13 @@
 """One task for all pages: each ticks, one that fails does not stop the others."""
 
+import asyncio
 import contextlib
 import itertools
 import threading
 import time
 from functools import partial
 
+import pytest
 from viewimit.app.control.scheduler import FAULTS_EVERY, FEW, TICK, Scheduler
 from viewimit.app.jobs.landscapes import LandscapeWorker
 from waiting import stays, wait_until
@@ -182,6 +184,68 @@ def test_drawings_that_a_tick_has_no_time_for_come_first_in_the_next(event_loop)
     assert [one[-1] for one in drawn] == [name for _, name in zip(drawn, itertools.cycle("abcdefg"))]
     assert FEW * (rounds - 1) <= len(drawn) <= FEW * rounds
     assert all(rounds - 1 <= page.ticks <= rounds for page in pages)
+
+
+class Clock:
+    """time, for a scheduler whose pages take as long as they say."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def monotonic(self):
+        return self.now
+
+
+class Timed(Counting):
+    """Its drawing, which is due in every second tick, takes so many s."""
+
+    def __init__(self, clock, takes):
+        super().__init__()
+        self.clock, self.takes, self.due, self.spent = clock, takes, False, 0.0
+
+    def tick(self, now):
+        super().tick(now)
+        self.due |= self.ticks % 2 == 1
+
+    def drawings(self):
+        return [("scene", self.draw)] if self.due else []
+
+    def draw(self):
+        self.due = False
+        self.clock.now += self.takes
+        self.spent += self.takes
+
+
+def rounds(monkeypatch, share, seconds):
+    """Of 16 pages that draw in the same tick, which has no time for all of them, and take that share of two ticks. →
+    the scheduler, all that the rounds counted and all that drawing took, s."""
+    clock = Clock()
+    monkeypatch.setattr("viewimit.app.control.scheduler.time", clock)
+    scheduler, counted = Scheduler(no_heartbeat), 0.0
+    scheduler.shedding.strain = 0.5
+    pages = [Timed(clock, share * 2 * TICK / 16) for _ in range(16)]
+    for page in pages:
+        scheduler.add(page)
+    for k in range(round(seconds / TICK)):
+        clock.now = max(clock.now, k * TICK)
+        busy = asyncio.run(scheduler._round(pages, (k + 1) * TICK))
+        counted += busy
+        scheduler.shedding.ticked(busy)
+    return scheduler, counted, sum(page.spent for page in pages)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.85, 0.95])
+def test_while_there_is_time_for_all_each_drawing_is_counted_once_and_nothing_gives_way(monkeypatch, share):
+    scheduler, counted, spent = rounds(monkeypatch, share, 40.0)
+    assert scheduler.shedding.strain < 0.1
+    _, counted, spent = rounds(monkeypatch, share, 1.0)
+    assert counted == pytest.approx(spent) == pytest.approx(share)
+
+
+@pytest.mark.parametrize("share", [1.2, 1.6, 3.0])
+def test_what_there_is_no_time_for_gives_way_within_seconds(monkeypatch, share):
+    scheduler, counted, spent = rounds(monkeypatch, share, 8.0)
+    assert scheduler.shedding.strain == 2.0 and counted > 1.05 * spent
 
 
 def test_a_page_that_has_gone_while_its_drawings_waited_holds_up_no_other(event_loop):

@@ -113,7 +113,7 @@ class LoopEvent(asyncio.Event):
         self._its_loop, self._held = loop, held
 
     def set(self) -> None:
-        if asyncio._get_running_loop() is self._its_loop and not self._held():
+        if not self._held() and asyncio._get_running_loop() is self._its_loop:
             super().set()
 
 

@@ -88,7 +88,7 @@ class Scheduler:
             self._log(worse, anyway=True)
             self.remove(page)
 
-    async def _round(self, pages: Sequence[Ticked], until: float) -> float:
+    async def round(self, pages: Sequence[Ticked], until: float) -> float:
         """Each page's poses, and what else is to be drawn, by a time. → s that it took, and that there are too few."""
         began, lacking = time.monotonic(), 0.0
         waiting, self._left_out = self._left_out, ()
@@ -181,7 +181,7 @@ class Scheduler:
             self._heartbeat()
             with self._lock:
                 pages = list(self._pages)
-            self.shedding.ticked(await self._round(pages, next_tick + TICK))
+            self.shedding.ticked(await self.round(pages, next_tick + TICK))
             # one long tick is made up for by the next short one; further behind, ticks are skipped, not chased
             next_tick = max(next_tick + TICK, time.monotonic() - TICK)
             await asyncio.sleep(max(next_tick - time.monotonic(), 0))

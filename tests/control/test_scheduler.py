@@ -228,7 +228,7 @@ def rounds(monkeypatch, share, seconds):
         scheduler.add(page)
     for k in range(round(seconds / TICK)):
         clock.now = max(clock.now, k * TICK)
-        busy = asyncio.run(scheduler._round(pages, (k + 1) * TICK))
+        busy = asyncio.run(scheduler.round(pages, (k + 1) * TICK))
         counted += busy
         scheduler.shedding.ticked(busy)
     return scheduler, counted, sum(page.spent for page in pages)

@@ -160,7 +160,7 @@ class AccessControl:
             answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
         is_page = answer.headers.get("Content-Type", "").startswith("text/html")
         welcome = self._lecturer.is_lecturer(request.headers)  # who leads a class has a seat, however full it is
-        if is_page and self.full and not welcome:
+        if is_page and self._counts.seats >= self.limits.seats_of_all and not welcome:  # another may have one left
             why = f"{self._counts.seats} tabs are open here, which is as many as there is room for"
             answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
         elif is_page and self.full_for(connection.network) and not welcome:

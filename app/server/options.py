@@ -40,7 +40,8 @@ class ServerOptions:
 
     def limits_of(self, worker: int) -> Limits:
         """Of one of the processes."""
-        return Limits(self.clients_of(worker), self.seats_of_one, PENDING, self.share_of_one(PENDING))
+        pending_of_one = self.share_of_one(PENDING)
+        return Limits(self.clients_of(worker), self.seats_of_one, PENDING, pending_of_one, self.max_clients)
 
     def share_of_one(self, most: int) -> int:
         """Of connections without a seat one address has the same share as of seats, and a page's own few."""

@@ -77,6 +77,14 @@ def test_seats_of_clients_that_send_nothing_and_read_nothing_are_free_again(here
             assert newcomer.closed(0) is None
 
 
+@pytest.mark.parametrize("of_all, status", [(1, 503), (2, 200)])
+def test_a_page_is_refused_when_no_process_has_a_seat(here, of_all, status):
+    server = here(Limits(seats=1, seats_of_all=of_all))
+    with Client(server.url).ready(), connected(server.url) as newcomer:
+        newcomer.sendall(f"GET / HTTP/1.1\r\nHost: {server.url.removeprefix('http://')}\r\n\r\n".encode())
+        assert newcomer.recv(12) == f"HTTP/1.1 {status}".encode()
+
+
 def test_a_tab_that_stops_reading_is_left_and_a_slow_one_is_not(here):
     server = here(BRIEF)
     with deaf(server.url) as asleep, deaf(server.url, 1 << 16) as slow:

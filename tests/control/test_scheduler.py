@@ -216,7 +216,7 @@ class Timed(Counting):
         self.spent += self.takes
 
 
-def rounds(monkeypatch, share, seconds):
+def rounds(event_loop, monkeypatch, share, seconds):
     """Of 16 pages that draw in the same tick, which has no time for all of them, and take that share of two ticks. →
     the scheduler, all that the rounds counted and all that drawing took, s."""
     clock = Clock()
@@ -228,23 +228,23 @@ def rounds(monkeypatch, share, seconds):
         scheduler.add(page)
     for k in range(round(seconds / TICK)):
         clock.now = max(clock.now, k * TICK)
-        busy = asyncio.run(scheduler.round(pages, (k + 1) * TICK))
+        busy = asyncio.run_coroutine_threadsafe(scheduler.round(pages, (k + 1) * TICK), event_loop).result(20)
         counted += busy
         scheduler.shedding.ticked(busy)
     return scheduler, counted, sum(page.spent for page in pages)
 
 
 @pytest.mark.parametrize("share", [0.5, 0.85, 0.95])
-def test_while_there_is_time_for_all_each_drawing_is_counted_once_and_nothing_gives_way(monkeypatch, share):
-    scheduler, counted, spent = rounds(monkeypatch, share, 40.0)
+def test_while_there_is_time_for_all_each_drawing_is_counted_once_and_nothing_gives_way(event_loop, monkeypatch, share):
+    scheduler, counted, spent = rounds(event_loop, monkeypatch, share, 40.0)
     assert scheduler.shedding.strain < 0.1
-    _, counted, spent = rounds(monkeypatch, share, 1.0)
+    _, counted, spent = rounds(event_loop, monkeypatch, share, 1.0)
     assert counted == pytest.approx(spent) == pytest.approx(share)
 
 
 @pytest.mark.parametrize("share", [1.2, 1.6, 3.0])
-def test_what_there_is_no_time_for_gives_way_within_seconds(monkeypatch, share):
-    scheduler, counted, spent = rounds(monkeypatch, share, 8.0)
+def test_what_there_is_no_time_for_gives_way_within_seconds(event_loop, monkeypatch, share):
+    scheduler, counted, spent = rounds(event_loop, monkeypatch, share, 8.0)
     assert scheduler.shedding.strain == 2.0 and counted > 1.05 * spent
 
 

@@ -132,7 +132,7 @@ def _excitation(seed: int, motion: int, count: int) -> NDArray:
 
 @lru_cache(256)  # many a session has the same seed: a class that begins with the same settings
 def _excitations(seed: int, few: int, count: int) -> NDArray:
-    """(TOGETHER, count), of the few-th so many motions: an array for each would take nine times the memory."""
+    """(TOGETHER, count), of the few-th so many motions: an array for each would take far more memory."""
     motions = range(few * TOGETHER, (few + 1) * TOGETHER)
     return np.array([np.random.default_rng([seed, motion]).standard_normal(count) for motion in motions])
 

@@ -5,6 +5,7 @@ import numpy as np
 
 from viewimit.prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
 from viewimit.servo.identities import exchanged, with_exchanged
+from viewimit.servo.observation import Weighting
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
@@ -27,7 +28,7 @@ def test_a_servo_may_ask_another_transfer_and_for_weights():
     unknown[3] = np.nan
     assert ask(unknown).shape == (9, 4)
     assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # nothing can be told of such images
-    weighed = ask(own, None, own)
+    weighed = ask(own, None, Weighting(own, 1.0))
     assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
 
 
@@ -72,10 +73,8 @@ def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_ali
     ask, own = PredictedConflict(now, noise_px=0.2).with_half_seen(), now.views.own
     for like, weighed in ((there, True), (own + 40 * np.sin(own), False)):
         views = FourViews(now.views.demo, like, now.views.visible)
-        by = Weighted.like if weighed else Weighted.even
-        np.testing.assert_array_equal(
-            ask(there, like=like), by(views, now.rectification).residual(views.with_own(there))
-        )
+        by = Weighted.like(views, now.rectification, 0.1) if weighed else Weighted.even(views, now.rectification)
+        np.testing.assert_array_equal(ask(there, weighting=Weighting(like, 0.1)), by.residual(views.with_own(there)))
 
 
 def test_images_of_a_batch_are_answered_as_each_of_them():

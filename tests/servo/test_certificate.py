@@ -30,11 +30,12 @@ def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
         away=away,
         rise=rise,
         hessians=np.repeat(predicted[None], len(away), 0),
+        whole=predicted,
         low=-OPEN,
         high=OPEN,
         noise_px=0.0,
     )
-    return replace(here, **changes)
+    return replace(here, **{"whole": changes.get("hessian", predicted), **changes})
 
 
 BOTH = (2, 0), (0, 2)
@@ -58,6 +59,7 @@ def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allo
         away=away,
         rise=0.5 * np.einsum("ka,ab,kb->k", away, hessian, away),
         hessians=np.repeat(hessian[None], joints, 0),
+        whole=hessian,
         low=np.full(joints, -9.0),
         high=np.full(joints, 9.0),
         seen=seen,
@@ -118,7 +120,7 @@ def test_thresholds_scale_with_the_camera():
     """With pixels half as large all px² are four times as many, and nothing else changes."""
     for true in ((FLAT, STEEP), (0.4 * FLAT, STEEP), (0.001 * FLAT, STEEP)):
         here = surroundings(BOTH, true=true)
-        names = "hessian", "E", "slopes", "rise", "hessians"
+        names = "hessian", "E", "slopes", "rise", "hessians", "whole"
         finer = replace(here, noise_px=2 * here.noise_px, **{name: 4 * getattr(here, name) for name in names})
         assert certify(finer).claim == certify(here).claim
         np.testing.assert_allclose(certify(finer).expected, certify(here).expected)

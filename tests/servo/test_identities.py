@@ -120,4 +120,4 @@ def test_where_the_images_are_hardly_known_nothing_is_exchanged_and_nothing_fail
         Session(anywhere(replace(BEST, missing=0.4, frames=1), seed)).run(40)
     two_joints = np.zeros(2), np.ones(2)
     unknown = lambda theta: np.full((*theta.shape[:-1], 10, 4), np.nan)
-    assert likely_exchange(unknown, lambda own, by=None, like=None: own[..., :1, :], *two_joints, 1.0) == ()
+    assert likely_exchange(unknown, lambda own, by=None, weighting=None: own[..., :1, :], *two_joints, 1.0) == ()

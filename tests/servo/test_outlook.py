@@ -29,7 +29,7 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
     visits = visit(np.zeros(2), FEW), visit(FAR, MANY)
 
     def conflict(share):
-        def residual(own, by=None, like=None, head=0):
+        def residual(own, by=None, weighting=None, head=0):
             known = np.isfinite(own).all(-1)
             size = share if known.sum() == FEW else 1.0
             return np.full((int(known.sum()), 4), np.sqrt(size))
@@ -48,7 +48,7 @@ def test_under_noise_a_point_that_is_not_seen_tells_e_only_if_it_is_told_as_well
     visits = tuple(visit(where, POINTS) for where in away) + (visit(np.radians((-4.0, 4.0)), MANY),)
 
     def residual_of(size_px):
-        def residual(own, by=None, like=None, head=0):
+        def residual(own, by=None, weighting=None, head=0):
             known = np.isfinite(own).all(-1).reshape(-1, POINTS).all(0)
             return np.full((*own.shape[:-2], int(known.sum()), 4), size_px)
 

@@ -20,11 +20,11 @@ from viewimit.transfer import TRANSFERS
 @pytest.mark.parametrize("noise_px", [0.0, 0.1])
 @pytest.mark.parametrize("name", SERVOS)
 def test_a_loop_written_from_the_docstring_runs(name, noise_px):
-    """`conflict(own, by=None, like=None)` is all that a law asks, and with E, images and displacements all it needs."""
+    """`conflict(own, by=None, weighting=None)` is all that a law asks; E, images and displacements are all it needs."""
     servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5), 7), []
 
-    def conflict(own, by=None, like=None):
-        asked.append((by, like))
+    def conflict(own, by=None, weighting=None):
+        asked.append((by, weighting))
         return world.conflict(own)
 
     theta, found = np.zeros(2), []
@@ -41,7 +41,7 @@ def test_a_loop_written_from_the_docstring_runs(name, noise_px):
         assert state.status == {"broyden": "rests", "trust-region": "converged"}[name]
         assert min(found) < 0.01 * found[0]
     if name == "trust-region" and noise_px:
-        assert any(like is not None for _, like in asked)
+        assert any(weighting is not None for _, weighting in asked)
 
 
 @pytest.mark.parametrize("m", [1, 2, 3, 7])

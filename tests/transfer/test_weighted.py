@@ -9,7 +9,6 @@ from viewimit.geometry.rectification import rectification_of
 from viewimit.servo.minimise import minimise
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import weighted
 from viewimit.transfer.weighted import Weighted
 from viewimit.views import FourViews
 
@@ -41,8 +40,8 @@ def noisy(views, rng, demo_px, own_px):
     )
 
 
-def found_near(world, views, rectification):
-    by = Weighted.like(views, rectification)
+def found_near(world, views, rectification, own_share):
+    by = Weighted.like(views, rectification, own_share)
     low, high = THERE - 0.3, THERE + 0.3
     return minimise(lambda theta: by.residual(views.with_own(own_at(world, theta))), THERE[None], low, high).theta
 
@@ -50,7 +49,7 @@ def found_near(world, views, rectification):
 def test_E_is_zero_in_the_demonstrators_posture_and_there_only(world, rectification):
     views = world.look(THERE, THERE)
     around = THERE + np.radians(np.stack(np.meshgrid(*[np.arange(-10, 11, 2.0)] * 2, indexing="ij"), -1))
-    E = conflict(Weighted.like(views, rectification).residual(views.with_own(own_at(world, around))))
+    E = conflict(Weighted.like(views, rectification, 0.1).residual(views.with_own(own_at(world, around))))
     assert E[5, 5] < 1e-18
     assert np.delete(E.ravel(), 60).min() > 1e-3
 
@@ -68,7 +67,7 @@ def test_a_point_that_one_camera_alone_sees_tells_too_and_what_the_other_would_s
     views = half_seen(world.look(THERE, THERE), np.random.default_rng(5))
     around = THERE + np.radians(np.stack(np.meshgrid(*[np.arange(-10, 11, 2.0)] * 2, indexing="ij"), -1))
     own = own_at(world, around)
-    for by in (Weighted.even(views, rectification), Weighted.like(views, rectification)):
+    for by in (Weighted.even(views, rectification), Weighted.like(views, rectification, 0.1)):
         e = by.residual(views.with_own(own))
         E = conflict(e)
         assert E[5, 5] < 1e-18 and np.delete(E.ravel(), 60).min() > 1e-4
@@ -95,29 +94,27 @@ def test_points_half_seen_tell_a_joint_that_the_others_leave_open(world, rectifi
 
 def test_images_of_a_batch_are_answered_as_each_of_them(world, rectification):
     views = world.look(THERE, THERE)
-    by = Weighted.like(views, rectification)
+    by = Weighted.like(views, rectification, 0.1)
     own = own_at(world, THERE + np.random.default_rng(1).uniform(-0.2, 0.2, (2, 3, 2)))
     together = by.residual(views.with_own(own))
     for index in np.ndindex(2, 3):
         np.testing.assert_allclose(together[index], by.residual(views.with_own(own[index])), atol=1e-7)
 
 
-def test_what_noise_leaves_is_that_noise_but_for_the_fifteen_parameters_of_G(world, rectification, monkeypatch):
-    monkeypatch.setattr(weighted, "OWN_SHARE", 1.0)
+def test_what_noise_leaves_is_that_noise_but_for_the_fifteen_parameters_of_G(world, rectification):
     exact, rng, px = world.look(THERE, THERE), np.random.default_rng(2), 0.1
-    by = Weighted.like(exact, rectification)
+    by = Weighted.like(exact, rectification, 1.0)
     squares = [np.square(by.residual(noisy(exact, rng, px, px))).sum() for _ in range(100)]
     assert np.mean(squares) == pytest.approx(px**2 * (4 * 16 - 15), rel=0.06)
     half = half_seen(exact, np.random.default_rng(5))  # four points, each with half of its images
-    by = Weighted.like(half, rectification)
+    by = Weighted.like(half, rectification, 1.0)
     squares = [np.square(by.residual(noisy(half, rng, px, px))).sum() for _ in range(100)]
     assert np.mean(squares) == pytest.approx(px**2 * (4 * 16 - 2 * 4 - 15), rel=0.06)
 
 
-def test_where_only_the_demonstrator_is_noisy_it_reaches_the_cramer_rao_bound(world, rectification, monkeypatch):
-    monkeypatch.setattr(weighted, "OWN_SHARE", 0.0)
+def test_where_only_the_demonstrator_is_noisy_it_reaches_the_cramer_rao_bound(world, rectification):
     exact, rng, px = world.look(THERE, THERE), np.random.default_rng(3), 0.05
-    errors = [found_near(world, noisy(exact, rng, px, 0.0), rectification) - THERE for _ in range(60)]
+    errors = [found_near(world, noisy(exact, rng, px, 0.0), rectification, 0.0) - THERE for _ in range(60)]
     least = bound(world, THERE, px)
     rms = np.sqrt(np.mean(np.square(errors), 0))
     assert (rms < 1.25 * least).all() and (rms > 0.75 * least).all()

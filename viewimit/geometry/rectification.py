@@ -19,6 +19,7 @@ from .fundamental import epipoles, fit_fundamental, homogeneous, neighbours
 NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
 LEAST_PX = 1e-3  # rms distance from any affine geometry below which nothing is to be mended
 FEWEST = 16  # matches
+AFFINE_FREEDOM = 4  # parameters of an affine geometry
 TRIMMED, FAR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
 TELLING = 12.0  # F-ratio of what the three further parameters of F explain to what they leave
 MOST_PX = 3.0  # rms distance from F beyond which matches are wrong, and tell nothing

@@ -179,7 +179,7 @@ def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
     across = here.away - along[:, None] * v
     apart = own + 0.5 * np.einsum("ka,kab,kb->k", across, here.hessians, across)  # of fewer points v is no eigenvector
     mostly = own >= OWN_SHARE * np.maximum(predicted, apart)
-    fully = own >= 0.5 * (0.5 * along**2 * (v @ here.hessian @ v))  # by as many points, nearly, as there are
+    fully = own >= 0.5 * (0.5 * along**2 * (v @ here.whole @ v))  # by as many points, nearly, as there are
     aligned = np.abs(along) >= ALIGNED * np.linalg.norm(here.away, axis=-1)
     least, most = (LEAST, NEAR) if here.noise_px == 0 else (NOISY_LEAST, NOISY_NEAR)
     near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= most) & np.isfinite(here.rise)
@@ -194,7 +194,7 @@ def _length(here: Surroundings, v: NDArray) -> float:
     if here.noise_px == 0:
         return float(CHECK)
     along = here.away @ v
-    needed = 1.1 * np.sqrt(2 * _noise_of_rise(here) / (RISEN * max(v @ here.hessian @ v, 1e-12)))
+    needed = 1.1 * np.sqrt(2 * _noise_of_rise(here) / (RISEN * max(v @ here.whole @ v, 1e-12)))
     made = (np.abs(along) >= NOISY_NEAR / 2) & (np.abs(here.away).max(-1) <= 2 * NOISY_NEAR)
     if needed > NOISY_NEAR and made.any() and not _unclear(here, v):
         return 0.0

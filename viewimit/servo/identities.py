@@ -6,7 +6,7 @@ left of E once the learner has gone there decides.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..evaluation import conflict as evaluate
 from ..views import Pairs, exchange
 from .minimise import minimise
-from .observation import Conflict
+from .observation import Conflict, Weighting
 
 GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
 PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
@@ -35,9 +35,12 @@ class ExchangedConflict:
     conflict: Conflict
     pairs: Pairs
 
-    def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray:
-        like = None if like is None else exchanged(like, self.pairs)
-        return self.conflict(exchanged(own, self.pairs), by, like, head)
+    def __call__(
+        self, own: NDArray, by: str | None = None, weighting: Weighting | None = None, head: int = 0
+    ) -> NDArray:
+        if weighting is not None and weighting.own is not None:
+            weighting = replace(weighting, own=exchanged(weighting.own, self.pairs))
+        return self.conflict(exchanged(own, self.pairs), by, weighting, head)
 
     def with_half_seen(self) -> Conflict:
         return ExchangedConflict(self.conflict.with_half_seen(), self.pairs)

@@ -12,16 +12,31 @@ from .visit import Visit
 PROBE = np.radians(15.0)
 
 
+@dataclass(frozen=True)
+class Weighting:
+    """How residuals are weighted by the noise of all images.
+
+    own: (N, 4) px, the own images about which weights are taken; own_share: variance of the own images that are
+    compared, as a share of that of the demonstrator's. With these weights the squares of a residual at the true posture
+    are those of noise, whatever the scene is. own is None where no such images are known yet: residuals are then those
+    of the demonstrator's images, all weighted alike, for its noise is what a transfer magnifies.
+    """
+
+    own: NDArray | None = None
+    own_share: float = 0.0
+
+
 class Conflict(Protocol):
     """Asks what the residual would be of images that a servo predicts; that needs no motion.
 
     own: (..., N, 4) px in [L, R], NaN for points that it knows nothing of; by: the name of a transfer in place of the
-    chosen one; like: (N, 4) px, own images as whose the noise of the demonstrator's is to be weighed, None not to weigh
-    it; head: 0 for the head as it seems to be, or 1 to `heads`. → e: (..., n, C) px of the n points that are known in
-    all of them; where those are too few it is inf.
+    chosen one; weighting: by which residuals are weighted, None for none; head: 0 for the head as it seems to be, or 1
+    to `heads`. → e: (..., n, C) px of the n points that are known in all of them; where those are too few it is inf.
     """
 
-    def __call__(self, own: NDArray, by: str | None = None, like: NDArray | None = None, head: int = 0) -> NDArray: ...
+    def __call__(
+        self, own: NDArray, by: str | None = None, weighting: Weighting | None = None, head: int = 0
+    ) -> NDArray: ...
 
     def with_half_seen(self) -> "Conflict":
         """The same that asks points of the demonstrator as well that one camera alone sees, after all others."""

@@ -11,11 +11,12 @@ from ..evaluation import conflict as evaluate
 from .certificate import Certificate, certify
 from .images.learned import Images, Learned
 from .minimise import Minimum, minimise
-from .observation import Conflict, Observation
+from .observation import Conflict, Observation, Weighting
 from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
 EQUAL = 1e-6  # share of E: what differs by less, as where a joint moves no point, may do so by rounding
+LEAST_OWN_SHARE = 0.01  # of the variance of a single own image, what many visits may leave of it
 WELL_TOLD = (
     1.0  # px, standard deviation up to which a point that is not seen is as good as one that is, where E is large
 )
@@ -24,13 +25,13 @@ WELL_TOLD = (
 @dataclass(frozen=True)
 class Measured:
     """E: px², of each visit, (n,); points: that may have told it, (n, N) bool; count: (n,), how many did; best: the
-    visit where it is least; like: (N, 4) px, own images by which noise is weighted, or None where there is none."""
+    visit where it is least; weighting: of the residuals by their noise, or None where there is none."""
 
     E: NDArray
     points: NDArray
     count: NDArray
     best: int
-    like: NDArray | None = None
+    weighting: Weighting | None = None
 
 
 @dataclass(frozen=True)
@@ -79,28 +80,42 @@ def _measure_by(most: float, learned: Learned, conflict: Conflict, by: str | Non
     """As `measure`; most: px, standard deviation up to which a point that is not seen is as good as one that is."""
     own, known = _completed(learned, most)
     asked = own, known, len(learned.visits[0].displacement), needed
-    measured = _measure(*asked, lambda images: conflict(images, by))
     if learned.noise_px == 0 or by is not None:
-        return measured
-    like = own[measured.best]
-    return replace(_measure(*asked, lambda images: conflict(images, by, like)), like=like)
+        return _measure(*asked, lambda images: conflict(images, by))
+    measured = _measure(*asked, lambda images: conflict(images, by, Weighting()))
+    weighting = Weighting(own[measured.best], _own_share(learned, measured.best))
+    return replace(_measure(*asked, lambda images: conflict(images, by, weighting)), weighting=weighting)
+
+
+def _own_share(learned: Learned, best: int) -> float:
+    """The variance of the predicted own image of a visit, as a share of that of a single image. Without kinematics that
+    explain all visits it is not known how far these agree: 1."""
+    if learned.kinematics is None:
+        return 1.0
+    spread = learned.about(best).spread(learned.visits[best].displacement[None])[0]
+    spread = spread[np.isfinite(spread)]
+    share = float(np.mean(spread**2)) / learned.noise_px**2 if len(spread) else 1.0
+    return float(np.clip(share, LEAST_OWN_SHARE, 1.0))
 
 
 def look_out(
     learned: Learned, measured: Measured, radius: float, seen: Observation, conflict: Conflict, by: str | None
 ) -> Outlook:
     """Within so many rad of the best posture visited. seen: at the last visit."""
-    best, like = measured.best, measured.like
+    best, weighting = measured.best, measured.weighting
     model = learned.about(best)
     asked = model.only(measured.points[best])
-    found = _search(model, radius, seen, lambda theta: conflict(asked.predict(theta), by, like))
+    found = _search(model, radius, seen, lambda theta: conflict(asked.predict(theta), by, weighting))
     E = float(measured.E[best])
     if by is not None or not np.isfinite(found.E):
         return Outlook(E, model, found, None)
-    residual_of = partial(conflict, by=None, like=like)
+    residual_of = partial(conflict, by=None, weighting=weighting)
+    of_single = None if weighting is None else partial(conflict, by=None, weighting=replace(weighting, own_share=1.0))
     others = tuple(partial(residual_of, head=k) for k in range(1, seen.heads + 1))
-    by_own = measured.E if like is None else None
-    known = Known(tuple(learned.visits), best, E, measured.points[best], model, seen, residual_of, by_own, others)
+    by_own = measured.E if weighting is None else None
+    known = Known(
+        tuple(learned.visits), best, E, measured.points[best], model, seen, residual_of, by_own, others, of_single
+    )
     return Outlook(E, model, found, lambda place: certify(survey(known, found, place)))
 
 

@@ -44,7 +44,8 @@ class Surroundings:
     of their slopes' do; head: (k, m) px²/rad, by how much more it would be with each other head; slopes: (m, m)
     px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits from
     there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is
-    hessians: (n, m, m); low, high: (m,) rad, what the limits leave; noise_px: of residuals, standard deviation."""
+    hessians: (n, m, m), weighted as single images are; whole: (m, m), of all points and weighted the same way; low,
+    high: (m,) rad, what the limits leave; noise_px: of residuals, standard deviation."""
 
     hessian: NDArray
     foreseen: NDArray
@@ -59,6 +60,7 @@ class Surroundings:
     away: NDArray
     rise: NDArray
     hessians: NDArray
+    whole: NDArray
     low: NDArray
     high: NDArray
     noise_px: float
@@ -73,7 +75,8 @@ class Known:
     """visits; best: index of the one with the smallest E; E: px², there; points: (N,) bool, by which it was measured
     there; model: learned from the visits; seen: at the last; residual_of: own images (..., N, 4) px → (..., n, C) px,
     by the transfer chosen, points NaN in them left out; measured: (n,) px², E of each visit by its own images, None
-    where it was not by these; others: as residual_of, of each other head that may be."""
+    where it was not by these; others: as residual_of, of each other head that may be; residual_of_single: weighted for
+    single own images, as they were seen at the visits, None where residual_of is not weighted."""
 
     visits: tuple[Visit, ...]
     best: int
@@ -83,7 +86,13 @@ class Known:
     seen: Observation
     residual_of: Callable[[NDArray], NDArray]
     measured: NDArray | None = None
-    others: tuple[Callable[[NDArray], NDArray], ...] = ()
+    others: tuple[ResidualOf, ...] = ()
+    residual_of_single: ResidualOf | None = None
+
+    @property
+    def of_visits(self) -> ResidualOf:
+        """The residuals of own images as they were seen."""
+        return self.residual_of if self.residual_of_single is None else self.residual_of_single
 
 
 def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
@@ -92,12 +101,16 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     hessian, foreseen, points = found.hessian, found.hessian, found.points
     if not learned[known.points].all():
         hessian, points = _hessian_by(known, known.points & learned, place)
-    rise, hessians = _rises(known, hessian, place, learned)
+    whole = hessian
+    if known.residual_of_single is not None:
+        whole = _hessian(_of_points(known, known.residual_of_single, learned, place)(_images_about(known.model, place)))
+    rise, hessians = _rises(known, whole, place, learned)
     gradients = by_slopes = np.zeros((1, len(place)))
     if known.seen.noise_px > 0:
         freedom, residual_of = freedom_of(points, len(place)), _of_points(known, known.residual_of, learned, place)
         noise = own_noise(known.model, residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
         hessian, hessians = noise.taken_off(hessian), noise.taken_off(hessians)
+        whole = noise.taken_off(whole)
         gradients, by_slopes = noise.gradients, noise.by_slopes
     return Surroundings(
         hessian=hessian,
@@ -113,6 +126,7 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
         away=np.array([visit.displacement for visit in known.visits]) - place,
         rise=rise,
         hessians=hessians,
+        whole=whole,
         low=known.seen.lower - place,
         high=known.seen.upper - place,
         noise_px=known.seen.noise_px,
@@ -164,17 +178,17 @@ def _hessian(e: NDArray) -> NDArray:
 def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> tuple[NDArray, NDArray]:
     """(n,) px²: E measured at every visit above that at the best one, by the points really seen in both and learned,
     (N,) bool; (n, m, m) px²/rad²: the hessian of these points."""
-    own, seen = _visited(known), known.model.seen
+    own, seen, residual_of = _visited(known), known.model.seen, known.of_visits
     hessians = np.repeat(hessian[None], len(own), 0)
     if seen.all():
-        E = evaluate(known.residual_of(own)) if known.measured is None else known.measured
+        E = evaluate(residual_of(own)) if known.measured is None else known.measured
         with np.errstate(invalid="ignore"):  # two that nothing tells
             return E - E[known.best], hessians
     rises = np.full(len(own), np.nan)
     about = _images_about(known.model, place)
     for k, both in enumerate(seen & seen[known.best] & learned):
         images = np.concatenate([own[[known.best, k]], about])
-        e = known.residual_of(np.where(both[:, None], images, np.nan))
+        e = residual_of(np.where(both[:, None], images, np.nan))
         here, there = evaluate(e[:2])
         if np.isfinite(there):
             rises[k], hessians[k] = there - here, _hessian(e[2:])
@@ -187,7 +201,7 @@ def _really_seen(known: Known, points: int) -> int:
     if known.model.seen.all():
         return points
     best, seen = _visited(known)[known.best], known.model.seen[known.best]
-    return known.residual_of(np.where(seen[:, None], best, np.nan)).shape[-2]
+    return known.of_visits(np.where(seen[:, None], best, np.nan)).shape[-2]
 
 
 def _visited(known: Known) -> NDArray:

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..equations import Equation
+from ..evaluation import noise_conflict
 from ..geometry.kinematics.fit import FORESEEN
 from ..geometry.kinematics.frame import StereoFrame
 from ..geometry.kinematics.model import ProjectiveKinematics
@@ -35,6 +36,7 @@ from .images.learned import Learned
 from .observation import Conflict, Observation
 from .outlook import Outlook, last_least, look_out, measure
 from .servo import Moment
+from .surroundings import freedom_of
 from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
 from .trust_state import (
     CERTAIN,
@@ -57,7 +59,8 @@ LEAST_STEP = np.radians(0.01)
 SHORT = np.radians(5.0)  # a motion that may be lengthened to look beyond its target
 DOUBTFUL = np.radians(5.0)
 SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
-NOISE_FLOOR = 2.5  # E up to so many times the noise's square is noise
+NOISE_DEVIATIONS = 3.0  # standard deviations of E beyond what noise makes of it
+NOISE_SLACK = 1.2  # times the noise, as that is measured itself
 MOST_CHECKS = 3
 SLIGHT, MOST_SLIGHT = 0.01, 8  # share of E; motions that may gain less, though they keep what they promise
 ASKED_AT = 1, 5, 10, 16, 24  # visits, more than joints, after which E must be small, or points may be exchanged; the
@@ -107,17 +110,17 @@ class TrustRegion:
         by = PHASES[state.phase][0]
         learned = Learned(state.known, seen.noise_px, state.kinematics)
         measured = measure(learned, conflict, by, state.needed)
-        state = _judge(state, measured.E, NOISE_FLOOR * seen.noise_px**2)
+        state = _judge(state, measured.E, noise_E(seen, int(measured.count[measured.best])))
         ahead = look_out(learned, measured, state.reach, seen, conflict, by)
-        if _puzzled(state, seen, ahead):
+        if _puzzled(state, seen, ahead, weighted=measured.weighting is not None):
             state = _identified(state, seen, learned, conflict)
             if state.exchanged:
                 return self._step(state, seen, with_exchanged(conflict, state.exchanged), chasing)
         if _worthwhile(state, seen, ahead):
-            return _onwards(state, seen, ahead, weighted=measured.like is not None, chasing=chasing)
+            return _onwards(state, seen, ahead, weighted=measured.weighting is not None, chasing=chasing)
         if chasing:
             return replace(state, promised=None, status="moving", probe=False), np.zeros_like(seen.displacement)
-        state, place = _placed(state, seen, ahead, weighted=measured.like is not None)
+        state, place = _placed(state, seen, ahead, weighted=measured.weighting is not None)
         if _lines_may_tell(state, seen):
             state = replace(state, lines=True, radius=first_radius(state.rehearsed), failures=0, promised=None)
             return self._step(state, seen, conflict.with_half_seen(), chasing=False)
@@ -133,6 +136,12 @@ class TrustRegion:
         return says(state, status)
 
 
+def noise_E(seen: Observation, points: int) -> float:
+    """px²: E up to which noise explains it, of so many points."""
+    freedom = freedom_of(points, len(seen.displacement))
+    return noise_conflict(points, freedom, NOISE_SLACK * seen.noise_px, NOISE_DEVIATIONS)
+
+
 def _turn(state: TrustState) -> int:
     """How often it has been asked, or was left out, what seems to be exchanged."""
     return state.asked if state.kinematics is not None else max(state.asked, 1)
@@ -143,14 +152,15 @@ def _small(seen: Observation) -> float:
     return max(SUSPECT * float(seen.own[seen.seen.all(-1)].var(0).sum()), SURE * seen.noise_px**2)
 
 
-def _puzzled(state: TrustState, seen: Observation, ahead: Outlook) -> bool:
+def _puzzled(state: TrustState, seen: Observation, ahead: Outlook, weighted: bool) -> bool:
     """Whether to ask what seems to be exchanged: now and then while E stays too large, unless it is foreseen to be
     small somewhere."""
     turn = _turn(state)
     if state.exchanged or turn >= len(ASKED_AT) or len(state.known) < ASKED_AT[turn] + len(seen.displacement):
         return False
     foreseen = ahead.found.E if state.kinematics is not None and ahead.certify is not None else np.inf
-    return bool(np.isfinite(seen.E) and min(seen.E, foreseen) > _small(seen))
+    E = ahead.E if weighted else seen.E
+    return bool(np.isfinite(E) and min(E, foreseen) > _small(seen))
 
 
 def _identified(state: TrustState, seen: Observation, learned: Learned, conflict: Conflict) -> TrustState:
@@ -257,7 +267,7 @@ def _settle(
         ):
             return _where_more_is_seen(state, seen, place, ahead, told_by)
         barred = state.strayed is not None and ahead.doubt_there < CERTAIN  # its steps lead no nearer
-        if barred or doubt < CERTAIN or ahead.E < NOISE_FLOOR * seen.noise_px**2 or lost:
+        if barred or doubt < CERTAIN or ahead.E < noise_E(seen, told_by) or lost:
             if asks:
                 return check(state, seen, place, certificate.check)
             return _to_rest(state, seen, place, certificate.claim)

@@ -64,8 +64,8 @@ class TransferMethod:
     crosses_lines: whether a point is recovered where its epipolar lines cross.
     condition_name: what `condition` is; ill: what it means where it is too large.
     conflict_equation(E px²): in place of Eq. (6) where E is another function of the images.
-    near(views, rectification): what weighs noise better than the transfer's own residuals, of rectified images near own
-    ones that are like those of the views, of one posture; it gives residuals of any own images.
+    near(views, rectification, own_share): what weighs noise better than the transfer's own residuals, of rectified
+    images near own ones that are like those of the views, of one posture; it gives residuals of any own images.
     half_seen(views, rectification): the same that weighs all points alike, for views in which the demonstrator shows
     one image alone of some points.
     """
@@ -80,7 +80,7 @@ class TransferMethod:
     condition_name: str = FLATNESS
     ill: str = FLAT
     conflict_equation: Callable[[float], Equation] | None = None
-    near: Callable[[FourViews, Rectification], Residuals] | None = None
+    near: Callable[[FourViews, Rectification, float], Residuals] | None = None
     half_seen: Callable[[FourViews, Rectification], Residuals] | None = None
 
     def __call__(self, views: FourViews) -> FittedTransfer:

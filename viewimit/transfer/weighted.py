@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from ..geometry.rectification import NEAREST, Rectification
 from ..views import FourViews
 
-OWN_SHARE = 0.1  # of the own images' variance to the demonstrator's: many visits tell of each of them
 STEPS = 3  # of Gauss and Newton
 STEADY = 1e-10  # of the normal equations' mean diagonal, added to it
 STEP_PX = 1e-3  # of difference quotients
@@ -35,8 +34,8 @@ class Weighted:
     weight: NDArray
 
     @classmethod
-    def like(cls, views: FourViews, rectification: Rectification) -> "Weighted":
-        """views: of one posture, whose own images are taken for the weights."""
+    def like(cls, views: FourViews, rectification: Rectification, own_share: float) -> "Weighted":
+        """views: of one posture, whose own images are taken for the weights; own_share: κ."""
         even = cls.even(views, rectification)
         z, t, frame = _demo(rectification, views), _triples(rectification, views.own), even.frame
         G = _fit(z, t, even.weight, frame)
@@ -45,7 +44,7 @@ class Weighted:
         K = (np.stack(moved, -1) - _mapped(G, t, frame)[..., None]) / STEP_PX
         stepped = [_demo(rectification, replace(views, demo=views.demo + step)) for step in aside]
         D = (np.stack(stepped, -1) - z[..., None]) / STEP_PX
-        covariance = D @ np.swapaxes(D, -1, -2) + OWN_SHARE * K @ np.swapaxes(K, -1, -2)
+        covariance = D @ np.swapaxes(D, -1, -2) + own_share * K @ np.swapaxes(K, -1, -2)
         return cls(rectification, frame, _whitening(covariance, views.visible[:, :2]))
 
     @classmethod

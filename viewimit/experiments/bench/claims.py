@@ -20,6 +20,7 @@ from ..executors.study import Study, each
 from .bound import bound
 from .success import Share
 from .surface import SurfaceEyes, surface_points
+from .symmetric import MarkedArm, draw
 
 FALSE_DEG, TIMES, COVERED = 1.0, 3.0, 2.0  # off; times the expected error beyond which a claim is false; of coverage
 NEAR_DEG = 0.5
@@ -41,6 +42,7 @@ class Case:
     hidden: float | None = None
     noise_px: float = 0.0
     frames: int = 1
+    symmetric: bool | None = None
 
 
 CASES = (
@@ -54,6 +56,11 @@ CASES = (
         Case(f"noise {noise} px, {frames} frame{'s' if frames > 1 else ''}", noise_px=noise, frames=frames)
         for frames in (25, 1)
         for noise in (0.1, 0.25, 0.5, 1.0)
+    ),
+    *(
+        Case(f"markers {where}, {noise} px", noise_px=noise, frames=25, symmetric=symmetric)
+        for where, symmetric in (("on both sides", True), ("between the sides", False))
+        for noise in (0.0, 0.05, 0.25)
     ),
 )
 
@@ -127,12 +134,14 @@ def run(
 def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     """With the default transfer and servo."""
     rng = np.random.default_rng(seed)
-    low, high = np.transpose(load_scene(BEST.scene).range_deg)
+    marked = None if case.symmetric is None else draw(rng, case.symmetric)
+    scene = BEST.scene if marked is None else marked.scene
+    low, high = np.transpose(load_scene(scene).range_deg)
     demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
     noise = {"noise_px": case.noise_px, "frames": case.frames, "seed": int(rng.integers(2**32))}
-    settings = msgspec.structs.replace(BEST, demonstrator_deg=demo, start_deg=start, **noise)
+    settings = msgspec.structs.replace(BEST, scene=scene, demonstrator_deg=demo, start_deg=start, **noise)
     for _ in range(TRIES):
-        session = Session(settings, lambda camera, scene, points: _eyes(case, scene, points, rng))
+        session = Session(settings, lambda camera, scene, points: _eyes(case, marked, scene, points, rng))
         if session.snapshot.transfer is not None:
             break
     if rehearsed:
@@ -181,7 +190,9 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
     )
 
 
-def _eyes(case: Case, scene: Scene, points: int, rng: np.random.Generator) -> ProjectedEyes:
+def _eyes(case: Case, marked: MarkedArm | None, scene: Scene, points: int, rng: np.random.Generator) -> ProjectedEyes:
+    if marked is not None:
+        return SurfaceEyes(scene, marked.body, None)
     if case.points is None:
         return ProjectedEyes(scene, points)
     links = case.links[rng.integers(len(case.links))] if case.links else tuple(range(len(scene.posture_deg) + 1))

@@ -1,0 +1,74 @@
+"""Handedness of the map between two stereo images of a body: one head cannot see a body as its own mirror image.
+
+With parallel or rectified cameras the two images (x_l, y_l, x_r, y_r) of a point lie in a 3-D subspace of their 4-space
+and are the point in space up to a projective map, the same one for every body in front of the head. So the map from one
+body's images to those of another body in the same posture preserves orientation: its 3 x 3 linear part has a positive
+determinant. Affine and projective transfers also allow reflections, and a body whose points are symmetric about its own
+plane then fits its mirrored posture exactly.
+
+With orthonormal coordinates U of the first body, the least-squares linear map has the matrix M = YᵀU, Y the images of
+the second body. If det M < 0, the nearest map that does not reflect is M without its smallest singular value s₃
+(Eckart & Young 1936), and leaves s₃² px² more.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .affine import centred
+
+FLAT = 3.0  # standard deviations of depth, root mean square of the points, up to which noise hides the handedness
+LEAST_SHARE = 1e-6  # of the largest extent of the images: a smaller third one is rounding error
+DIMENSIONS = 3
+
+
+def principal_axes(images: NDArray) -> NDArray:
+    """Return the three directions (4, 3) in which stereo images (M, 4) px of several bodies are spread most."""
+    return np.linalg.svd(centred(images)[1], full_matrices=False)[2][:DIMENSIONS].T
+
+
+@dataclass(frozen=True)
+class Handedness:
+    """A body whose handedness other bodies must share.
+
+    basis: (N, 3), orthonormal coordinates of its points; axes: (4, 3), of the images, as from `principal_axes`; sign:
+    of the basis, 1 or -1.
+    """
+
+    basis: NDArray
+    axes: NDArray
+    sign: float
+
+    @classmethod
+    def of(cls, demo: NDArray, axes: NDArray, noise_px: float = 0.0) -> "Handedness | None":
+        """Return that of a body with images (N, 4) px; None if it is too flat for its handedness to show.
+
+        noise_px: of an image coordinate, standard deviation.
+        """
+        basis, extent, Vt = np.linalg.svd(centred(demo @ axes)[1], full_matrices=False)
+        least = max(FLAT * noise_px * np.sqrt(len(demo)), LEAST_SHARE * extent[0])
+        return cls(basis, axes, float(np.sign(np.linalg.det(Vt)))) if extent[-1] > least else None
+
+    def mirror_residual(self, own: NDArray) -> NDArray | None:
+        """Return what the linear map to each body lacks if it may not reflect.
+
+        own: (..., N, 4) px. Returns residuals (..., N, 3) px whose squares sum to s₃² where the map reflects and are 0
+        elsewhere; None if no map reflects.
+        """
+        M = own.reshape(*own.shape[:-2], -1) @ self._products  # the basis is centred, so the images need not be
+        a, b, c, d, e, f, g, h, i = np.moveaxis(M, -1, 0)
+        determinant = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
+        reflects = self.sign * determinant < 0
+        if not reflects.any():
+            return None
+        missing = np.zeros(own.shape[:-1] + (DIMENSIONS,))
+        P, s, Qt = np.linalg.svd(M[reflects].reshape(-1, DIMENSIONS, DIMENSIONS))
+        missing[reflects] = (self.basis @ Qt[:, -1, :, None]) * (s[:, -1:, None] * P[:, None, :, -1])
+        return missing
+
+    @cached_property
+    def _products(self) -> NDArray:
+        """(4 N, 9): takes the images of N points, one after the other, to M, row by row."""
+        return np.einsum("nj,ka->nkaj", self.basis, self.axes).reshape(-1, DIMENSIONS**2)

@@ -11,10 +11,11 @@ import msgspec
 import numpy as np
 
 from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
+from ..embodiment.motion_limits import within, workspace
 from ..geometry.distortion import Radial
 from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
-from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
+from ..settings import CAMERAS, DISTURBANCES, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
 from ..simulation.robots import robot_names
 from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
@@ -139,6 +140,26 @@ def add_arm_options(parser: argparse.ArgumentParser) -> None:
     _add_disturbances(parser, ArmDisturbance)
 
 
+def add_safety_options(parser: argparse.ArgumentParser) -> None:
+    """How far the learner's arm may go."""
+    parser.add_argument(
+        "--max-step-deg", type=float, metavar="DEG", help="no joint turns by more in one motion (any angle)"
+    )
+    parser.add_argument(
+        "--workspace-deg",
+        type=ranges,
+        metavar="LOW:HIGH,LOW:HIGH",
+        help="angles that the learner's moving joints are sent to, and none beyond (the arm's limits)",
+    )
+    parser.add_argument(
+        "--restarts",
+        type=int,
+        metavar="N",
+        help="searches far from where it has been, for something lower, before it stalls; 0 for none "
+        f"({PAPER.restarts})",
+    )
+
+
 def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) -> None:
     for name, found in disturbances(kind).items():
         parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.says} (0)")
@@ -163,7 +184,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         asked = "--robot"
     del args.base, args.tip  # the robot's name says them now
     settings = defaults
-    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "undistort", "rectify", "camera")
+    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "undistort", "rectify", "camera", *SAFETY)
     given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():
         if value is not None:
@@ -193,6 +214,10 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         if posture is not None:
             with naming("--" + name):
                 scene.require_posture(np.radians(posture), "its")
+    with naming("--workspace-deg"):
+        low, high = workspace(settings, scene.lower, scene.upper)
+    with naming("--start"):
+        within(np.radians(scene.start_deg if postures["start"] is None else postures["start"]), low, high, "the start")
     return msgspec.structs.replace(
         settings,
         scene=chosen,
@@ -284,6 +309,15 @@ def angles(text: str) -> tuple[float, ...]:
         return tuple(float(word) for word in text.split(","))
     except ValueError:
         raise argparse.ArgumentTypeError(f"needs degrees separated by commas, such as 45,-90, got {text!r}") from None
+
+
+def ranges(text: str) -> tuple[tuple[float, float], ...]:
+    """A type for argparse: pairs of degrees, each low:high, separated by commas."""
+    try:
+        found = tuple((float(low), float(high)) for low, high in (word.split(":") for word in text.split(",")))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"needs ranges in degrees such as -30:60,-90:0, got {text!r}") from None
+    return found
 
 
 def posture(theta_deg: Iterable[float]) -> str:

@@ -356,6 +356,7 @@ def files(tmp_path, monkeypatch):
             "imitate --workspace-deg 0:90",
             "--workspace-deg: workspace_deg needs a range for each of the 2 moving joints",
         ),
+        ("imitate --workspace-deg -10:90,-90:0", "range 1, -10° … 90°, is not inside its joint's limits 0° … 90°"),
         ("imitate --workspace-deg 0,90", "--workspace-deg: needs ranges in degrees such as"),
         ("imitate --workspace-deg 0:95,-90:0", "--workspace-deg: workspace_deg: range 1, 0° … 95°, is not inside"),
         ("imitate --max-step-deg 0", "--max-step-deg: max_step_deg must be between 0.01 and 360"),

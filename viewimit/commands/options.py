@@ -5,7 +5,8 @@ import contextlib
 import dataclasses
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -23,6 +24,7 @@ from ..simulation.urdf.descriptions import description_path, is_description
 from ..simulation.urdf.formats import require_urdf
 from ..simulation.urdf.reference import PARTS, is_reference, parse_reference
 from ..transfer import TRANSFERS
+from ..views import VIEW_NAMES
 from . import BadInput
 
 if TYPE_CHECKING:
@@ -31,6 +33,12 @@ if TYPE_CHECKING:
 DONE, MISSED = 0, 1
 PAPER = Settings()
 ALL = "all"
+SHOWN_IN = {
+    "l": "the demonstrator, by the left camera",
+    "r": "the demonstrator, by the right camera",
+    "L": "the learner itself, by the left camera",
+    "R": "the learner itself, by the right camera",
+}
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
@@ -168,6 +176,38 @@ def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) 
 def option(name: str) -> str:
     """The option that sets a field of `Settings`."""
     return "--" + name.replace("_", "-")
+
+
+def add_view_options(parser: argparse.ArgumentParser, says: str, **kind: Any) -> None:
+    """A file of each view; its name in the paper is an option, too, for one more version. says: with {} for what it
+    shows."""
+    for view, name in VIEW_NAMES.items():
+        parser.add_argument(option(name), type=Path, metavar="FILE", help=says.format(SHOWN_IN[view]), **kind)
+        old = kind | {"default": argparse.SUPPRESS, "help": argparse.SUPPRESS}
+        parser.add_argument(f"--{view}", dest=name, action=Renamed, type=Path, **old)
+
+
+class Renamed(argparse.Action):
+    """Of an option that has a new name, that of its destination: it still works, and says so."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        new = option(self.dest)
+        print(f"{parser.prog}: {option_string} is now called {new}; the old name will be gone", file=sys.stderr)
+        setattr(namespace, self.dest, values)
+
+
+def require_files_apart(paths: Iterable[Path]) -> None:
+    """Raises BadInput for two names that differ in small and capital letters alone, and are one file."""
+    known: dict[str, Path] = {}
+    for path in paths:
+        other = known.setdefault(str(path).lower(), path)
+        if str(other) != str(path) and other.exists() and path.exists() and other.samefile(path):
+            raise BadInput(
+                f"{other} and {path} are one file here: name those of the views by {', '.join(VIEW_NAMES.values())}"
+            )
+
+
+VIEW_OPTIONS = ", ".join(map(option, VIEW_NAMES.values()))
 
 
 def add_json_option(parser: argparse.ArgumentParser) -> None:

@@ -71,9 +71,9 @@ def test_one_demonstrator_beside_a_batch_of_own_images():
 
 def test_wrong_shapes_are_refused_with_the_view():
     l, r, L, R = images()
-    with pytest.raises(ValueError, match="view L: need points of shape"):
+    with pytest.raises(ValueError, match="own_left: need points of shape"):
         FourViews.from_images(l, r, L[:, :1], R)
-    with pytest.raises(ValueError, match="different numbers of points.*R: 5"):
+    with pytest.raises(ValueError, match="different numbers of points.*own_right: 5"):
         FourViews.from_images(l, r, L, R[:5])
 
 

@@ -89,11 +89,14 @@ def parser_of(chosen: str) -> argparse.ArgumentParser:
     return top
 
 
+TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
+
+
 def attached(argv: list[str]) -> list[str]:
     """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
     joined: list[str] = []
     for word in argv:
-        if joined and joined[-1] in ("--demonstrator", "--start", "--undistort") and re.match(r"-[\d.]", word):
+        if joined and joined[-1] in TAKE_NUMBERS and re.match(r"-[\d.]", word):
             joined[-1] += "=" + word
         else:
             joined.append(word)

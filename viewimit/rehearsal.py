@@ -20,9 +20,9 @@ def rehearse(session: Session, count: int, seed: int, within_deg: float | None =
 
 def begin_rehearsal(session: Session, count: int, seed: int, within_deg: float | None = None) -> None:
     """The next motions lead through `count` postures, some a joint apart, the others far from each other, within so
-    many degrees of where a session stands, or over the whole range of its joints. seed: of the postures. Raises
+    many degrees of where a session stands, or all over its workspace. seed: of the postures. Raises
     ValueError for too few of them."""
-    low, high = session.embodiment.lower, session.embodiment.upper
+    low, high = session.workspace
     if within_deg is not None:
         here, reach = session.snapshot.commanded, np.radians(within_deg)
         low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)

@@ -19,6 +19,7 @@ from .body_image import FEWEST, BodyImage
 from .contradictions import believed
 from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
 from .embodiment.in_scene import OpenEyes, degrees, told
+from .embodiment.motion_limits import waypoints, within
 from .history import MAX_HISTORY, RECENT, History
 from .prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
 from .rectifying import POOLED, rectification_for
@@ -34,7 +35,7 @@ from .snapshot import AT_REST, Snapshot, exchanged
 from .views import FourViews
 
 BEGIN_ANEW = (  # what changes body or camera
-    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay",
+    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay", "workspace_deg",
 )  # fmt: skip
 THERE = set(AT_REST) - {"stalled"}  # at rest where E is as small as the servo can make it
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
@@ -45,11 +46,13 @@ class Session:
     """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
 
     open_eyes(camera, scene, points): what it looks with and moves by; dense: how many of the last motions its history
-    keeps all of, None for all. Raises ValueError, with the session as it was, for settings that cannot be.
+    keeps all of, None for all. workspace: the lowest and the highest angles that its arm may be sent to, (m,) rad each.
+    Raises ValueError, with the session as it was, for settings that cannot be.
     """
 
     embodiment: Embodiment
     observer: Looks
+    workspace: tuple[NDArray, NDArray]
     history: History
     log: Log
 
@@ -63,8 +66,11 @@ class Session:
         """With an arm and eyes of one's own: no scene, no world, no truth. The arm goes to its start at once.
 
         settings: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the arm's
-        start) and seed; name: of the arm, by which a rehearsal knows its own. Raises ValueError for settings that only
-        a scene has, and for limits, postures and looks that are none; TypeError for an arm or eyes that lack a member.
+        start), seed, and how far the arm may go: max_step_deg, workspace_deg and restarts. They hold for all that it is
+        sent to, undo and reset included, but the very first motion, to its start, may be of any length, as nobody knows
+        where the arm stood before. name: of the arm, by which a rehearsal knows its own. Raises ValueError for settings
+        that only a scene has, and for limits, postures and looks that are none; TypeError for an arm or eyes that lack
+        a member.
         """
         session = cls.__new__(cls)
         session._set_up(OwnOpener(arm, eyes, name), settings, dense)
@@ -131,19 +137,25 @@ class Session:
     def step(self) -> bool:
         """One pass: ask the servo, move, look. False if the servo rests or the arm must hold still.
 
+        A motion that is longer than the settings allow takes several passes; the servo is asked again after the last.
         From a moment in the past the later history is dropped.
         """
         if self.snapshot.rehearses:
             self._rehearse(self.snapshot)
             return True
-        held, now = self.snapshot.transfer is None, self._with_points()
-        if now.transfer is None and not self._knows_on(now):
+        held = self.snapshot.transfer is None and self.snapshot.target is None
+        now = self._with_points() if held else self.snapshot
+        if held and now.transfer is None and not self._knows_on(now):
             self.log.note(now.motion, Stepped(1))
             return False
         if now.motion >= MAX_HISTORY:
             self.log.note(now.motion, Stepped(1))
             self.history.replace(now.with_fields(status="stopped"))
             return False
+        if now.target is not None:
+            self.log.note_on(now.motion, looked=False)
+            self.history.append(self._moved(now, now.target, probe=now.probe, status=now.servo_state.status))
+            return True
         state, displacement = self._ask(now)  # residual e → E → servo
         if exchanged(state) != exchanged(now.servo_state):
             now = self._observed(now.theta, now, servo_state=state)
@@ -152,7 +164,8 @@ class Session:
             self.history.replace(_resting(now, state))
             return False
         self.log.note_on(now.motion, looked=held)
-        after = self._moved(now, displacement, probe=state.probe, status=state.status, servo_state=state)
+        target = now.commanded + displacement
+        after = self._moved(now, target, probe=state.probe, status=state.status, servo_state=state)
         self.history.append(after)
         return True
 
@@ -200,8 +213,8 @@ class Session:
             seen=now.views.visible[:, 2:],
             E=now.E,
             displacement=now.commanded - start,
-            lower=self.embodiment.lower - start,
-            upper=self.embodiment.upper - start,
+            lower=self.workspace[0] - start,
+            upper=self.workspace[1] - start,
             motion=now.motion,
             noise_px=noise_px if known is None else max(noise_px, known.noise_px),
             rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
@@ -209,6 +222,8 @@ class Session:
             half_shown=now.half_shown,
             heads=0 if now.rectification is None else len(now.rectification.others),
             rectification=now.rectification,
+            max_step=now.settings.max_step,
+            restarts=now.settings.restarts,
         )
 
     def predicted_conflict(self, now: Snapshot) -> Conflict:
@@ -217,7 +232,8 @@ class Session:
         return PredictedConflict(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
 
     def change(self, **fields) -> None:
-        """New settings from here on. A new scene, layout or start begins anew; all else re-observes the present.
+        """New settings from here on. A new scene, layout, start or workspace begins anew; all else re-observes the
+        present.
 
         A new servo starts learning afresh, where the arm now stands. Raises ValueError, with the session as it was.
         """
@@ -247,10 +263,13 @@ class Session:
         """
         if len(postures) < FEWEST:
             raise ValueError(f"needs {FEWEST} postures or more, got {len(postures)}")
-        to_rehearse = np.array([self.embodiment.require_posture(theta, "the rehearsed") for theta in postures])
+        possible = [self.embodiment.require_posture(theta, "the rehearsed") for theta in postures]
+        to_rehearse = np.array([within(theta, *self.workspace, "the rehearsed") for theta in possible])
         settings = self.settings
         body = BodyImage(self.embodiment.body(settings), settings.scene_called, self.observer.noise_at_rest(settings))
-        now = self.snapshot.with_fields(body=body, to_rehearse=to_rehearse, servo_state=None, status="rehearsing")
+        now = self.snapshot.with_fields(
+            body=body, to_rehearse=to_rehearse, servo_state=None, status="rehearsing", target=None
+        )
         self.log.note(now.motion, Rehearsed(tuple(map(tuple, to_rehearse.tolist()))))
         self.history.replace(now)
 
@@ -266,7 +285,8 @@ class Session:
             self.log.note(now.motion, Forgot())
         else:
             self.log.lose(now.motion)
-        self.history.replace(now.with_fields(body=body, to_rehearse=None, servo_state=None, status=_awake(now)))
+        anew = {"to_rehearse": None, "servo_state": None, "status": _awake(now), "target": None}
+        self.history.replace(now.with_fields(body=body, **anew))
 
     def undo(self) -> bool:
         """One motion back; the later ones stay until the next step. False at the start."""
@@ -274,9 +294,9 @@ class Session:
 
     def scrub(self, motion: int) -> bool:
         """Show the moment after that many motions, or the one that stands in its place. False if there is none."""
-        found = self.history.scrub(motion)
+        sent, found = self.snapshot.commanded, self.history.scrub(motion)
         if found:
-            self.embodiment.revisit(self.snapshot.commanded)
+            self.embodiment.revisit(self.settings, sent, self.snapshot.commanded)
         return found
 
     def reset(self) -> None:
@@ -290,9 +310,9 @@ class Session:
         Raises ValueError, with the session as it was, if its settings cannot be here.
         """
         self.begin(history[cursor].settings)
-        self.observer = self.embodiment.looks(history[0].theta)
+        self.observer, sent = self.embodiment.looks(history[0].theta), self.snapshot.commanded
         self.history, self.log = History(history, cursor, self._dense), Log.unknown() if log is None else log.copy()
-        self.embodiment.revisit(self.snapshot.commanded)
+        self.embodiment.revisit(self.settings, sent, self.snapshot.commanded)
 
     def copy(self) -> "Session":
         """That does not follow any more; to be read, by any thread."""
@@ -305,9 +325,10 @@ class Session:
 
         Raises ValueError, with the session as it was, if the settings cannot be.
         """
-        kept = self.snapshot.body if hasattr(self, "history") else None
-        begun = self._open(settings)
-        settings, self.embodiment, theta = begun.settings, begun.embodiment, begun.theta
+        kept, sent = (self.snapshot.body, self.snapshot.commanded) if hasattr(self, "history") else (None, None)
+        begun = self._open(settings, sent)
+        settings, self.embodiment, self.workspace = begun.settings, begun.embodiment, begun.workspace
+        theta = begun.theta
         body = kept if kept is not None and kept.body == self.embodiment.body(settings) else None
         log = _log_anew(settings, None if body is None else self)
         self.observer = self.embodiment.looks(theta)
@@ -340,37 +361,40 @@ class Session:
         state = servo.start(seen) if now.servo_state is None else now.servo_state
         return servo.step(state, seen, self.predicted_conflict(now))
 
-    def _moved(self, now: Snapshot, displacement: NDArray, **changes) -> Snapshot:
-        """The moment after a motion, (m,) rad, that changes these fields as well."""
-        commanded, theta = self._drive(now, displacement)  # → next posture
+    def _moved(self, now: Snapshot, target: NDArray, **changes) -> Snapshot:
+        """The moment after a motion to the target, (m,) rad, within the workspace and as far as one motion may go; it
+        changes these fields as well."""
+        target = target.clip(*self.workspace)
+        commanded, *left = waypoints(now.commanded, target, now.settings.max_step)
+        theta = self.embodiment.drive(now.settings, now.theta, now.commanded, commanded)  # → next posture
         waited, lag = self.observer.wait(now, theta)
         after = self._observed(  # → four views → transfer → recovered points → e → E
             theta, now, motion=now.motion + 1, look=now.look + 1 + waited, lag=lag, commanded=commanded,
-            moved=theta - now.theta, **changes,
+            moved=theta - now.theta, target=target if left else None, **changes,
         )  # fmt: skip
         return self._followed(now, after)
 
     def _followed(self, now: Snapshot, after: Snapshot) -> Snapshot:
-        """The later moment, its servo told if the demonstrator has moved by itself."""
+        """The later moment, its servo told if the demonstrator has moved by itself, and where it was on its way to
+        forgotten."""
         if after.servo_state is None or after.transfer is None or _same_demonstrator(now, after):
             return after
         state = SERVOS[after.settings.servo].retarget(after.servo_state, self.observation(after))
-        return after.with_fields(servo_state=state)
+        return after.with_fields(servo_state=state, target=None)
 
     def _rehearse(self, now: Snapshot) -> None:
         """On to the next posture to watch itself in, and keep what is seen there."""
         assert now.to_rehearse is not None and now.body is not None
         target, left = now.to_rehearse[0], now.to_rehearse[1:]
-        after = self._moved(now, target - now.commanded, probe=True, to_rehearse=left)
-        visit = Visit.of(after.commanded - self.embodiment.lower, after.views.own, after.views.visible[:, 2:])
+        after, body = self._moved(now, target, probe=True), now.body
+        if after.target is None:
+            visit = Visit.of(after.commanded - self.embodiment.lower, after.views.own, after.views.visible[:, 2:])
+            body = body.with_visit(visit)
+        else:
+            left = now.to_rehearse
         status = "rehearsing" if len(left) else _awake(after)
         self.log.note_on(now.motion, looked=False)
-        self.history.append(after.with_fields(body=now.body.with_visit(visit), status=status))
-
-    def _drive(self, now: Snapshot, displacement: NDArray) -> tuple[NDArray, NDArray]:
-        """Where the arm is sent within its limits, and where it then stands: (m,) rad each."""
-        commanded = (now.commanded + displacement).clip(self.embodiment.lower, self.embodiment.upper)
-        return commanded, self.embodiment.drive(now.settings, now.theta, now.commanded, commanded)
+        self.history.append(after.with_fields(body=body, to_rehearse=left, status=status))
 
     def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot, deed: Deed) -> None:
         """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad, within its limits."""
@@ -378,7 +402,7 @@ class Session:
             theta_demo = told(theta_demo, self.embodiment.lower, self.embodiment.upper)
             settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
         theta_demo = self.embodiment.pose(theta_demo)
-        now = self._observed(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))
+        now = self._observed(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now), target=None)
         if now.servo_state is not None:
             state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)

@@ -16,6 +16,7 @@ from .geometry.distortion import Radial
 from .perception.latency import MOST_LAG
 from .reading import file_name, is_text, parse_toml
 from .servo import SERVOS
+from .servo.observation import RESTARTS
 from .transfer import TRANSFERS
 
 RECTIFY = ("auto", "off")
@@ -23,7 +24,11 @@ CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pi
 USUAL_POINTS = 10
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
+LEAST_STEP_DEG, MOST_STEP_DEG = 0.01, 360.0  # of a motion that is the longest
+MOST_RESTARTS = 100
+SAFETY = ("max_step_deg", "restarts", "workspace_deg")  # fields that say how far the learner's arm may go
 
+Range = tuple[float, float]  # degrees
 BodyPoint = tuple[int, float, float, float]  # link, 0 = base, and x, y, z m in its frame
 D = TypeVar("D", bound=Disturbance)
 
@@ -42,6 +47,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     undistort: (k1, k2) of the radial distortion that images are rid of, in place of the scene's.
     rectify: of RECTIFY; auto rectifies the images by what all matches of both pairs of views tell of their cameras, if
     that is needed.
+    max_step_deg: no joint is sent farther in one motion: a longer one is made in several, with a look after each; None
+    for motions of any length. workspace_deg: the lowest and the highest angle to which each moving joint may be sent,
+    inside the arm's limits, which None takes. restarts: how often a servo may look for something lower far from where
+    it has been; 0 keeps it from that.
     camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers; ten,
     if a scene has no such layout, stands for the one whose number of points is nearest.
     """
@@ -67,6 +76,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     undistort: tuple[float, float] | None = None
     rectify: str = "auto"
     camera: str = "points"
+    max_step_deg: float | None = None
+    restarts: int = RESTARTS
+    workspace_deg: tuple[Range, ...] | None = None
 
     @property
     def scene_called(self) -> str:
@@ -80,6 +92,11 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     def start_rad(self) -> NDArray:
         """(m,) rad. Raises ValueError for the scene's own start: the settings of a session say which that is."""
         return np.radians(given(self.start_deg))
+
+    @property
+    def max_step(self) -> float:
+        """rad, a joint and motion; inf if a motion may be of any length."""
+        return float("inf") if self.max_step_deg is None else float(np.radians(self.max_step_deg))
 
     def amounts(self, kind: type[D]) -> tuple[tuple[D, float], ...]:
         """Of every disturbance of a kind, those that are 0 too."""
@@ -98,6 +115,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 raise ValueError(f"{name} must be text, got {reprlib.repr(value)}")
         for name, numbers in _NUMBERS.items():
             value = getattr(self, name)
+            if value is None and name in _OPTIONAL:
+                continue
             if not isinstance(value, numbers) or isinstance(value, bool):
                 wanted = "a whole number" if numbers is Integral else "a number"
                 raise ValueError(f"{name} must be {wanted}, got {value!r}")
@@ -110,6 +129,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 Radial(*self.undistort)
             except ValueError as error:
                 raise ValueError(f"undistort: {error}") from None
+        for low, high in self.workspace_deg or ():
+            if not (np.isfinite([low, high]).all() and low < high):
+                raise ValueError(f"workspace_deg: {low:g}° … {high:g}° is no range: give the lower angle first")
         _require_choice("transfer", self.transfer, TRANSFERS)
         _require_choice("servo", self.servo, SERVOS)
         _require_choice("rectify", self.rectify, RECTIFY)
@@ -119,6 +141,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("delay", self.delay, 0, MOST_LAG)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
+        _require_range("restarts", self.restarts, 0, MOST_RESTARTS)
+        if self.max_step_deg is not None:
+            _require_range("max_step_deg", self.max_step_deg, LEAST_STEP_DEG, MOST_STEP_DEG)
 
 
 def _is_of(kind, value) -> bool:
@@ -141,10 +166,13 @@ _SEQUENCES = {
     "body_points": "[link, x, y, z] each",
     "demonstrator_deg": "angles in degrees",
     "start_deg": "angles in degrees",
+    "workspace_deg": "[lowest, highest] each, angles in degrees",
     "undistort": "two finite numbers k1, k2",
 }
 _HINTS = get_type_hints(Settings)
+_OPTIONAL = [name for name, hint in _HINTS.items() if hint == float | None]
 _NUMBERS = {name: {int: Integral, float: Real}[hint] for name, hint in _HINTS.items() if hint in (int, float)}
+_NUMBERS |= dict.fromkeys(_OPTIONAL, Real)
 _TEXTS = [name for name, hint in _HINTS.items() if hint in (str, str | None)]
 DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
     name: mark

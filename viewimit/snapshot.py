@@ -34,7 +34,8 @@ class Snapshot:
     lag: looks that images come late, None until a motion has shown it;
     frozen: the transfer as it was fitted at the last convergence, None before;
     body: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
-    to_rehearse: (k, m) rad, postures still to watch itself in, None or (0, m) if there are none.
+    to_rehearse: (k, m) rad, postures still to watch itself in, None or (0, m) if there are none;
+    target: (m,) rad, where the servo has sent the arm that is still on its way there, None if it is there.
     """
 
     settings: Settings
@@ -54,6 +55,7 @@ class Snapshot:
     frozen: FittedTransfer | None
     body: BodyImage | None = None
     to_rehearse: NDArray | None = None
+    target: NDArray | None = None
 
     @cached_property
     def usable(self) -> NDArray:

@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Pairs = tuple[tuple[int, int], ...]  # of points
 VIEWS = ("l", "r", "L", "R")  # the paper's names: demonstrator left, right; own left, right
+# Of the same views in files, columns, options and JSON: many a file system takes l for L
+VIEW_NAMES = dict(zip(VIEWS, ("demo_left", "demo_right", "own_left", "own_right")))
 
 
 @dataclass(frozen=True)
@@ -30,12 +32,12 @@ class FourViews:
         Raises ValueError if the views do not hold the same number of points.
         """
         images = [_unmasked(image) for image in (demo_left, demo_right, own_left, own_right)]
-        for name, image in zip(VIEWS, images):
+        for name, image in zip(VIEW_NAMES.values(), images):
             if image.ndim < 2 or image.shape[-1] != 2:
-                raise ValueError(f"view {name}: need points of shape (..., N, 2), got {image.shape}")
+                raise ValueError(f"{name}: need points of shape (..., N, 2), got {image.shape}")
         counts = [image.shape[-2] for image in images]
         if len(set(counts)) > 1:
-            found = ", ".join(f"{name}: {count}" for name, count in zip(VIEWS, counts))
+            found = ", ".join(f"{name}: {count}" for name, count in zip(VIEW_NAMES.values(), counts))
             raise ValueError(f"the views hold different numbers of points ({found}); they are matched by index")
         together = np.broadcast_arrays(*images)
         return cls(
@@ -112,6 +114,14 @@ class FourViews:
     def with_own(self, own: NDArray) -> "FourViews":
         """The same demonstrator beside other own images: (..., N, 4) px."""
         return replace(self, own=own)
+
+
+def view_of(name: str) -> str:
+    """The paper's name of a view: l of demo_left, and of l. Raises ValueError for a name of no view."""
+    for view, full in VIEW_NAMES.items():
+        if name in (view, full):
+            return view
+    raise ValueError(f"{name!r} is none of {', '.join(VIEW_NAMES.values())}")
 
 
 def exchange(order: NDArray, pairs: Pairs) -> NDArray:

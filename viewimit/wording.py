@@ -7,7 +7,7 @@ import msgspec
 
 from .reading import is_text
 from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Stepped
-from .settings import BEST, DISTURBANCES, USUAL_POINTS, Settings
+from .settings import BEST, DISTURBANCES, SAFETY, USUAL_POINTS, Settings
 
 MOST_LINES = 12
 OF_BODY = ("scene", "robot", "joints", "points", "undistort", "camera")  # which body is seen, and by what
@@ -44,13 +44,15 @@ def as_command(script: Script) -> str:
 
 def as_imitation(settings: Settings, body: str) -> str:
     """Of `viewimit imitate`, of the body that was rehearsed with these settings. body: the file of the rehearsal."""
-    return shlex.join(["viewimit", "imitate", "--body", body, *_words(settings, BEST, OF_BODY)])
+    return shlex.join(["viewimit", "imitate", "--body", body, *_words(settings, BEST, (*OF_BODY, *SAFETY))])
 
 
 def as_reproduction(figure: str, settings: Settings, motion: str | None = None) -> str:
     """Of `viewimit reproduce`. motion: the demonstrator's, where it has one. Raises ValueError as `as_command`."""
     if settings.undistort != Settings().undistort:
         raise ValueError("no command: viewimit reproduce rids no images of a distortion")
+    if any(getattr(settings, name) != getattr(Settings(), name) for name in SAFETY):
+        raise ValueError("no command: viewimit reproduce has no option that limits how far the arm goes")
     moves = [] if motion is None else [f"--motion={motion}"]
     return shlex.join(["viewimit", "reproduce", figure, *moves, *_options(settings, Settings())])
 
@@ -61,7 +63,7 @@ def _options(settings: Settings, usual: Settings) -> list[str]:
         if getattr(settings, name) != getattr(Settings(), name):
             raise ValueError(f"no command: {why}")
     names = ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed", "undistort",
-             "rectify", "camera")  # fmt: skip
+             "rectify", "camera", *SAFETY)  # fmt: skip
     postures = (f"--{name}={_value(getattr(settings, f'{name}_deg'))}" for name in ("demonstrator", "start"))
     return [*_words(settings, usual, names), *postures]
 
@@ -78,7 +80,8 @@ def _words(settings: Settings, usual: Settings, names: Sequence[str]) -> list[st
 
 def _value(value: object) -> str:
     if isinstance(value, tuple):
-        return ",".join(map(_value, value))
+        ranges = value and isinstance(value[0], tuple)
+        return ",".join(":".join(map(_value, one)) if ranges else _value(one) for one in value)
     return f"{value:g}" if isinstance(value, float) and float(f"{value:g}") == value else str(value)
 
 

@@ -103,9 +103,12 @@ def _require_moments(history: list[Snapshot]) -> None:
         if not 0 <= moment.motion <= k or history[moment.motion].motion != moment.motion:
             raise ValueError(f"moment {k} is after {moment.motion} motions")
         views = moment.views
-        postures = moment.theta, moment.theta_demo, moment.commanded, moment.moved
+        on_its_way = () if moment.target is None else (moment.target,)
+        postures = moment.theta, moment.theta_demo, moment.commanded, moment.moved, *on_its_way
         if any(one.shape != joints or not np.isfinite(one).all() for one in postures):
             raise ValueError(f"moment {k}: postures are not finite angles of the same joints")
+        if on_its_way and moment.servo_state is None:
+            raise ValueError(f"moment {k}: no servo has sent the arm to where it is on its way")
         images = views.demo, views.own, views.visible
         if any(one.shape != points for one in images) or views.visible.dtype != bool:
             raise ValueError(f"moment {k}: images are not of the same points")

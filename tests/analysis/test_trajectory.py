@@ -68,6 +68,16 @@ def test_what_is_told_is_what_it_is(session):
         assert found.hand_m[t] == pytest.approx(np.linalg.norm(hands[0] - hands[1]))
 
 
+def test_a_motion_is_carried_over_within_the_workspace_and_in_short_steps():
+    limits = {"max_step_deg": 1.0, "workspace_deg": ((0, 90), (-130, -40))}
+    bound = Session(Settings(transfer="epipolar", servo="broyden", **QUICK, **limits))
+    bound.run(60)
+    moves = motion.sinusoid(bound.world, bound.snapshot.theta_demo)
+    theta = np.degrees(follow(bound, bound.snapshot.transfer, moves, np.ones(10, bool)).theta)
+    assert np.abs(np.diff(theta, axis=0)).max() == pytest.approx(1.0)  # as the demonstrator is faster
+    assert theta[:, 1].max() <= -40 + 1e-9
+
+
 def test_the_hand_is_the_three_points_farthest_out(session):
     assert np.flatnonzero(hand_points(session)).tolist() == [7, 8, 9]
     assert hand_points(Session(Settings(points=20))).sum() >= 3

@@ -95,6 +95,15 @@ def test_a_run_can_be_repeated_from_its_object(ask_json, words):
     assert again == without(told, *HEADING, "settings") and len(again["history"]) > 5
 
 
+def test_no_motion_of_a_run_is_longer_than_it_may_be_nor_leads_out_of_the_workspace(ask_json):
+    bound = "--start 25,-45 --max-step-deg 5 --workspace-deg 10:60,-95:-30 --restarts 0"
+    _, told = ask_json("imitate", "--demonstrator", "45,-90", *bound.split())
+    theta_deg = np.array([moment["theta_deg"] for moment in told["history"]])
+    assert told["converged"] and told["error_deg"] < 0.01
+    assert np.abs(np.diff(theta_deg, axis=0)).max() < 5 + 1e-5  # as far as JSON has it
+    assert (theta_deg >= (10, -95)).all() and (theta_deg <= (60, -30)).all()
+
+
 def test_arrays_are_rounded_as_numbers_are():
     rng = np.random.default_rng(0)
     many = rng.standard_normal((200, 3, 2)) * 10.0 ** rng.integers(-12, 7, (200, 3, 2))
@@ -342,6 +351,16 @@ def files(tmp_path, monkeypatch):
         ("imitate --frames 0", "--frames: frames must be between 1 and 1000, got 0"),
         ("imitate --demonstrator 45,20", "--demonstrator: its joint 4 at 20° is outside its limits -180° … 0°"),
         ("imitate --start -5,-20", "--start: its joint 2 at -5° is outside its limits 0° … 90°"),
+        ("imitate --start 45,-20 --workspace-deg 50:90,-30:0", "--start: the start posture is outside the workspace"),
+        (
+            "imitate --workspace-deg 0:90",
+            "--workspace-deg: workspace_deg needs a range for each of the 2 moving joints",
+        ),
+        ("imitate --workspace-deg -10:90,-90:0", "range 1, -10° … 90°, is not inside its joint's limits 0° … 90°"),
+        ("imitate --workspace-deg 0,90", "--workspace-deg: needs ranges in degrees such as"),
+        ("imitate --workspace-deg 0:95,-90:0", "--workspace-deg: workspace_deg: range 1, 0° … 95°, is not inside"),
+        ("imitate --max-step-deg 0", "--max-step-deg: max_step_deg must be between 0.01 and 360"),
+        ("rehearse --restarts -1 --out b.npz", "--restarts: restarts must be between 0 and"),
         ("imitate --start nan,-20", "--start: its joint 2 at nan° is outside"),
         ("imitate --start 1,-2,3", "--start: its posture needs 2 angles, of joints 2, 4, got 3"),
         ("imitate --start 45,left", "--start: needs degrees separated by commas"),

@@ -86,7 +86,7 @@ def test_evaluate_takes_the_lenses_distortion_out_first(bent, tmp_path, capsys):
     [
         ("--undistort -0.08,0.01", "--undistort and --lens go together"),
         ("--lens 228,234,320,120", "--undistort and --lens go together"),
-        ("--undistort -0.9,0 --lens 60,60,320,120", "folds its image; a point of l is 1.88 from"),
+        ("--undistort -0.9,0 --lens 60,60,320,120", "folds its image; a point of demo_left is 1.88 from"),
         ("--undistort 1e308,0 --lens 228,234,320,120", "a distortion of k1 1e+308, k2 0 is none of a lens: both are"),
         ("--undistort 0,-11 --lens 228,234,320,120", "within ±10, in focal lengths, not in pixels"),
         ("--undistort inf,0 --lens 228,234,320,120", "needs 2 numbers such as -0.05,0.01, got 'inf,0'"),

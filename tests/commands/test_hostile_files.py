@@ -14,7 +14,9 @@ import zlib
 import pytest
 from viewimit.assets import ROOT
 
+from viewimit.commands.options import option
 from viewimit.reading import MOST_ARRAYS, parse_toml
+from viewimit.views import VIEW_NAMES
 
 WITHIN_S, MOST_KB = 5.0, 500_000
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
@@ -206,7 +208,7 @@ def test_tables(tmp_path, refused, rows, why):
 
 
 def tracks_of(path):
-    return [word for view in "lrLR" for word in (f"--{view}", path)]
+    return [word for name in VIEW_NAMES.values() for word in (option(name), path)]
 
 
 def npy(shape, content=b"", descr="<f8"):
@@ -282,10 +284,10 @@ COMMANDS = {  # by the ending of what they read
     ".urdf": ("imitate", "--robot", "{}"),
     ".csv": ("evaluate", "{}"),
     ".npz": ("imitate", "--body", "{}"),
-    ".npy": ("evaluate", "--l", "{}", "--r", "{}", "--L", "{}", "--R", "{}"),
-    ".h5": ("evaluate", "--l", "{}", "--r", "{}", "--L", "{}", "--R", "{}"),
-    ".png": ("detect", "--l", "{}", "--out", "/dev/null/none.csv"),
-    ".mp4": ("detect", "--l", "{}", "--out", "/dev/null/none.csv"),
+    ".npy": ("evaluate", "--demo-left", "{}", "--demo-right", "{}", "--own-left", "{}", "--own-right", "{}"),
+    ".h5": ("evaluate", "--demo-left", "{}", "--demo-right", "{}", "--own-left", "{}", "--own-right", "{}"),
+    ".png": ("detect", "--demo-left", "{}", "--out", "/dev/null/none.csv"),
+    ".mp4": ("detect", "--demo-left", "{}", "--out", "/dev/null/none.csv"),
     ".json": ("reproduce", "fig7", "--motion", "{}"),
     ".xml": ("imitate", "--robot", "{}"),
 }

@@ -97,7 +97,7 @@ def test_tables_are_the_results_own_numbers(made):
         assert (tables["arrivals"]["law"] == [run.law for run in result.runs]).all()
     if name == "fig10":
         run = result.runs[fig10.BEFORE]
-        chosen = (tables["points"]["run"] == fig10.BEFORE) & (tables["points"]["view"] == "R")
+        chosen = (tables["points"]["run"] == fig10.BEFORE) & (tables["points"]["view"] == "own_right")
         of_point = chosen & (tables["points"]["point"] == 8)
         np.testing.assert_array_equal(tables["points"]["own_x_px"][of_point], run.own[:, 8, 2])
         np.testing.assert_array_equal(tables["points"]["desired_y_px"][of_point], run.desired[:, 8, 3])

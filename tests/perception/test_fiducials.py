@@ -8,7 +8,7 @@ cv2 = pytest.importorskip("cv2")
 from tags import picture_of  # noqa: E402
 
 from viewimit.perception.fiducials import Fiducials, dictionary_names  # noqa: E402
-from viewimit.views import VIEWS  # noqa: E402
+from viewimit.views import VIEW_NAMES, VIEWS, view_of  # noqa: E402
 
 AT = {k: np.array([90.0 + 120 * (k % 8), 90 + 120 * (k // 8)]) + np.sin([k, 2 * k]) for k in range(40)}
 
@@ -46,18 +46,16 @@ def test_detect_finds_them_and_evaluate_takes_what_it_wrote(ask, ask_json, tmp_p
     for view, (eye, by) in zip(VIEWS, ((-0.05, 0.0), (0.05, 0.0), (-0.05, 0.1), (0.05, 0.1))):
         x, y, z = (points - (eye + by, by / 2, 0)).T
         seen[view] = dict(enumerate(np.stack([1280 + 2400 * x / z, 960 + 2400 * y / z], -1)))
-        folder = tmp_path / ("demo" if view in "lr" else "own")  # some disks take l for L
-        folder.mkdir(exist_ok=True)
-        cv2.imwrite(str(folder / f"{view}.png"), picture_of(dictionary, seen[view], shape=(1920, 2560)))
-    files = [tmp_path / ("demo" if view in "lr" else "own") / f"{view}.png" for view in VIEWS]
+        cv2.imwrite(str(tmp_path / f"{VIEW_NAMES[view]}.png"), picture_of(dictionary, seen[view], shape=(1920, 2560)))
+    files = [tmp_path / f"{name}.png" for name in VIEW_NAMES.values()]
     out = tmp_path / "points.csv"
     status, told = ask_json("detect", *files, "--aruco", "APRILTAG_36h11", "--out", out)
-    assert status == 0 and told["markers"] <= 16 and told["views"]["L"]["points_a_frame"] >= 10
+    assert status == 0 and told["markers"] <= 16 and told["views"]["own_left"]["points_a_frame"] >= 10
     status, told = ask_json("evaluate", out)
     (frame,) = told["frames"]
     assert status == 0 and len(frame["usable"]) >= 10
     for view in VIEWS:
-        found = np.array(frame["seen"][view])
+        found = np.array(frame["seen"][VIEW_NAMES[view]])
         np.testing.assert_allclose(found, [seen[view][int(name)] for name in frame["usable"]], atol=0.3)
     before = files[0].read_bytes()
     status, _, err = ask("detect", *files, "--aruco", "APRILTAG_36h11", "--out", files[0])
@@ -65,10 +63,10 @@ def test_detect_finds_them_and_evaluate_takes_what_it_wrote(ask, ask_json, tmp_p
     status, _, err = ask("detect", files[0], "--aruco", "9X9", "--out", out)
     assert status == 2 and "--aruco: no dictionary '9X9'; there are" in err and err.count("\n") == 1
     middle = ask_json("detect", *files, "--aruco", "APRILTAG_36h11", "--middle", 0.2, "--out", out)[1]
-    assert 0 < middle["views"]["l"]["points_a_frame"] < 16
+    assert 0 < middle["views"]["demo_left"]["points_a_frame"] < 16
     rows = [line.split(",") for line in out.read_text().splitlines()[1:]]
     for _, view, number, x, y, _ in rows:
-        np.testing.assert_allclose((float(x), float(y)), seen[view][int(number)], atol=0.3)
+        np.testing.assert_allclose((float(x), float(y)), seen[view_of(view)][int(number)], atol=0.3)
 
 
 def test_a_view_without_markers_is_named_and_hues_are_not_looked_for_unasked(ask, tmp_path):
@@ -77,9 +75,11 @@ def test_a_view_without_markers_is_named_and_hues_are_not_looked_for_unasked(ask
     cv2.imwrite(str(empty), np.full((200, 300, 3), 90, np.uint8))
     cv2.imwrite(str(full), picture_of(dictionary, {3: (200, 200)}, shape=(400, 600)))
     status, out_text, err = ask("detect", empty, full, "--aruco", "4X4_50", "--out", out)
-    assert status == 1 and "r  1 frames, 1.0 of 1 points" in out_text
-    assert err == "viewimit detect: no marker of 4X4_50 in any frame of view l\n"
-    assert "no marker of panda in any frame of view l, r" in ask("detect", empty, full, "--out", out)[2]
+    assert status == 1 and "demo_right  1 frames, 1.0 of 1 points" in out_text
+    assert err == "viewimit detect: no marker of 4X4_50 in any frame of view demo_left\n"
+    assert (
+        "no marker of panda in any frame of view demo_left, demo_right" in ask("detect", empty, full, "--out", out)[2]
+    )
     status, _, err = ask("detect", full, "--aruco", "", "--out", out)
     assert status == 2 and "--aruco: no dictionary ''; there are" in err
     status, _, err = ask("detect", full, "--aruco", "4X4_50", "--markers", "iiwa", "--out", out)

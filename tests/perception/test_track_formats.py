@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from trackers import Seen, analysis, frame_of_pandas, sleap_csv, slp
 
+from viewimit.commands.options import option
 from viewimit.perception.tracks import read_files, read_tidy, read_view
-from viewimit.views import VIEWS
+from viewimit.views import VIEW_NAMES, VIEWS, view_of
 
 ROOT = Path(__file__).parent.parent.parent
 PARTS, FRAMES = ("tip", "elbow", "base"), np.array([0, 1, 4])
@@ -325,12 +326,12 @@ def test_views_of_different_packages_go_together_by_name(tmp_path, ask, ask_json
     views = tracked.views()
     np.testing.assert_allclose(views.demo_left, np.broadcast_to(IMAGE[0, :1], (3, 3, 2)))
     np.testing.assert_allclose(views.own_right, IMAGE[1])
-    words = [word for view in VIEWS for word in (f"--{view}", paths[view])]
+    words = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), paths[view])]
     assert ask("evaluate", *words)[0] == 2
     status, told = ask_json("evaluate", *words, "--demonstrator", "m1", "--learner", "m2")
     assert status == 1 and [frame["frame"] for frame in told["frames"]] == [0, 1, 4]  # three points are too few
     status, _, err = ask("evaluate", paths["R"])
-    assert status == 2 and "by --l, --r, --L and --R" in err
+    assert status == 2 and "by --demo-left, --demo-right, --own-left, --own-right" in err
 
 
 @pytest.mark.parametrize(
@@ -347,7 +348,7 @@ def test_views_of_different_packages_go_together_by_name(tmp_path, ask, ask_json
 )
 def test_what_is_not_read_says_how_to_convert_it(tmp_path, ask, name, says):
     (tmp_path / name).write_bytes(struct.pack("d", 1.0))
-    words = [word for view in VIEWS for word in (f"--{view}", tmp_path / name)]
+    words = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), tmp_path / name)]
     status, out, err = ask("evaluate", *words)
     assert status == 2 and not out and err.count("\n") == 1 and name in err and says in err
 
@@ -392,7 +393,8 @@ def named_files(words):
 
 def write_as_named(path, images):
     """A file of one view, at the end of its name, in the manner that its name tells of; two arms are in some."""
-    stem, view = path.name.split(".")[0].rsplit("_", 1)
+    stem, *name = path.name.split(".")[0].rsplit("_", 2)
+    view = view_of("_".join(name))
     image = np.stack([images[view], images[view] + 9])[:, None]
     if view in "LR":
         image = image[::-1]
@@ -458,7 +460,7 @@ def test_the_lines_about_what_trackers_write_run(tmp_path, monkeypatch, ask_json
             names = [int(name.lstrip("p")) for name in frame["usable"]]
             assert len(names) >= 9
             for view in VIEWS:
-                np.testing.assert_allclose(frame["seen"][view], images[view][names], atol=0.4)
+                np.testing.assert_allclose(frame["seen"][VIEW_NAMES[view]], images[view][names], atol=0.4)
 
 
 # COLMAP
@@ -467,11 +469,11 @@ COLMAP = """# Image list with two lines of data per image:
 #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
 #   POINTS2D[] as (X, Y, POINT3D_ID)
 # Number of images: 3, mean observations per image: 2
-1 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 r.png
+1 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 demo_right.png
 2362.39 248.498 58396 1784.7 268.254 59027
 2 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 empty.png
 
-3 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 l.png
+3 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 demo_left.png
 1190.83 663.957 23056 10.5 20.25 -1 1258.77 640.354 59070
 """
 
@@ -486,7 +488,7 @@ def test_the_command_that_an_images_txt_is_refused_with_converts_it(tmp_path, mo
         read_tidy(Path("images.txt"))
     command = "python -c" + str(refused.value).partition("python -c")[2]
     subprocess.run(command.replace("python", shlex.quote(sys.executable), 1), shell=True, check=True)
-    track = read_view(Path("l.csv"))
+    track = read_view(Path("demo_left.csv"))
     assert track.points == ("23056", "59070")
     np.testing.assert_array_equal(track.image, [[[1190.83, 663.957], [1258.77, 640.354]]])
 

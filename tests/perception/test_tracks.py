@@ -7,11 +7,12 @@ import pytest
 from drawn import RESIDUALS, written_path
 
 from viewimit import TRANSFERS
+from viewimit.commands.options import option
 from viewimit.drawing import standalone
-from viewimit.perception.tracks import read_files, read_tidy, read_view
+from viewimit.perception.tracks import read_files, read_tidy, read_view, write_tidy
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.views import VIEWS, FourViews
+from viewimit.views import VIEW_NAMES, VIEWS, FourViews, view_of
 
 
 @pytest.fixture
@@ -67,15 +68,18 @@ def test_columns_are_known_in_capitals_and_between_blanks_too(tmp_path, tidy):
 
 def test_the_command_says_what_the_library_computes(ask_json, tidy, deeplabcut, views):
     fitted = TRANSFERS["epipolar"](views)
-    files = [word for view in VIEWS for word in (f"--{view}", deeplabcut[view])]
+    files = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), deeplabcut[view])]
     for words in ([tidy], files):
         status, told = ask_json("evaluate", *words)
         (frame,) = told["frames"]
         assert status == 0 and frame["E"] == pytest.approx(float(fitted.conflict(views)))
         assert frame["condition"] == pytest.approx(float(fitted.condition)) and len(frame["usable"]) == 10
-        assert set(frame["fundamental"]) == {"l,L", "l,R", "r,L", "r,R", "L,R"}
+        assert set(frame["fundamental"]) == {
+            "demo_left,own_left", "demo_left,own_right", "demo_right,own_left", "demo_right,own_right",
+            "own_left,own_right",
+        }  # fmt: skip
         for pair, f in frame["fundamental"].items():
-            p, q = (images(views)[view] for view in pair.split(","))
+            p, q = (images(views)[view_of(name)] for name in pair.split(","))
             away = np.concatenate([p, q], -1) @ [f["f13"], f["f23"], f["f31"], f["f32"]] + f["f33"]
             assert np.sqrt((away**2).mean()) < 1.5  # Eq. (1), to the affine camera's error
 
@@ -98,16 +102,17 @@ def test_points_that_are_likely_wrong_are_listed_with_their_score(ask, ask_json,
     _, told = ask_json("evaluate", suspicious, "--out", tmp_path / "report.html")
     misplaced, swapped = told["suspects"]
     assert {key: misplaced[key] for key in ("kind", "points", "views", "frames")} == {
-        "kind": "misplaced", "points": ["<p5>"], "views": ["L", "R"], "frames": [11],
+        "kind": "misplaced", "points": ["<p5>"], "views": ["own_left", "own_right"], "frames": [11],
     }  # fmt: skip
     assert misplaced["score"] > 100 and "E" not in misplaced
-    assert (swapped["kind"], swapped["points"], swapped["views"]) == ("exchanged", ["<p2>", "<p9>"], ["l", "r"])
+    assert (swapped["kind"], swapped["points"]) == ("exchanged", ["<p2>", "<p9>"])
+    assert swapped["views"] == ["demo_left", "demo_right"]
     assert swapped["E"] > 10 * swapped["E_exchanged"] and told["undecided"] == []
     _, out, _ = ask("evaluate", suspicious)
     page = (tmp_path / "report.html").read_text()
-    assert "<p5>  misplaced in [L] or [R]: " in out and "off; frame 11" in out
-    assert "<p2> and <p9>  swapped in [l], [r]: E " in out
-    assert "&lt;p5&gt;" in page and "misplaced in [L] or [R]" in page and "<p5>" not in page
+    assert "<p5>  misplaced in own_left or own_right: " in out and "off; frame 11" in out
+    assert "<p2> and <p9>  swapped in demo_left, demo_right: E " in out
+    assert "&lt;p5&gt;" in page and "misplaced in own_left or own_right" in page and "<p5>" not in page
 
 
 @pytest.mark.parametrize("more", [[], ["--undistort", "0.001,0", "--lens", "256,256,320,120"]])
@@ -158,7 +163,7 @@ def test_a_confidence_in_percent_is_refused(tmp_path, tidy):
     percent = tmp_path / "percent.csv"
     percent.write_text(tidy.read_text().replace(",0.9\n", ",97\n", 3))
     with pytest.raises(
-        ValueError, match="percent.csv: view .: frame 0, point .*: confidence 97 .* divide percentages by"
+        ValueError, match="percent.csv: view demo_left: frame 0, point .*: confidence 97 .* divide percentages by"
     ):
         read_tidy(percent)
     of_one = tmp_path / "of_one.csv"
@@ -173,7 +178,7 @@ def test_coordinates_as_shares_of_the_picture_are_refused(tmp_path, tidy):
         row[3:5] = [f"{float(row[3]) / 640:.6f}", f"{float(row[4]) / 240:.6f}"]
     shares = tmp_path / "shares.csv"
     shares.write_text("".join(",".join(row) + "\n" for row in (head, *rows)))
-    with pytest.raises(ValueError, match="shares.csv: view l: .* multiply by its width and height, px"):
+    with pytest.raises(ValueError, match="shares.csv: view demo_left: .* multiply by its width and height, px"):
         read_tidy(shares)
     of_one = tmp_path / "of_one.csv"
     of_one.write_text("frame,point,x,y\n0,a,0.25,1\n0,b,0.5,0.125\n0,c,0,0\n")
@@ -212,14 +217,14 @@ def test_a_report_shows_points_and_residuals_to_one_scale(ask, ask_json, tidy, t
     page = (tmp_path / "report.html").read_text()
     for view, drawing in zip(VIEWS, re.findall(r"<svg.*?</svg>", page, re.DOTALL)):
         x, y = (np.array(re.findall(rf'<circle[^>]* c{axis}="([\d.]+)"', drawing), float) for axis in "xy")
-        seen = np.array(frame["seen"][view])
+        seen = np.array(frame["seen"][VIEW_NAMES[view]])
         scale = np.ptp(x) / np.ptp(seen[:, 0])
         np.testing.assert_allclose(y - y[0], scale * (seen[:, 1] - seen[0, 1]), atol=0.3)
         arrows = written_path(drawing, RESIDUALS)
         assert (arrows is not None) == (view in "LR")
         if arrows:
             a, b, c, d = np.array(re.findall(r"-?[\d.]+", arrows), float).reshape(-1, 4).T
-            away = seen - frame["recovered"][view]
+            away = seen - frame["recovered"][VIEW_NAMES[view]]
             np.testing.assert_allclose(np.stack([c - a, d - b], -1), scale * away, atol=0.3)
 
 
@@ -268,8 +273,8 @@ def test_too_few_points_are_no_success(ask, tidy):
         (5, 5, "high", "line 5, column confidence: 'high'"),
         (5, 0, "-1", "line 5, column frame: '-1' is not a whole number"),
         (5, 0, "9" * 20, "line 5, column frame: '99999999999999999999' is not a whole number"),
-        (5, 1, "M", "line 5, column view: 'M' is none of l, r, L, R"),
-        (5, 2, "2", "line 5: point 2 of frame 0 in view l stands in line 4 too"),
+        (5, 1, "M", "line 5, column view: 'M' is none of demo_left, demo_right, own_left, own_right"),
+        (5, 2, "2", "line 5: point 2 of frame 0 in view demo_left stands in line 4 too"),
         (5, 5, "1,1", "line 5: 7 cells, but 6 columns"),
     ],
 )
@@ -299,9 +304,9 @@ def test_spaces_after_commas_are_no_part_of_a_heading_nor_of_a_cell(tidy, tmp_pa
 def test_faults_of_deeplabcut_files_are_named(ask, deeplabcut):
     path = deeplabcut["L"]
     path.write_text(path.read_text().replace("0.9", "sure", 1))
-    status, _, err = ask("evaluate", *[word for view in VIEWS for word in (f"--{view}", deeplabcut[view])])
+    status, _, err = ask("evaluate", *[word for view in VIEWS for word in (option(VIEW_NAMES[view]), deeplabcut[view])])
     assert status == 2 and path.name in err and "line 4, column 4 (p0 likelihood): 'sure'" in err
-    assert ask("evaluate", "--l", path)[0] == 2
+    assert ask("evaluate", "--demo-left", path)[0] == 2
     assert ask("evaluate", path)[0] == 2 and "no view" not in err
 
 
@@ -309,8 +314,87 @@ def test_a_picture_says_its_view_by_name_or_option(ask, tmp_path):
     pytest.importorskip("cv2")
     status, _, err = ask("detect", tmp_path / "front.png", "--out", tmp_path / "a.csv")
     assert status == 2 and "does not end in a view" in err
-    status, _, err = ask("detect", "--L", tmp_path / "front.png", "--out", tmp_path / "a.csv")
-    assert status == 2 and "--L" in err and "No such file" in err
+    status, _, err = ask("detect", "--own-left", tmp_path / "front.png", "--out", tmp_path / "a.csv")
+    assert status == 2 and "--own-left" in err and "No such file" in err
+
+
+@pytest.mark.parametrize(
+    "name, option_named",
+    [
+        ("own_left.png", "--own-left"),
+        ("take2_demo_right.png", "--demo-right"),
+        ("take2-Own-Right.png", "--own-right"),
+        ("L.png", "--own-left"),
+        ("take_l.png", "--demo-left"),
+    ],
+)
+def test_a_picture_is_known_by_the_end_of_its_name(ask, tmp_path, name, option_named):
+    pytest.importorskip("cv2")
+    status, _, err = ask("detect", tmp_path / name, "--out", tmp_path / "a.csv")
+    assert status == 2 and f"{option_named}: " in err and "No such file" in err
+
+
+@pytest.mark.parametrize("name", ["shown_left.png", "reown_left.png", "ownleft.png", "left.png", "take_M.png"])
+def test_a_picture_that_only_seems_to_name_a_view_is_refused(ask, tmp_path, name):
+    pytest.importorskip("cv2")
+    status, _, err = ask("detect", tmp_path / name, "--out", tmp_path / "a.csv")
+    assert status == 2 and "does not end in a view such as _demo_left" in err
+
+
+def test_full_names_of_views_and_those_of_the_paper_are_read_alike(tmp_path, tidy, deeplabcut, views):
+    short = read_tidy(tidy)
+    full = tmp_path / "full.csv"
+    full.write_text(re.sub("(?m)^0,([lrLR]),", lambda found: f"0,{VIEW_NAMES[found[1]]},", tidy.read_text()))
+    mixed = tmp_path / "mixed.csv"
+    mixed.write_text(re.sub("(?m)^0,([rL]),", lambda found: f"0, {VIEW_NAMES[found[1]]} ,", tidy.read_text()))
+    by_name = {VIEW_NAMES[view]: path for view, path in deeplabcut.items()}
+    for found in (read_tidy(full), read_tidy(mixed), read_files(by_name), read_files(deeplabcut)):
+        np.testing.assert_array_equal(found.views().demo[0], views.demo)
+        np.testing.assert_array_equal(found.views().own[0], views.own)
+    assert "own_left" in full.read_text() and read_tidy(full).points == short.points
+
+
+def test_a_row_that_stands_under_both_names_of_its_view_stands_twice(tmp_path, tidy):
+    tidy.write_text(tidy.read_text() + "0,demo_left,3,1,2,0.9\n")
+    with pytest.raises(ValueError, match="point 3 of frame 0 in view demo_left stands in line 5 too"):
+        read_tidy(tidy)
+
+
+def test_what_is_written_tells_views_apart_by_more_than_the_case_of_a_letter(tmp_path):
+    path = tmp_path / "p.csv"
+    write_tidy(path, {view: [(0, "a", 1.0 + k, 2.0, 1.0), (0, "b", 3.0, 4.0 + k, 1.0)] for k, view in enumerate(VIEWS)})
+    lines = path.read_text().splitlines()
+    written = list(dict.fromkeys(line.split(",")[1] for line in lines[1:]))
+    assert written == ["demo_left", "demo_right", "own_left", "own_right"] == [*VIEW_NAMES.values()]
+    assert len({name.lower() for name in written}) == 4
+    assert read_tidy(path).image["L"][0].tolist() == [[3.0, 2.0], [3.0, 6.0]]
+
+
+def test_an_option_by_its_old_name_works_and_tells_the_new_one(ask, ask_json, deeplabcut):
+    old = [word for view in VIEWS for word in (f"--{view}", deeplabcut[view])]
+    new = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), deeplabcut[view])]
+    (status, out, err), (_, same, silent) = ask("evaluate", *old), ask("evaluate", *new)
+    assert status == 0 and out == same
+    said = [line for line in err.splitlines() if "is now called" in line]
+    assert said[2] == "viewimit evaluate: --L is now called --own-left; the old name will be gone"
+    assert len(said) == 4 and "is now called" not in silent
+    told = ask_json("evaluate", *old)[1]["options"]
+    assert told["own_left"] == str(deeplabcut["L"]) and not set(VIEWS) & set(told)
+    assert "--l " not in ask("evaluate", "--help")[1]
+
+
+@pytest.mark.parametrize("command", ["detect", "evaluate"])
+def test_names_that_are_one_file_where_case_makes_no_name_are_refused(ask, tmp_path, command):
+    """As `take_l.png` and `take_L.png` on most disks of macOS and Windows; here by a link."""
+    pytest.importorskip("cv2")
+    small, capital = tmp_path / "take_l.csv", tmp_path / "take_L.csv"
+    small.write_text("point,x,y\n")
+    capital.hardlink_to(small)
+    words = ["--demo-left", small, "--own-left", capital]
+    more = ["--out", tmp_path / "out.csv"] if command == "detect" else []
+    files = [small, capital] if command == "detect" else words
+    status, _, err = ask(command, *files, *more)
+    assert status == 2 and f"{small} and {capital} are one file here: name those of the views by demo_left, " in err
 
 
 def test_pictures_become_points_and_an_evaluation(ask, ask_json, tmp_path):
@@ -320,11 +404,9 @@ def test_pictures_become_points_and_an_evaluation(ask, ask_json, tmp_path):
 
     eyes, theta = RenderedEyes(load_scene("panda")), np.radians([45.0, -90.0])
     eyes.demo_images(theta), eyes.own_images(theta)
-    folders = {view: tmp_path / ("demo" if view in "lr" else "own") for view in VIEWS}  # some disks take l for L
     files = []
     for view in VIEWS:
-        folders[view].mkdir(exist_ok=True)
-        files.append(folders[view] / f"take_{view}.png")
+        files.append(tmp_path / f"take_{VIEW_NAMES[view]}.png")
         cv2.imwrite(str(files[-1]), cv2.cvtColor(eyes.look(view), cv2.COLOR_RGB2BGR))
     status, told = ask_json("detect", *files, "--middle", 0.56, "--out", tmp_path / "p.csv")
     assert status == 0 and all(each["frames"] == 1 for each in told["views"].values())

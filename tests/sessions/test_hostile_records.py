@@ -135,6 +135,7 @@ def test_a_head_that_no_page_has_is_refused(parts, fields):
         other_array("Snapshot", "theta", np.zeros(3)),
         other_array("Snapshot", "theta", np.array([np.nan, 0])),
         other_array("Snapshot", "commanded", np.zeros((2, 2))),
+        other_field("Snapshot", "target", 1.0),
         other_array("FourViews", "demo", np.zeros((3, 4))),
         other_array("FourViews", "own", np.zeros(4)),
         other_array("FourViews", "visible", np.ones((10, 4))),

@@ -16,7 +16,7 @@ from viewimit.commands.json_output import plain
 from viewimit.commands.options import settings_from
 from viewimit.rehearsal import begin_rehearsal
 from viewimit.session import Session
-from viewimit.settings import BEST, DISTURBANCES, Settings
+from viewimit.settings import BEST, DISTURBANCES, SAFETY, Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.wording import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
 
@@ -68,10 +68,13 @@ def test_a_rehearsal_is_said():
 
 
 BY_HAND = msgspec.structs.replace(BEST, body_points=tuple(load_scene("panda").points["16"][2:14]))
+BOUND = msgspec.structs.replace(
+    BEST, max_step_deg=6.5, restarts=0, workspace_deg=((5, 80), (-120.5, -20)), start_deg=(25, -45)
+)
 LOSSY = Settings(points=16, missing=0.15, start_deg=(25.1, -45), transfer="linear", seed=3)
 
 
-@pytest.mark.parametrize("settings", [Settings(), BEST, LOSSY, SEEN_BY_POINTS[5]])
+@pytest.mark.parametrize("settings", [Settings(), BEST, LOSSY, SEEN_BY_POINTS[5], BOUND])
 def test_the_command_prints_the_same_posture(settings):
     session = Session(settings)
     session.run(4)
@@ -97,6 +100,8 @@ def test_a_figure_is_reproduced_with_the_same_settings(settings):
     assert settings_from(asked) == settings
     with pytest.raises(ValueError, match="by hand"):
         as_reproduction("fig7", BY_HAND)
+    with pytest.raises(ValueError, match="how far the arm goes"):
+        as_reproduction("fig7", BOUND)
 
 
 def test_what_a_command_cannot_say_is_told():
@@ -128,7 +133,7 @@ def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refuse
         "rectify",
         "camera",
     }
-    told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *NO_WORDS}
+    told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *SAFETY, *NO_WORDS}
     assert told == set(Settings.__struct_fields__)
 
 

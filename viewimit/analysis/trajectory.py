@@ -93,13 +93,14 @@ def follow(
 
     The session itself stays as it is, too. tell: the share done.
     """
-    settings, scene, world, eyes = session.settings, session.scene, session.world, session.eyes
+    settings, world, eyes = session.settings, session.world, session.eyes
+    (low, high), longest = session.workspace, settings.max_step
     start, model, moved = settings.start_rad, learned_images(session), 0
     theta, sent = session.snapshot.theta, session.snapshot.commanded
 
     def look() -> Observation:
         own, visible = merged_look(settings, eyes.own_images(theta), OWN_FRAMES, moved)
-        return Observation(own, visible, np.nan, sent - start, scene.lower - start, scene.upper - start, moved)
+        return Observation(own, visible, np.nan, sent - start, low - start, high - start, moved, max_step=longest)
 
     seen, frames = look(), []
     for frame, theta_demo in enumerate(motion.theta):
@@ -107,7 +108,7 @@ def follow(
         target = transfer.recover(demo[:, :2], demo[:, 2:])
         for _ in range(1 if frame else APPROACH):
             step = towards(model, seen, target, wanted & visible.all(-1))
-            commanded = np.clip(sent + step, scene.lower, scene.upper)
+            commanded = np.clip(sent + step, low, high)
             theta, sent, moved = eyes.drive(settings, theta, sent, commanded), commanded, moved + 1
             seen = look()
             model = model.learn(seen)

@@ -11,20 +11,25 @@ from numpy.typing import NDArray
 
 from ..perception.tracks import Row, write_tidy
 from ..simulation.markers import load_markers, marker_names
-from ..views import VIEWS
+from ..views import VIEW_NAMES, VIEWS, view_of
 from . import BadInput
 from .json_output import print_json
-from .options import DONE, MISSED, add_json_option, between, naming
+from .options import (
+    DONE,
+    MISSED,
+    VIEW_OPTIONS,
+    add_json_option,
+    add_view_options,
+    between,
+    naming,
+    option,
+    require_files_apart,
+)
 
 Found = tuple[str, float, float, float]  # point, x, y px, confidence
 Detect = Callable[[NDArray], Iterator[Found]]  # in a picture
 CERTAIN = 1.0
-WHAT = {
-    "l": "demonstrator, left",
-    "r": "demonstrator, right",
-    "L": "learner itself, left",
-    "R": "learner itself, right",
-}
+NAMED = re.compile(r"(?:^|[^A-Za-z])(?:(?P<body>(?i:demo|own))[_-](?P<side>(?i:left|right))|(?P<view>[lrLR]))$")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -33,13 +38,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         type=Path,
         metavar="FILE",
-        help="videos or pictures whose names end in their view: l.mp4, take2_R.png; several pictures of a view are its "
-        "frames, in the order given",
+        help="videos or pictures whose names end in their view: demo_left.mp4, take2_own_right.png; several pictures "
+        "of a view are its frames, in the order given",
     )
-    for view in VIEWS:
-        parser.add_argument(
-            f"--{view}", nargs="+", type=Path, default=[], metavar="FILE", help=f"of view {view}: {WHAT[view]}"
-        )
+    add_view_options(parser, "pictures or videos of {}", nargs="+", default=[])
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="write them as .csv")
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument(
@@ -77,11 +79,11 @@ def run(args: argparse.Namespace) -> int:
     told = {}
     for view, paths in files.items():
         rows[view], count = [], 0
-        with naming("--" + view):
+        with naming(option(VIEW_NAMES[view])):
             for picture in (picture for path in paths for picture in pictures(path)):
                 rows[view] += [(count, *found) for found in detect(picture)]
                 count += 1
-        told[view] = {"frames": count, "points_a_frame": len(rows[view]) / count}
+        told[VIEW_NAMES[view]] = {"frames": count, "points_a_frame": len(rows[view]) / count}
     markers = len(names) or len({point for each in rows.values() for _, point, *_ in each})
     with naming("--out"):
         write_tidy(args.out, rows)
@@ -89,9 +91,9 @@ def run(args: argparse.Namespace) -> int:
         print_json(args, {"markers": markers, "views": told, "file": str(args.out)})
     else:
         for view, each in told.items():
-            print(f"{view}  {each['frames']} frames, {each['points_a_frame']:.1f} of {markers} points in each")
+            print(f"{view:<10}  {each['frames']} frames, {each['points_a_frame']:.1f} of {markers} points in each")
         print(f"written to {args.out}")
-    empty = [view for view in files if not rows[view]]
+    empty = [VIEW_NAMES[view] for view in files if not rows[view]]
     if empty:
         kind = args.markers if args.aruco is None else args.aruco
         print(f"viewimit detect: no marker of {kind} in any frame of view {', '.join(empty)}", file=sys.stderr)
@@ -129,13 +131,14 @@ def _square_markers(args: argparse.Namespace) -> tuple[list[str], Detect]:
 
 
 def _by_view(args: argparse.Namespace) -> dict[str, list[Path]]:
-    files: dict[str, list[Path]] = {view: list(vars(args)[view]) for view in VIEWS}
+    files: dict[str, list[Path]] = {view: list(vars(args)[VIEW_NAMES[view]]) for view in VIEWS}
     for path in args.files:
-        view = re.search(r"(?:^|[^A-Za-z])([lrLR])$", path.stem)
-        if not view:
-            raise BadInput(f"{path}: its name does not end in a view such as _l or _R; name it by --l, --r, --L or --R")
-        files[view.group(1)].append(path)
+        named = NAMED.search(path.stem)
+        if not named:
+            raise BadInput(f"{path}: its name does not end in a view such as _demo_left; name it by {VIEW_OPTIONS}")
+        files[named["view"] or view_of(f"{named['body']}_{named['side']}".lower())].append(path)
+    require_files_apart(path for paths in files.values() for path in paths)
     found = {view: paths for view, paths in files.items() if paths}
     if not found:
-        raise BadInput("no pictures: name files, or give them by --l, --r, --L and --R")
+        raise BadInput(f"no pictures: name files, or give them by {VIEW_OPTIONS}")
     return found

@@ -23,10 +23,22 @@ from ..suspects import rounding_of, suspects, telling
 from ..transfer import TRANSFERS, TransferMethod
 from ..transfer.rectified import fit
 from ..transfer.transfer import FLAT, FLATNESS
-from ..views import VIEWS, FourViews
+from ..views import VIEW_NAMES, VIEWS, FourViews
 from . import BadInput, evaluate_report, evaluate_suspects
 from .json_output import print_json
-from .options import DONE, MISSED, add_json_option, add_rectify_option, add_undistort_option, between, lens, naming
+from .options import (
+    DONE,
+    MISSED,
+    VIEW_OPTIONS,
+    add_json_option,
+    add_rectify_option,
+    add_undistort_option,
+    add_view_options,
+    between,
+    lens,
+    naming,
+    require_files_apart,
+)
 
 PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
 
@@ -41,10 +53,7 @@ APART = 6.0  # σ₁/σ₄ of points in one place is noise's own, 5 at most in 9
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("points", nargs="?", type=Path, metavar="POINTS.csv", help="frame,view,point,x,y,confidence")
-    for view in VIEWS:
-        parser.add_argument(
-            f"--{view}", type=Path, metavar="FILE", help=f"instead: tracks of view {view}, by DeepLabCut, SLEAP, …"
-        )
+    add_view_options(parser, "instead: tracks of {}, as DeepLabCut, SLEAP, … write them")
     for body in BODIES:
         parser.add_argument(f"--{body}", metavar="NAME", help="whose points to take of files with several individuals")
     parser.add_argument(
@@ -147,8 +156,8 @@ def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | No
             "flatness": float(flat[k]),
             "rms_px": float(rms[k]),
             "fundamental": F[k],
-            "seen": {view: points[k] for view, points in image.items()},
-            "recovered": {"L": recovered[k, :, :2], "R": recovered[k, :, 2:]},
+            "seen": {VIEW_NAMES[view]: points[k] for view, points in image.items()},
+            "recovered": {VIEW_NAMES["L"]: recovered[k, :, :2], VIEW_NAMES["R"]: recovered[k, :, 2:]},
             "refused": None,
             "weak": _weak(method, float(condition[k]), demo[k], own[k]),
         }
@@ -166,7 +175,7 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
         if not farthest < by.rim:
             raise BadInput(
                 f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.rim:.3g} focal lengths on, where "
-                f"it folds its image; a point of {name} is {farthest:.3g} from the centre"
+                f"it folds its image; a point of {VIEW_NAMES[name]} is {farthest:.3g} from the centre"
             )
 
     def pair(images: NDArray) -> NDArray:
@@ -201,7 +210,10 @@ def _named(frame: dict) -> dict:
     """With the fundamental matrices by pair and coefficient."""
     if frame["fundamental"] is None:
         return frame
-    named = {f"{p},{q}": dict(zip(COEFFICIENTS, f.tolist())) for (p, q), f in zip(PAIRS, frame["fundamental"])}
+    named = {
+        f"{VIEW_NAMES[p]},{VIEW_NAMES[q]}": dict(zip(COEFFICIENTS, f.tolist()))
+        for (p, q), f in zip(PAIRS, frame["fundamental"])
+    }
     return frame | {"fundamental": named}
 
 
@@ -210,9 +222,10 @@ def _frames(views: FourViews, which: NDArray | int) -> FourViews:
 
 
 def _read(args: argparse.Namespace) -> TrackedPoints:
-    given = {view: vars(args)[view] for view in VIEWS if vars(args)[view]}
+    given = {view: vars(args)[name] for view, name in VIEW_NAMES.items() if vars(args)[name]}
+    require_files_apart(given.values())
     if args.points and not given and args.points.suffix.lower() not in (".csv", ".tsv", ".txt", ""):
-        raise BadInput(f"{args.points}: POINTS.csv is a table of all four views; give others by --l, --r, --L and --R")
+        raise BadInput(f"{args.points}: POINTS.csv is a table of all four views; give others by {VIEW_OPTIONS}")
     named = [body for body in BODIES if vars(args)[body] is not None]
     if args.points and not given and named:
         raise BadInput(f"--{named[0]}: {args.points} is a table of all four views, which say whose points are whose")
@@ -220,9 +233,9 @@ def _read(args: argparse.Namespace) -> TrackedPoints:
         with naming("POINTS.csv"):
             return read_tidy(args.points)
     if args.points or len(given) < len(VIEWS):
-        raise BadInput("give either POINTS.csv, or a file of each of the four views by --l, --r, --L and --R")
+        raise BadInput(f"give either POINTS.csv, or a file of each of the four views by {VIEW_OPTIONS}")
     individuals = {view: vars(args)[body] for body, views in BODIES.items() for view in views if vars(args)[body]}
-    with naming("--l, --r, --L, --R"):
+    with naming(VIEW_OPTIONS):
         return read_files(given, individuals)
 
 
@@ -255,7 +268,7 @@ def _report(result: dict) -> None:
         return
     print(f"affine fundamental matrices of frame {first['frame']}: f13 x + f23 y + f31 x' + f32 y' + f33 = 0")
     for pair, f in _named(first)["fundamental"].items():
-        print(f"  {pair}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip())
+        print(f"  {pair:<20}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip())
 
 
 def _report_suspects(result: dict) -> None:

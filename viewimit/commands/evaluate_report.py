@@ -7,7 +7,7 @@ import numpy as np
 
 from ..drawing import standalone
 from ..drawing.tracked import draw_view, draw_views
-from ..views import VIEWS
+from ..views import VIEW_NAMES
 from . import evaluate_suspects
 
 FORMATS = (".html", ".png")
@@ -41,12 +41,13 @@ def write(path: Path, result: dict) -> None:
 
 
 def _page(result: dict, frame: dict) -> str:
-    panels = [draw_view(view, frame["seen"][view], frame["recovered"].get(view), frame["usable"]) for view in VIEWS]
+    names, seen, recovered = tuple(VIEW_NAMES.values()), frame["seen"], frame["recovered"]
+    panels = [draw_view(name, seen[name], recovered.get(name), frame["usable"]) for name in names]
     heads = ("frame", "usable points", "E (px²)", "rms (px)", "condition", "flatness")
     rows = [[str(each["frame"]), str(len(each["usable"])), *_numbers(each)] for each in result["frames"]]
     residuals = []
     for k, name in enumerate(frame["usable"]):
-        away = [np.linalg.norm(frame["seen"][view][k] - frame["recovered"][view][k]) for view in ("L", "R")]
+        away = [np.linalg.norm(seen[view][k] - recovered[view][k]) for view in names[2:]]
         residuals.append([html.escape(name), *(f"{px:.3f}" for px in away)])
     matrices = [[pair, *(f"{value:.5g}" for value in f.values())] for pair, f in frame["fundamental"].items()]
     return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>viewimit evaluate</title>
@@ -57,7 +58,7 @@ def _page(result: dict, frame: dict) -> str:
 {"".join(panels)}
 <h2>Suspects</h2>{_suspects(result)}
 <h2>Frames</h2>{_table(heads, rows)}
-<h2>Residuals of frame {frame["frame"]} (px)</h2>{_table(("point", "in [L]", "in [R]"), residuals)}
+<h2>Residuals of frame {frame["frame"]} (px)</h2>{_table(("point", *names[2:]), residuals)}
 <h2>Affine fundamental matrices of frame {frame["frame"]}</h2>
 {_table(("pair", "f13", "f23", "f31", "f32", "f33 (px)"), matrices)}
 </html>

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from ..suspects import Suspect, Suspects
+from ..views import VIEW_NAMES
 
 SHOWN = 6  # frames that are named in words
 
@@ -14,7 +15,7 @@ def told(suspects: Suspects, points: Sequence[str], numbers: Sequence[int]) -> l
 
 def in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
     """The points, what is wrong with them, and how much speaks for that. frames: how many there are."""
-    named, where = " and ".join(suspect["points"]), " or ".join(f"[{view}]" for view in suspect["views"])
+    named, where = " and ".join(suspect["points"]), " or ".join(suspect["views"])
     if suspect["kind"] == "exchanged":
         falls = (
             f"E {suspect['E']:.3g} px², {suspect['E_exchanged']:.3g} px² exchanged: falls {suspect['score']:.3g} times"
@@ -30,7 +31,7 @@ def _told(suspect: Suspect, points: Sequence[str], numbers: Sequence[int]) -> di
     said = {
         "kind": suspect.kind,
         "points": [points[k] for k in suspect.points],
-        "views": list(suspect.views),
+        "views": [VIEW_NAMES[view] for view in suspect.views],
         "frames": [numbers[k] for k in suspect.frames],
         "score": suspect.score,
     }

@@ -22,6 +22,7 @@ from .options import (
     add_camera_option,
     add_json_option,
     add_run_options,
+    add_safety_options,
     add_setting_options,
     add_undistort_option,
     between,
@@ -39,6 +40,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_undistort_option(parser)
     add_camera_option(parser)
     add_run_options(parser, BEST)
+    add_safety_options(parser)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(

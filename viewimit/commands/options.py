@@ -5,16 +5,18 @@ import contextlib
 import dataclasses
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
 
 from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
+from ..embodiment.motion_limits import within, workspace
 from ..geometry.distortion import Radial
 from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
-from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
+from ..settings import CAMERAS, DISTURBANCES, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
 from ..simulation.robots import robot_names
 from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
@@ -22,6 +24,7 @@ from ..simulation.urdf.descriptions import description_path, is_description
 from ..simulation.urdf.formats import require_urdf
 from ..simulation.urdf.reference import PARTS, is_reference, parse_reference
 from ..transfer import TRANSFERS
+from ..views import VIEW_NAMES
 from . import BadInput
 
 if TYPE_CHECKING:
@@ -30,6 +33,12 @@ if TYPE_CHECKING:
 DONE, MISSED = 0, 1
 PAPER = Settings()
 ALL = "all"
+SHOWN_IN = {
+    "l": "the demonstrator, by the left camera",
+    "r": "the demonstrator, by the right camera",
+    "L": "the learner itself, by the left camera",
+    "R": "the learner itself, by the right camera",
+}
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
@@ -139,6 +148,26 @@ def add_arm_options(parser: argparse.ArgumentParser) -> None:
     _add_disturbances(parser, ArmDisturbance)
 
 
+def add_safety_options(parser: argparse.ArgumentParser) -> None:
+    """How far the learner's arm may go."""
+    parser.add_argument(
+        "--max-step-deg", type=float, metavar="DEG", help="no joint turns by more in one motion (any angle)"
+    )
+    parser.add_argument(
+        "--workspace-deg",
+        type=ranges,
+        metavar="LOW:HIGH,LOW:HIGH",
+        help="angles that the learner's moving joints are sent to, and none beyond (the arm's limits)",
+    )
+    parser.add_argument(
+        "--restarts",
+        type=int,
+        metavar="N",
+        help="searches far from where it has been, for something lower, before it stalls; 0 for none "
+        f"({PAPER.restarts})",
+    )
+
+
 def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) -> None:
     for name, found in disturbances(kind).items():
         parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.says} (0)")
@@ -147,6 +176,38 @@ def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) 
 def option(name: str) -> str:
     """The option that sets a field of `Settings`."""
     return "--" + name.replace("_", "-")
+
+
+def add_view_options(parser: argparse.ArgumentParser, says: str, **kind: Any) -> None:
+    """A file of each view; its name in the paper is an option, too, for one more version. says: with {} for what it
+    shows."""
+    for view, name in VIEW_NAMES.items():
+        parser.add_argument(option(name), type=Path, metavar="FILE", help=says.format(SHOWN_IN[view]), **kind)
+        old = kind | {"default": argparse.SUPPRESS, "help": argparse.SUPPRESS}
+        parser.add_argument(f"--{view}", dest=name, action=Renamed, type=Path, **old)
+
+
+class Renamed(argparse.Action):
+    """Of an option that has a new name, that of its destination: it still works, and says so."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        new = option(self.dest)
+        print(f"{parser.prog}: {option_string} is now called {new}; the old name will be gone", file=sys.stderr)
+        setattr(namespace, self.dest, values)
+
+
+def require_files_apart(paths: Iterable[Path]) -> None:
+    """Raises BadInput for two names that differ in small and capital letters alone, and are one file."""
+    known: dict[str, Path] = {}
+    for path in paths:
+        other = known.setdefault(str(path).lower(), path)
+        if str(other) != str(path) and other.exists() and path.exists() and other.samefile(path):
+            raise BadInput(
+                f"{other} and {path} are one file here: name those of the views by {', '.join(VIEW_NAMES.values())}"
+            )
+
+
+VIEW_OPTIONS = ", ".join(map(option, VIEW_NAMES.values()))
 
 
 def add_json_option(parser: argparse.ArgumentParser) -> None:
@@ -163,7 +224,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         asked = "--robot"
     del args.base, args.tip  # the robot's name says them now
     settings = defaults
-    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "undistort", "rectify", "camera")
+    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "undistort", "rectify", "camera", *SAFETY)
     given = {name: vars(args).get(name) for name in names}
     for name, value in given.items():
         if value is not None:
@@ -193,6 +254,10 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         if posture is not None:
             with naming("--" + name):
                 scene.require_posture(np.radians(posture), "its")
+    with naming("--workspace-deg"):
+        low, high = workspace(settings, scene.lower, scene.upper)
+    with naming("--start"):
+        within(np.radians(scene.start_deg if postures["start"] is None else postures["start"]), low, high, "the start")
     return msgspec.structs.replace(
         settings,
         scene=chosen,
@@ -284,6 +349,15 @@ def angles(text: str) -> tuple[float, ...]:
         return tuple(float(word) for word in text.split(","))
     except ValueError:
         raise argparse.ArgumentTypeError(f"needs degrees separated by commas, such as 45,-90, got {text!r}") from None
+
+
+def ranges(text: str) -> tuple[tuple[float, float], ...]:
+    """A type for argparse: pairs of degrees, each low:high, separated by commas."""
+    try:
+        found = tuple((float(low), float(high)) for low, high in (word.split(":") for word in text.split(",")))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"needs ranges in degrees such as -30:60,-90:0, got {text!r}") from None
+    return found
 
 
 def posture(theta_deg: Iterable[float]) -> str:

@@ -24,6 +24,7 @@ from .options import (
     add_camera_option,
     add_image_options,
     add_json_option,
+    add_safety_options,
     add_scene_options,
     add_undistort_option,
     between,
@@ -41,11 +42,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_undistort_option(parser)
     add_camera_option(parser)
     add_arm_options(parser)
+    add_safety_options(parser)
     number, reach = between(int, FEWEST, MOST_POSTURES), between(float, 1.0, 360.0)
     parser.add_argument(
         "--postures", type=number, default=POSTURES, metavar="K", help="far from each other, by --seed (%(default)s)"
     )
-    parser.add_argument("--within", type=reach, metavar="DEG", help="of the start, a joint (the whole range)")
+    parser.add_argument("--within", type=reach, metavar="DEG", help="of the start, a joint (the whole workspace)")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="keep it there, as .npz")
     add_json_option(parser)
 

@@ -14,12 +14,14 @@ WIDTH, HEIGHT = 420, 330  # px of one view
 LEFT, TOP, RIGHT, BOTTOM = 44, 24, 8, 24  # px around its plot
 EXTENT = 0.08  # of the points' extent around them
 DOT = 3.2  # px
-TITLES = {"l": "[l] demonstrator", "r": "[r] demonstrator", "L": "[L] learner", "R": "[R] learner"}
+DEMO = {"demo_left": "[l] demonstrator", "demo_right": "[r] demonstrator"}
+TITLES = {**DEMO, "own_left": "[L] learner", "own_right": "[R] learner"}  # by the view's name in files
 LEGEND = 26  # px of the heading above four views, and of the legend beneath
 
 
 def draw_view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[str]) -> str:
-    """SVG of one view. seen, recovered: (k, 2) px of the image, y downwards; names: (k,) of the points."""
+    """SVG of one view, by its name in files, such as demo_left. seen, recovered: (k, 2) px of the image, y downwards;
+    names: (k,) of the points."""
     return f'<svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}">{_view(view, seen, recovered, names)}</svg>'
 
 
@@ -66,7 +68,7 @@ def _view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[s
         labels.take_points(found, RECOVERED)
     labels.take_points(places, DOT)
     for (u, v), name in zip(places.tolist(), names):
-        parts.append(_dot("vi-seen" if view in "lr" else "vi-point", u, v))
+        parts.append(_dot("vi-seen" if view in DEMO else "vi-point", u, v))
         parts.append(labels.beside(u, v, name, "vi-halo", DOT + 2))
     return "".join(parts)
 

@@ -12,6 +12,7 @@ from ..looking import Observer
 from ..settings import USUAL_POINTS, BodyPoint, Settings
 from ..simulation.eyes import SimulatedEyes
 from ..simulation.scene import Scene, load_scene
+from .motion_limits import within, workspace
 from .protocol import Beginning
 
 OpenEyes = Callable[[str, Scene, int], SimulatedEyes]
@@ -48,7 +49,7 @@ class InScene:
     def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
         return self.eyes.drive(settings, theta, sent, commanded)
 
-    def revisit(self, commanded: NDArray) -> None:
+    def revisit(self, settings: Settings, sent: NDArray, commanded: NDArray) -> None:
         """A simulated arm is wherever it is looked at."""
 
     def looks(self, theta_rest: NDArray) -> Observer:
@@ -67,7 +68,7 @@ class SceneOpener:
         self._open_eyes = open_eyes
         self._opened: tuple[tuple[str, Scene, int], InScene] | None = None
 
-    def __call__(self, settings: Settings) -> Beginning:
+    def __call__(self, settings: Settings, sent: NDArray | None) -> Beginning:
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
         wanted = settings.camera, scene, settings.points
@@ -75,7 +76,7 @@ class SceneOpener:
             self._opened = wanted, InScene(self._open_eyes(*wanted), scene)
         learner = self._opened[1]
         demo, standing = learner.eyes.settle(demo), learner.eyes.settle(start)
-        return Beginning(settings, learner, start, standing, demo)
+        return Beginning(settings, learner, start, standing, demo, workspace(settings, scene.lower, scene.upper))
 
 
 def complete(settings: Settings) -> Settings:
@@ -93,7 +94,9 @@ def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDAr
     points = scene.layout_near(USUAL_POINTS) if anyway else settings.points
     start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
     demo = told(_demonstrator(settings, scene), scene.lower, scene.upper)
-    start = told(scene.require_posture(np.radians(start_deg), "learner's start"), scene.lower, scene.upper)
+    low, high = workspace(settings, scene.lower, scene.upper)
+    start = within(scene.require_posture(np.radians(start_deg), "learner's start"), low, high, "learner's start")
+    start = told(start, low, high)
     fields = {"points": points, "demonstrator_deg": degrees(demo), "start_deg": degrees(start)}
     return msgspec.structs.replace(settings, **fields), demo, start
 

@@ -11,12 +11,14 @@ from ..body_image import Body
 from ..settings import Settings
 from .in_scene import degrees, told
 from .interface import Arm, Eyes
+from .motion_limits import ROUNDING_DEG, waypoints, within, workspace
 from .own_looks import OwnLooks, look_with
 from .protocol import Beginning
 
-HAVE = ("transfer", "servo", "frames", "rectify", "start_deg", "seed")  # of the settings; all else is of scenes
+HAVE = (  # of the settings; all else is of scenes
+    "transfer", "servo", "frames", "rectify", "start_deg", "seed", "max_step_deg", "restarts", "workspace_deg",
+)  # fmt: skip
 FOUND = ("scene", "points")  # set by what there is
-ROUNDING_DEG = 1e-6
 MOST_TURNS = 4  # that a joint has to either side
 
 
@@ -49,15 +51,22 @@ class Own:
         return theta_demo
 
     def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
-        return self.move(commanded)
+        return self.move(sent, commanded, settings.max_step)
 
-    def revisit(self, commanded: NDArray) -> None:
-        self.move(commanded)
+    def revisit(self, settings: Settings, sent: NDArray, commanded: NDArray) -> None:
+        self.move(sent, commanded, settings.max_step)
 
     def looks(self, theta_rest: NDArray) -> OwnLooks:
         return OwnLooks(self.eyes, self.points)
 
-    def move(self, theta: NDArray) -> NDArray:
+    def move(self, sent: NDArray, theta: NDArray, longest: float) -> NDArray:
+        """From where it was sent to theta, (m,) rad each, by motions in which no joint turns by more than `longest` rad
+        → where it then stands. Raises ValueError as `_move`."""
+        for waypoint in waypoints(sent, theta, longest):
+            stands = self._move(waypoint)
+        return stands
+
+    def _move(self, theta: NDArray) -> NDArray:
         """theta: (m,) rad → where it then stands. Raises ValueError if the arm says that of no posture, or of one that
         is a turn or more beyond its limits, as degrees would be."""
         told = self.arm.move(theta.copy())
@@ -79,16 +88,18 @@ class OwnOpener:
         self._lower, self._upper = _limits(arm)
         self._own: Own | None = None
 
-    def __call__(self, settings: Settings) -> Beginning:
+    def __call__(self, settings: Settings, sent: NDArray | None) -> Beginning:
         _require(settings)
+        low, high = workspace(settings, self._lower, self._upper)
         wanted = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
-        start = told(_within(wanted, self._lower, self._upper, "the start"), self._lower, self._upper)
+        start = _within(wanted, self._lower, self._upper, "the start")
+        start = told(within(start, low, high, "the start"), low, high)
         points = len(look_with(self._eyes).demo) if self._own is None else self._own.points
         _require_found(settings, {"scene": self._name, "points": points})
         own = Own(self._arm, self._eyes, self._name, points, self._lower, self._upper)
-        standing, self._own = own.move(start), own
+        standing, self._own = own.move(start if sent is None else sent, start, settings.max_step), own
         settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=degrees(start))
-        return Beginning(settings, own, start, standing, own.demonstrator(settings))
+        return Beginning(settings, own, start, standing, own.demonstrator(settings), (low, high))
 
 
 def _require_members(what: str, given: object, protocol: type) -> None:

@@ -60,8 +60,8 @@ class Embodiment(Protocol):
         """Where the arm at theta, last sent to `sent`, comes to rest once it is sent to `commanded`."""
         ...
 
-    def revisit(self, commanded: NDArray) -> None:
-        """A moment of the past is the present again, in which the arm had been sent there."""
+    def revisit(self, settings: Settings, sent: NDArray, commanded: NDArray) -> None:
+        """A moment of the past is the present again: the arm, last sent to `sent`, goes to where it was sent then."""
         ...
 
     def looks(self, theta_rest: NDArray) -> Looks:
@@ -72,18 +72,21 @@ class Embodiment(Protocol):
 @dataclass(frozen=True)
 class Beginning:
     """settings: with what they leave open; start: (m,) rad, where the learner was sent; theta, theta_demo: (m,) rad,
-    where it and the demonstrator then stand, NaN where nobody knows."""
+    where it and the demonstrator then stand, NaN where nobody knows; workspace: the lowest and the highest angles that
+    the learner may be sent to, (m,) rad each."""
 
     settings: Settings
     embodiment: Embodiment
     start: NDArray
     theta: NDArray
     theta_demo: NDArray
+    workspace: tuple[NDArray, NDArray]
 
 
 class Opener(Protocol):
     """Makes what settings ask for, and brings both arms to where these have them."""
 
-    def __call__(self, settings: Settings) -> Beginning:
-        """Raises ValueError, with all as it was, if the settings cannot be."""
+    def __call__(self, settings: Settings, sent: NDArray | None) -> Beginning:
+        """sent: (m,) rad, where the learner was sent last, None if it never was. Raises ValueError, with all as it was,
+        if the settings cannot be."""
         ...

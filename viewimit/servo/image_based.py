@@ -16,7 +16,8 @@ DAMPING = 1e-6  # of the normal equations, relative to their trace: what the ima
 
 
 def towards(model: ImageModel, seen: Observation, target: NDArray, wanted: NDArray) -> NDArray:
-    """(m,) rad, within the limits, by least squares over the points wanted and seen.
+    """(m,) rad, by least squares over the points wanted and seen; within the limits, and no longer than one motion may
+    be.
 
     target: (N, 4) px in [L, R]; wanted: (N,) bool. model: what was learned up to and with `seen`.
     """
@@ -25,5 +26,5 @@ def towards(model: ImageModel, seen: Observation, target: NDArray, wanted: NDArr
     normal = J.T @ J
     normal = normal + np.eye(len(normal)) * (DAMPING * np.trace(normal) + 1e-12)
     step = np.linalg.solve(normal, J.T @ missing)
-    step *= min(1.0, LONGEST / max(np.max(np.abs(step)), 1e-12))
+    step *= min(1.0, min(LONGEST, seen.max_step) / max(np.max(np.abs(step)), 1e-12))
     return np.clip(step, seen.lower - seen.displacement, seen.upper - seen.displacement)

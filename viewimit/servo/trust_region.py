@@ -43,7 +43,6 @@ from .trust_state import (
     CLOSE,
     FIRST_RADIUS,
     MOST_FAILURES,
-    MOST_RESTARTS,
     PHASES,
     TrustState,
     arrived,
@@ -263,7 +262,7 @@ def _settle(
             lost
             and not (asks and certificate.learnable)
             and told_by < _shown(state, seen)
-            and state.restarts < MOST_RESTARTS
+            and state.restarts < seen.restarts
         ):
             return _where_more_is_seen(state, seen, place, ahead, told_by)
         barred = state.strayed is not None and ahead.doubt_there < CERTAIN  # its steps lead no nearer
@@ -275,7 +274,7 @@ def _settle(
             return check(state, seen, place, CHECK * curvature_directions(ahead.found.hessian)[:, 0])
     if state.phase + 1 < len(PHASES):
         return None
-    if state.restarts < MOST_RESTARTS:
+    if state.restarts < seen.restarts:
         return towards(replace(_anew(state), needed=0), seen, farthest(state.known, anywhere(seen)))
     if 0 < state.needed <= told_by:
         return None

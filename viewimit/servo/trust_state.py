@@ -20,7 +20,7 @@ EVERYWHERE = float(np.inf)  # of a learner that has been all over its range
 KEPT = 60  # visits
 CLOSE = 1e-9  # rad, between two times at one posture
 ALL_OF = 0.9  # share of the region, from which a motion has made use of all of it
-MOST_FAILURES, MOST_RESTARTS = 2, 4
+MOST_FAILURES = 2
 PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
 ASKED = 1, 2, 3, 5, 8, 13, 21, 34, 55  # visits, more than joints, at which kinematics are looked for
 

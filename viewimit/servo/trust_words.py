@@ -4,7 +4,7 @@ import numpy as np
 
 from ..equations import Equation, angles, short
 from .servo import Moment
-from .trust_state import CERTAIN, MOST_RESTARTS, PHASES, TrustState
+from .trust_state import CERTAIN, PHASES, TrustState
 
 _LAW = (
     r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
@@ -42,14 +42,14 @@ def says(state: TrustState, status: str) -> str:
     if status == "untold":
         return "E does not rise every way"
     if status == "stalled":
-        found = f"nothing lower in {state.restarts} searches elsewhere"
+        found = f"nothing lower in {state.restarts} searches elsewhere" if state.restarts else "nothing lower nearby"
         return f"{found}; {SENT_TO_LIMIT}" if state.limited else found
     if state.ending:
         return "back to the best posture"
     if state.needed:
         return f"looks where more than {state.needed - 1} points are seen, as these do not tell every joint"
     if state.restarts:
-        return f"looking for something lower, as noise explains less: search {state.restarts} of {MOST_RESTARTS}"
+        return f"looking for something lower, as noise explains less: search {state.restarts}"
     if state.probe:
         return "a probe, to learn how the images move"
     if state.strayed is not None:

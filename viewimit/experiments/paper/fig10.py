@@ -133,7 +133,7 @@ def _tables(found: Fig10) -> Tables:
         frames.append(
             {"run": name, "frame": frame, "time_s": frame * found.motion.step_s, **postures, **errors, **images}
         )
-        for k, view in enumerate("LR"):
+        for k, view in enumerate(("own_left", "own_right")):
             row = {
                 "run": name,
                 "frame": np.repeat(frame, number),

@@ -10,8 +10,8 @@ KINDS = {"# Image list": "images.txt", "# 3D point list": "points3D.txt", "# Cam
 POSE, CELLS = 9, 10  # of an image: numbers, and its name behind them
 COMMAND = (
     "python -c \"r = [s.split() for s in open('{file}') if s[0] != '#']; "
-    "p = next(p for i, p in zip(r[::2], r[1::2]) if i[9] == 'l.png'); print('point,x,y'); "
-    "[print(p[k + 2], p[k], p[k + 1], sep=',') for k in range(0, len(p), 3) if p[k + 2] != '-1']\" > l.csv"
+    "p = next(p for i, p in zip(r[::2], r[1::2]) if i[9] == 'demo_left.png'); print('point,x,y'); "
+    "[print(p[k + 2], p[k], p[k + 1], sep=',') for k in range(0, len(p), 3) if p[k + 2] != '-1']\" > demo_left.csv"
 )
 
 
@@ -28,8 +28,9 @@ def converting(path: Path, kind: str) -> str:
     if kind != "images.txt":
         return f"COLMAP's {kind} holds no points of images: take images.txt beside it"
     return (
-        "COLMAP's images.txt is not read, as it holds all views; write the points of each of them, here of l.png, as "
-        f"CSV, and give the same names to the same points of both arms: {COMMAND.format(file=path)}"
+        "COLMAP's images.txt is not read, as it holds all views; write the points of each of them, here of "
+        "demo_left.png, as CSV, and give the same names to the same points of both arms: "
+        f"{COMMAND.format(file=path)}"
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...views import VIEWS
+from ...views import VIEWS, view_of
 from .arrays import read_arrays
 from .cells import Table, column_names
 from .colmap import colmap_kind, converting
@@ -44,11 +44,14 @@ CONVERT = {
 
 
 def read_files(paths: Mapping[str, Path], individuals: Mapping[str, str] | None = None) -> TrackedPoints:
-    """One file a view, of any format each. individuals: by view, whose points to take of files that hold several.
+    """One file a view, of any format each. individuals: by view, whose points to take of files that hold several. Views
+    are called by their full names, demo_left, or by the paper's, l.
 
     Raises ValueError that names the file and what is wrong there; OSError.
     """
-    return together({view: read_view(paths[view], (individuals or {}).get(view)) for view in VIEWS})
+    files = {view_of(name): path for name, path in paths.items()}
+    whose = {view_of(name): individual for name, individual in (individuals or {}).items()}
+    return together({view: read_view(files[view], whose.get(view)) for view in VIEWS})
 
 
 def read_view(path: Path, individual: str | None = None) -> Track:
@@ -90,5 +93,5 @@ def _of_text(path: Path, individual: str | None) -> Track:
     if "frame_idx" in heading and {"track", "instance.score"} & set(heading):
         return read_sleap_csv(path, individual)
     if "view" in column_names(heading):
-        raise ValueError(f"{path}: a table of all four views: give it alone, without --l, --r, --L and --R")
+        raise ValueError(f"{path}: a table of all four views: give it alone, without --demo-left and the like")
     return read_plain(path)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...views import VIEWS
+from ...views import VIEW_NAMES, VIEWS, view_of
 from .cells import Table, column_names
 from .colmap import colmap_kind, converting
 from .track import CERTAIN, Row, Rows, TrackedPoints, together
@@ -15,17 +15,20 @@ COLUMNS = ("frame", "view", "point", "x", "y", "confidence")
 
 
 def write_tidy(path: Path, rows: Mapping[str, Sequence[Row]]) -> None:
-    """Raises OSError."""
+    """rows: by view, whose full name is written. Raises OSError."""
     with path.open("w", newline="", encoding="utf-8") as file:
         out = csv.writer(file)
         out.writerow(COLUMNS)
         for view in VIEWS:
             for frame, point, x, y, sure in rows.get(view, ()):
-                out.writerow((frame, view, point, f"{x:.4f}", f"{y:.4f}", f"{sure:.4f}"))
+                out.writerow((frame, VIEW_NAMES[view], point, f"{x:.4f}", f"{y:.4f}", f"{sure:.4f}"))
 
 
 def read_tidy(path: Path) -> TrackedPoints:
-    """Raises ValueError that names the file, and the line and column of what is wrong; OSError."""
+    """Views are called by their full names, demo_left, or by the paper's, l.
+
+    Raises ValueError that names the file, and the line and column of what is wrong; OSError.
+    """
     table = Table(path)
     lines = table.lines()
     at, cells = next(lines)
@@ -34,7 +37,11 @@ def read_tidy(path: Path) -> TrackedPoints:
     if kind := colmap_kind(",".join(map(str.strip, cells))):
         raise ValueError(f"{path}: {converting(path, kind)}")
     if missing:
-        one = ". Files of one view are given by --l, --r, --L and --R" if "view" in missing else ""
+        one = (
+            ". Files of one view are given by --demo-left, --demo-right, --own-left and --own-right"
+            if "view" in missing
+            else ""
+        )
         said = f"no column {', '.join(missing)}; the first line is {','.join(COLUMNS)}{one}"
         raise ValueError(f"{path}: line {at}: {said}")
     twice = [name for name in COLUMNS if heading.count(name) > 1]
@@ -43,14 +50,17 @@ def read_tidy(path: Path) -> TrackedPoints:
     frame_at, view_at, point_at, x_at, y_at = (heading.index(name) for name in COLUMNS[:-1])
     sure_at = heading.index(COLUMNS[-1]) if COLUMNS[-1] in heading else None
     names: dict[str, int] = {}
-    rows = {view: Rows(names) for view in VIEWS}
+    rows, known = {view: Rows(names) for view in VIEWS}, dict[str, str]()
     for line, cells in lines:
         if len(cells) != len(heading):
             table.require_count(line, cells, len(heading))
         frame = table.whole(line, "frame", cells[frame_at])
-        view, point = cells[view_at].strip(), cells[point_at].strip()
-        if view not in rows:
-            raise ValueError(f"{path}: line {line}, column view: {view!r} is none of {', '.join(VIEWS)}")
+        view, point = known.get(cells[view_at]), cells[point_at].strip()
+        if view is None:
+            try:
+                view = known[cells[view_at]] = view_of(cells[view_at].strip())
+            except ValueError as error:
+                raise ValueError(f"{path}: line {line}, column view: {error}") from None
         if not point:
             raise ValueError(f"{path}: line {line}, column point: it is empty")
         x = table.number(line, "x", cells[x_at], empty=np.nan)
@@ -58,8 +68,10 @@ def read_tidy(path: Path) -> TrackedPoints:
         sure = CERTAIN if sure_at is None else table.number(line, COLUMNS[-1], cells[sure_at], empty=CERTAIN)
         rows[view].add(line, frame, point, x, y, sure)
     for view in VIEWS:
-        rows[view].require_once(str(path), view)
-    lacking = [view for view in VIEWS if not rows[view].line]
+        rows[view].require_once(str(path), VIEW_NAMES[view])
+    lacking = [VIEW_NAMES[view] for view in VIEWS if not rows[view].line]
     if lacking:
-        raise ValueError(f"{path}: no row of view {', '.join(lacking)}; all of {', '.join(VIEWS)} are needed")
-    return together({view: rows[view].track(str(path)).require_units(f"{path}: view {view}") for view in VIEWS})
+        needed = ", ".join(VIEW_NAMES.values())
+        raise ValueError(f"{path}: no row of view {', '.join(lacking)}; all of {needed} are needed")
+    where = {view: f"{path}: view {VIEW_NAMES[view]}" for view in VIEWS}
+    return together({view: rows[view].track(str(path)).require_units(where[view]) for view in VIEWS})

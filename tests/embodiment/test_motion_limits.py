@@ -1,0 +1,327 @@
+"""How far an arm is sent: no motion is longer than it may be, and no posture outside the workspace, whoever asks."""
+
+import runpy
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies
+
+from viewimit import Session
+from viewimit.embodiment.motion_limits import waypoints
+from viewimit.history import MAX_HISTORY
+from viewimit.rehearsal import rehearse
+from viewimit.script_player import play
+from viewimit.servo import SERVOS
+from viewimit.settings import BEST, Settings
+
+FakeRobot = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "fake_robot.py"))["FakeRobot"]
+ROUNDING = 1e-9  # rad
+ONE = msgspec.structs.replace(BEST, frames=1)
+SHOWN_DEG, START_DEG = (45.0, -90.0), (25.0, -45.0)
+WORKSPACE_DEG = ((-50.0, 50.0), (-60.0, 10.0), (20.0, 100.0))  # of the fake robot
+SCENE_WORKSPACE_DEG = ((5.0, 80.0), (-120.0, -20.0))  # of the panda's two joints
+
+
+class Recorded(FakeRobot):
+    """All postures that it was sent to; hidden(theta): whether it sees its own points there."""
+
+    def __init__(self, demonstrator_deg=(30, -45, 80), hidden=lambda theta: False):
+        super().__init__(demonstrator_deg)
+        self.sent, self.hidden = [], hidden
+
+    def move(self, theta):
+        self.sent.append(theta.copy())
+        return super().move(theta)
+
+    def look(self):
+        seen = super().look()
+        if self.hidden(self.theta):
+            seen.visible[:, 2:] = False
+        return seen
+
+
+def changed(**fields):
+    return msgspec.structs.replace(ONE, **fields)
+
+
+def longest(postures):
+    """rad, a joint, from one posture to the next."""
+    return np.abs(np.diff(postures, axis=0)).max(initial=0.0)
+
+
+def sent(session):
+    return np.array([moment.commanded for moment in session.history])
+
+
+def require_inside(postures, workspace_deg):
+    low, high = np.radians(workspace_deg).T
+    assert (postures >= low - ROUNDING).all() and (postures <= high + ROUNDING).all()
+
+
+@pytest.mark.parametrize("servo", SERVOS)
+@given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16))
+@settings(max_examples=6, deadline=None)
+def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_step_deg, seed):
+    low, high = np.radians(WORKSPACE_DEG).T
+    start, shown = np.random.default_rng(seed).uniform(low, high, (2, 3))
+    robot = Recorded(np.degrees(shown))
+    asked = changed(servo=servo, max_step_deg=max_step_deg, workspace_deg=WORKSPACE_DEG, seed=seed)
+    session = Session.of(robot, robot, msgspec.structs.replace(asked, start_deg=tuple(np.degrees(start))))
+    session.run(60)
+    session.scrub(session.cursor // 2)
+    session.step()
+    session.reset()
+    assert longest(robot.sent) <= np.radians(max_step_deg) + ROUNDING
+    require_inside(np.array(robot.sent), WORKSPACE_DEG)
+    np.testing.assert_allclose(robot.sent[-1], start, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("servo", SERVOS)
+@given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16), noise_px=strategies.just(0.5))
+@settings(max_examples=6, deadline=None)
+def test_in_a_scene_the_same_limits_hold(servo, max_step_deg, seed, noise_px):
+    low, high = np.array(SCENE_WORKSPACE_DEG).T
+    start_deg, shown_deg = np.random.default_rng(seed).uniform(low, high, (2, 2)).round(3)
+    asked = changed(servo=servo, max_step_deg=max_step_deg, workspace_deg=SCENE_WORKSPACE_DEG, seed=seed)
+    asked = msgspec.structs.replace(
+        asked, start_deg=tuple(start_deg), demonstrator_deg=tuple(shown_deg), noise_px=noise_px
+    )
+    session = Session(asked)
+    session.run(60)
+    assert longest(sent(session)) <= np.radians(max_step_deg) + ROUNDING
+    require_inside(sent(session), SCENE_WORKSPACE_DEG)
+
+
+@pytest.mark.parametrize("max_step_deg", [5.0, 1.0])
+def test_short_motions_arrive_and_claim_so_where_long_ones_do(max_step_deg):
+    """The servo sees only the ends of what it asks for, so that a way in pieces changes nothing of what it knows."""
+    robot = Recorded()
+    own = Session.of(robot, robot, changed(max_step_deg=max_step_deg))
+    shown = Session(changed(max_step_deg=max_step_deg, demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
+    for session, target in ((own, robot.demonstrator), (shown, np.radians(SHOWN_DEG))):
+        last = session.run(400)
+        assert last.status == "converged" and last.target is None
+        assert np.degrees(np.abs(last.theta - target)).max() < 0.01
+        assert longest(sent(session)) <= np.radians(max_step_deg) + ROUNDING
+
+
+def test_with_noise_what_is_claimed_after_short_motions_is_true():
+    """20 runs of 0.25 px and 25 images: an error beyond three times what is expected would be one in hundreds."""
+    rng, low, high = np.random.default_rng(3), (0.0, -130.0), (90.0, 0.0)
+    for seed in range(20):
+        start_deg, shown_deg = rng.uniform(low, high, (2, 2)).round(3)
+        fields = {"max_step_deg": 5.0, "noise_px": 0.25, "seed": seed}
+        postures = {"start_deg": tuple(start_deg), "demonstrator_deg": tuple(shown_deg)}
+        last = Session(msgspec.structs.replace(BEST, **fields, **postures)).run(200)
+        error = np.abs(last.theta - last.theta_demo).max()
+        assert last.status == "converged" and error < 3 * last.expected_error
+
+
+@pytest.mark.parametrize("servo", ["broyden", "kalman", "gauss-newton"])
+def test_laws_that_rest_do_so_where_they_would_after_longer_motions(servo):
+    """What such a law knows at the end of a motion does not depend on in how many pieces the arm was sent there."""
+    fields = {"servo": servo, "demonstrator_deg": SHOWN_DEG, "start_deg": START_DEG}
+    free, bound = (Session(changed(max_step_deg=step, **fields)) for step in (None, 15.0))  # 15°: as long as a probe
+    there, here = free.run(200), bound.run(200)
+    assert longest(sent(free)) > np.radians(15.0) >= longest(sent(bound)) - ROUNDING
+    assert there.status == here.status == "rests" and here.motion > there.motion
+    np.testing.assert_allclose(here.theta, there.theta, atol=1e-8)
+
+
+def test_a_probe_is_no_longer_than_one_motion():
+    session = Session(changed(max_step_deg=4.0))
+    session.run(2)
+    moved = np.degrees([moment.moved for moment in session.history[1:]])
+    np.testing.assert_allclose(np.sort(np.abs(moved), axis=1), [[0, 4], [0, 4]], atol=1e-9)
+    assert all(moment.probe and moment.target is None for moment in session.history[1:])
+
+
+@pytest.mark.parametrize("restarts", [0, 1, 4])
+def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
+    """By epipolar lines E is too large wherever it is least, so that it would search in vain."""
+    asked = Settings(transfer="epipolar", servo="trust-region", start_deg=(25, -25), restarts=restarts)
+    session = Session(asked)
+    last = session.run(200)
+    assert last.status == "stalled" and last.servo_state.restarts == restarts
+    words = SERVOS["trust-region"].says(last.servo_state, last.status)
+    assert ("searches elsewhere" in words) == (restarts > 0)
+    if restarts == 0:
+        assert not any(moment.servo_state.restarts for moment in session.history[1:])
+        assert "nothing lower nearby" in words
+
+
+def test_a_servo_that_may_not_search_elsewhere_does_not_look_for_hidden_points_there_either():
+    visible = changed(missing=0.5, restarts=0, demonstrator_deg=SHOWN_DEG, start_deg=START_DEG)
+    for seed in range(6):
+        session = Session(msgspec.structs.replace(visible, seed=seed))
+        session.run(80)
+        assert not any(getattr(moment.servo_state, "restarts", 0) for moment in session.history)
+
+
+def test_a_demonstrator_outside_the_workspace_is_approached_and_not_claimed_to_be_reached():
+    session = Session(changed(demonstrator_deg=(85, -90), start_deg=START_DEG, workspace_deg=((0, 60), (-130, 0))))
+    last = session.run(200)
+    require_inside(sent(session), ((0, 60), (-130, 0)))
+    assert last.status != "converged"
+
+
+def test_a_rehearsal_goes_in_short_motions_and_keeps_the_postures_that_were_asked_for():
+    low, high = np.radians(SCENE_WORKSPACE_DEG).T
+    free, bound = (
+        Session(changed(start_deg=START_DEG)),
+        Session(changed(start_deg=START_DEG, max_step_deg=5.0, workspace_deg=SCENE_WORKSPACE_DEG)),
+    )
+    body = rehearse(bound, 9, seed=1)
+    lower = bound.embodiment.lower
+    postures = np.array([visit.displacement + lower for visit in body.visits])
+    assert len(body) == 9 and longest(sent(bound)) <= np.radians(5.0) + ROUNDING
+    require_inside(sent(bound), SCENE_WORKSPACE_DEG)
+    free.rehearse(postures)
+    free.run(9)
+    for one, other in zip(body.visits, free.snapshot.body.visits):
+        np.testing.assert_allclose(one.displacement, other.displacement, atol=ROUNDING)
+        np.testing.assert_allclose(one.own, other.own, atol=1e-6)
+    with pytest.raises(ValueError, match="the rehearsed posture is outside the workspace: angle 2"):
+        bound.rehearse(np.array([low, high, (low[0], high[1] + 0.1)]))
+
+
+def test_a_rehearsal_within_a_workspace_serves_an_imitation_without_one():
+    """Postures are told from the arm's own limits."""
+    body = rehearse(Session(changed(workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG)), 12, seed=1)
+    session = Session(changed(demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
+    session.remember(body)
+    last = session.run(40)
+    assert last.status == "converged" and last.rehearsal_holds and last.motion <= 4
+
+
+def test_who_goes_back_to_the_past_drives_the_arm_there_in_short_motions():
+    robot = Recorded()
+    session = Session.of(robot, robot, changed(max_step_deg=3.0))
+    session.run(200)
+    first, count = session.history[0].commanded, len(robot.sent)
+    session.scrub(0)
+    assert len(robot.sent) > count + 1
+    np.testing.assert_allclose(robot.sent[-1], first, atol=ROUNDING)
+    other = Session.of(robot, robot, changed(max_step_deg=3.0))
+    other.resume(list(session.history), len(session.history) - 1)
+    assert longest(robot.sent) <= np.radians(3.0) + ROUNDING
+
+
+def test_a_demonstrator_that_moves_while_the_arm_is_on_its_way_is_followed_from_there():
+    robot = Recorded()
+    session = Session.of(robot, robot, changed(max_step_deg=3.0))
+    while session.snapshot.target is None:
+        assert session.step()
+    robot.demonstrator = np.radians((-20.0, -30.0, 60.0))
+    session.step()
+    assert session.snapshot.target is None
+    last = session.run(200)
+    assert last.status == "converged" and np.degrees(np.abs(last.theta - robot.demonstrator)).max() < 0.1
+
+
+def test_points_that_are_out_of_sight_on_the_way_do_not_stop_it():
+    """The servo asked for the end of the way, and is not asked before."""
+    bound = changed(max_step_deg=5.0, servo="broyden")
+    robot = Recorded()
+    before = Session.of(robot, robot, bound)
+    before.run(200)
+    on_the_way = [moment.theta for moment in before.history if moment.target is not None]
+    robot = Recorded(hidden=lambda theta: any(np.abs(theta - there).max() < 1e-6 for there in on_the_way))
+    session = Session.of(robot, robot, bound)
+    last = session.run(200)
+    assert any(moment.transfer is None for moment in session.history) and last.status == "rests"
+    np.testing.assert_allclose(last.theta, before.snapshot.theta, atol=1e-9)
+
+
+def test_settings_that_change_on_the_way_let_the_servo_decide_anew():
+    session = Session(changed(max_step_deg=3.0, demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
+    while session.snapshot.target is None:
+        assert session.step()
+    session.change(transfer="linear")
+    assert session.snapshot.target is None
+    session.change(max_step_deg=None)
+    assert session.run(60).status in ("converged", "stalled")
+
+
+def test_a_run_in_short_motions_is_repeated_by_its_script():
+    session = Session(changed(max_step_deg=6.0, workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG))
+    session.run(7)
+    assert session.snapshot.target is not None  # on its way
+    script = msgspec.json.decode(msgspec.json.encode(session.script), type=type(session.script))
+    again = Session()
+    play(script, again)
+    assert again.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
+    assert again.settings == session.settings
+    one, other = again.run(200), session.run(200)
+    assert one.motion == other.motion and one.theta.tobytes() == other.theta.tobytes()
+
+
+def test_a_new_workspace_begins_anew_inside_it():
+    session = Session(changed(start_deg=START_DEG))
+    session.run(5)
+    session.change(workspace_deg=SCENE_WORKSPACE_DEG)
+    assert session.snapshot.motion == 0
+    with pytest.raises(ValueError, match="learner's start posture is outside the workspace: angle 1 is 25°"):
+        session.change(workspace_deg=((30, 60), (-100, -20)))
+    assert session.settings.workspace_deg == SCENE_WORKSPACE_DEG
+
+
+@pytest.mark.parametrize(
+    "workspace_deg, why",
+    [
+        (((-50, 50), (-60, 10)), "needs a range for each of the 3 moving joints, got 2"),
+        (((-90, 50), (-60, 10), (20, 100)), "range 1, -90° … 50°, is not inside its joint's limits -60° … 60°"),
+        (((-50, 50), (-60, 10), (50, 100)), "the start posture is outside the workspace: angle 3 is 40°"),
+    ],
+)
+def test_a_workspace_that_the_arm_does_not_have_is_refused_before_it_moves(workspace_deg, why):
+    robot = Recorded()
+    with pytest.raises(ValueError, match=why):
+        Session.of(robot, robot, changed(workspace_deg=workspace_deg))
+    assert not robot.sent
+
+
+@pytest.mark.parametrize(
+    "fields, why",
+    [
+        ({"max_step_deg": 0.0}, "max_step_deg must be between 0.01 and 360"),
+        ({"max_step_deg": float("nan")}, "max_step_deg must be between"),
+        ({"max_step_deg": "5"}, "max_step_deg must be a number"),
+        ({"restarts": -1}, "restarts must be between 0 and"),
+        ({"restarts": 1.5}, "restarts must be a whole number"),
+        ({"workspace_deg": ((60, -60),)}, "60° … -60° is no range"),
+        ({"workspace_deg": ((0, float("inf")),)}, "is no range"),
+        ({"workspace_deg": (0, 60)}, r"workspace_deg must be \[lowest, highest\] each"),
+    ],
+)
+def test_settings_that_limit_nothing_are_refused(fields, why):
+    with pytest.raises(ValueError, match=why):
+        Settings(**fields)
+
+
+def test_limits_are_plain_data_from_arrays():
+    given = Settings(max_step_deg=np.float64(5), workspace_deg=np.array(SCENE_WORKSPACE_DEG))
+    assert given == Settings(max_step_deg=5.0, workspace_deg=SCENE_WORKSPACE_DEG)
+    assert msgspec.json.decode(msgspec.json.encode(given), type=Settings) == given
+
+
+@given(
+    target=strategies.lists(strategies.floats(-3, 3), min_size=2, max_size=2),
+    longest_rad=strategies.floats(1e-3, 4),
+)
+def test_waypoints_lead_straight_to_the_target_by_as_few_motions_as_that_takes(target, longest_rad):
+    start, target = np.array([0.3, -0.2]), np.array(target)
+    way = waypoints(start, target, longest_rad)
+    steps = np.diff([start, *way], axis=0)
+    assert np.array_equal(way[-1], target) and np.abs(steps).max() <= longest_rad * (1 + 1e-8)
+    assert len(way) <= max(np.abs(target - start).max() / longest_rad + 1, 1)
+    np.testing.assert_allclose(steps, np.broadcast_to(steps[0], steps.shape), atol=1e-12)
+    assert len(waypoints(start, target, np.inf)) == 1
+
+
+def test_a_history_that_is_full_ends_on_the_way_too(monkeypatch):
+    monkeypatch.setattr("viewimit.session.MAX_HISTORY", 4)
+    session = Session(changed(max_step_deg=1.0))
+    assert session.run(MAX_HISTORY).motion == 4 and session.snapshot.status == "stopped"

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from fake_robot import FakeRobot
 
-from viewimit import FourViews, Session, Settings
+from viewimit import FourViews, Session
 from viewimit.perception.tracks import read_view
 
 
@@ -38,7 +38,7 @@ class VideoDemonstrator:
 
 def main(arm, eyes, left, right):
     video = VideoDemonstrator(eyes, left, right)
-    session = Session.of(arm, video, Settings(transfer="projective", servo="trust-region"))
+    session = Session.of(arm, video, frames=1)
     last = session.run(100)
     print(f"first frame: {last.status} at {np.degrees(last.theta).round(1)} after {last.motion} motions")
     followed = [last.theta]

@@ -9,7 +9,7 @@ from viewimit.history import EARLY, RECENT, STRIDE, History
 from viewimit.session import Session
 from viewimit.settings import Settings
 
-BEGUN = Session(Settings(transfer="linear")).snapshot
+BEGUN = Session(Settings.paper(transfer="linear")).snapshot
 
 
 def moment(motion, **changes):

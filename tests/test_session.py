@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from viewimit.assets import ROOT
 
+from viewimit.embodiment.in_scene import complete
 from viewimit.experiments.bench import baselines
 from viewimit.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.servo import SERVOS
@@ -16,10 +17,10 @@ from viewimit.settings import Settings
 from viewimit.simulation.scene import Scene
 from viewimit.transfer import TRANSFERS
 
-DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
-RESTLESS = Settings(servo="gradient-retuned", noise_px=0.2, start_deg=(25, -45))  # it never rests
+DISTURBED = Settings.paper(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
+RESTLESS = Settings.paper(servo="gradient-retuned", noise_px=0.2, start_deg=(25, -45))  # it never rests
 DERIVED = ("usable", "transfer", "flatness", "recovered", "e")
-CALM = Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))
+CALM = Settings.paper(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))
 
 
 def run(session, motions=200):
@@ -46,7 +47,7 @@ def same(a, b):
 @pytest.mark.parametrize("servo", SERVOS)
 def test_equal_settings_repeat_bit_for_bit_and_another_seed_does_not(servo):
     def history(seed):
-        return walked(Session(Settings(**{**options, "seed": seed})), 12).history
+        return walked(Session(Settings.paper(**{**options, "seed": seed})), 12).history
 
     options = {"transfer": "linear", "servo": servo, "noise_px": 0.3, "missing": 0.05}
     first, again, other = history(3), history(3), history(4)
@@ -56,7 +57,7 @@ def test_equal_settings_repeat_bit_for_bit_and_another_seed_does_not(servo):
 
 
 def test_E_of_every_moment_is_that_of_the_plain_implementation():
-    session = run(Session(Settings(transfer="epipolar")))
+    session = run(Session(Settings.paper(transfer="epipolar")))
     postures = np.array([moment.theta for moment in session.history])
     plain = baselines.loop(session.world, session.snapshot.views.demo, postures)
     assert [moment.E for moment in session.history] == pytest.approx(plain, rel=1e-8)
@@ -159,7 +160,7 @@ def test_the_past_is_not_altered():
 
 @pytest.mark.parametrize("transfer", TRANSFERS)
 def test_old_moments_let_go_of_what_follows_from_the_rest_and_find_the_same_again(transfer):
-    session = Session(Settings(servo="gradient-retuned", transfer=transfer, noise_px=0.3, missing=0.1))
+    session = Session(Settings.paper(servo="gradient-retuned", transfer=transfer, noise_px=0.3, missing=0.1))
     first = session.snapshot
     before = {name: getattr(first, name) for name in DERIVED}
     while session.snapshot.motion < RECENT + STRIDE:
@@ -186,7 +187,7 @@ def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_
         now.with_fields(e=now.e)
     other = now.with_fields(status="stalled", E=1.0)
     assert other.transfer is now.transfer and other.E == 1.0 and now.status == "ready"
-    for changes in ({"views": dataclasses.replace(now.views)}, {"settings": Settings(transfer="rank3")}):
+    for changes in ({"views": dataclasses.replace(now.views)}, {"settings": Settings.paper(transfer="rank3")}):
         other = now.with_fields(**changes)
         assert other.transfer is not now.transfer and now.with_fields(**changes).e is not now.e
 
@@ -201,9 +202,9 @@ def test_run_steps_until_the_servo_rests_or_the_motions_are_made_and_tells_of_ea
 
 
 def test_run_gives_up_when_too_few_points_are_seen_for_long_and_goes_on_when_they_come_back():
-    blind = Session(Settings(missing=1.0))
+    blind = Session(Settings.paper(missing=1.0))
     assert blind.run(patience=5).look == 5 and blind.snapshot.status == "stopped"
-    now_and_then = Settings(transfer="linear", servo="gradient-retuned", points=20, missing=0.25, seed=0)
+    now_and_then = Settings.paper(transfer="linear", servo="gradient-retuned", points=20, missing=0.25, seed=0)
     impatient, patient = Session(now_and_then).run(30, patience=1), Session(now_and_then).run(30)
     assert impatient.status == "stopped" and impatient.motion < patient.motion == 30 < patient.look
 
@@ -241,7 +242,7 @@ def test_too_few_points_hold_the_arm_still_and_say_so():
 
 
 def test_points_that_are_not_seen_in_all_four_views_take_no_part():
-    session = Session(Settings(transfer="linear", missing=0.1, seed=3))
+    session = Session(Settings.paper(transfer="linear", missing=0.1, seed=3))
     now = session.snapshot
     assert 5 <= now.usable.sum() < 10
     np.testing.assert_array_equal(now.usable, now.views.visible.all(-1))
@@ -311,7 +312,7 @@ def test_a_posture_that_cannot_be_leaves_the_demonstrator_as_it_was(posture):
 
 
 def test_a_demonstrators_posture_is_checked_once_and_lies_within_its_limits(monkeypatch):
-    session, checked, require = Session(), [], Scene.require_posture
+    session, checked, require = Session(Settings.paper()), [], Scene.require_posture
     monkeypatch.setattr(Scene, "require_posture", lambda *args: checked.append(args) or require(*args))
     lower, upper = session.scene.lower, session.scene.upper
     for theta in (upper + 1e-9, lower - 1e-9, np.radians((45.1, -90.2))):
@@ -356,13 +357,13 @@ def test_another_robot_takes_the_place_of_the_scenes(tmp_path):
     shipped = Session(CALM)
     path = tmp_path / "shorter.urdf"
     path.write_text((ROOT / "robots/panda/panda.urdf").read_text().replace('xyz="0 -0.316 0"', 'xyz="0 -0.216 0"'))
-    session = Session(Settings(transfer="linear", robot=str(path)))
+    session = Session(Settings.paper(transfer="linear", robot=str(path)))
     assert session.world.robot.name == "shorter"
     assert not np.allclose(session.snapshot.views.own, shipped.snapshot.views.own)
 
 
 def test_a_demonstrator_that_moves_is_not_taken_for_convergence():
-    rng, session = np.random.default_rng(5), Session(Settings(transfer="linear"))
+    rng, session = np.random.default_rng(5), Session(Settings.paper(transfer="linear"))
     for _ in range(25):
         session.pose(rng.uniform(session.scene.lower, session.scene.upper))
         for _ in range(rng.integers(1, 40)):
@@ -372,7 +373,7 @@ def test_a_demonstrator_that_moves_is_not_taken_for_convergence():
 
 
 def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
-    session = Session(Settings(servo="gradient-retuned", transfer="linear"))
+    session = Session(Settings.paper(servo="gradient-retuned", transfer="linear"))
     for _ in range(400):
         session.step()
     session.pose(np.radians([70, -60]))
@@ -383,7 +384,7 @@ def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
 
 def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
     """One motion a degree of the demonstrator: without looking ahead the learner would lag by that degree."""
-    session = run(Session(Settings(transfer="linear", servo="broyden", demonstrator_deg=(45, -90))))
+    session = run(Session(Settings.paper(transfer="linear", servo="broyden", demonstrator_deg=(45, -90))))
     bias = np.degrees(session.snapshot.theta - session.snapshot.theta_demo)
     lag = []
     for k in range(1, 31):
@@ -394,8 +395,8 @@ def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
 
 
 def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arrives():
-    session = run(Session(Settings(transfer="linear", gain_error=0.05, quantum_deg=0.2)))
-    exact = run(Session(Settings(transfer="linear")))
+    session = run(Session(Settings.paper(transfer="linear", gain_error=0.05, quantum_deg=0.2)))
+    exact = run(Session(Settings.paper(transfer="linear")))
     now = session.snapshot
     assert np.degrees(np.abs(now.commanded - now.theta)).max() > 0.5
     np.testing.assert_array_equal(exact.snapshot.commanded, exact.snapshot.theta)
@@ -404,21 +405,31 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
     np.testing.assert_allclose(told, now.commanded - np.radians(session.settings.start_deg))
 
 
+def test_settings_are_those_of_the_best_method_unless_the_papers_is_asked_for():
+    best, paper = Settings(), Settings.paper()
+    assert (best.transfer, best.servo, best.frames) == ("projective", "trust-region", 25)
+    assert Settings.best() == best and Session().settings == complete(best) and Session().settings != complete(paper)
+    assert (paper.transfer, paper.servo, paper.frames) == ("epipolar", "broyden", 1)
+    assert msgspec.structs.replace(paper, transfer="projective", servo="trust-region", frames=25) == best
+    assert Settings.best(frames=9) == msgspec.structs.replace(best, frames=9)
+    assert Settings.paper(servo="gradient", points=16) == msgspec.structs.replace(paper, servo="gradient", points=16)
+
+
 def test_settings_of_lists_and_numpys_numbers_are_those_of_tuples_and_pythons():
-    plain = Settings(joints=(2, 4), undistort=(0.0, 0.0), noise_px=0.5, seed=3, start_deg=(25.0, -45.0))
-    loose = Settings(
+    plain = Settings.paper(joints=(2, 4), undistort=(0.0, 0.0), noise_px=0.5, seed=3, start_deg=(25.0, -45.0))
+    loose = Settings.paper(
         joints=np.array([2, 4]), undistort=[0.0, np.float64(0)], noise_px=np.float64(0.5), seed=np.int64(3),
         start_deg=[25.0, -45.0],
     )  # fmt: skip
     assert loose == plain and repr(loose) == repr(plain) and hash(loose) == hash(plain)
     with pytest.raises(ValueError, match="seed must be a whole number"):
-        Settings(seed=np.float64(3.5))
+        Settings.paper(seed=np.float64(3.5))
 
 
 def test_settings_of_paths_are_those_of_their_text_and_of_nothing_else():
-    loose = Settings(scene=Path("mine.toml"), robot=Path("arm.urdf"))
-    assert loose == Settings(scene="mine.toml", robot="arm.urdf")
+    loose = Settings.paper(scene=Path("mine.toml"), robot=Path("arm.urdf"))
+    assert loose == Settings.paper(scene="mine.toml", robot="arm.urdf")
     assert msgspec.convert(msgspec.to_builtins(loose), Settings) == loose
     for name, wrong in (("scene", None), ("scene", 5), ("robot", b"panda"), ("transfer", ["linear"]), ("servo", None)):
         with pytest.raises(ValueError, match=f"{name} must be text, got"):
-            Settings(**{name: wrong})
+            Settings.paper(**{name: wrong})

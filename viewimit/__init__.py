@@ -3,6 +3,7 @@
 After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry", IROS 2001.
 
     Session, Settings, Snapshot     the loop: posture → views → transfer → E → servo → next posture
+    Settings.best, Settings.paper   the method that arrives, which `Settings()` is too, and the paper's
     FourViews                       image points in [l], [r], [L], [R], simulated or your own
     TRANSFERS, SERVOS               estimators and servo laws by name
     conflict                        E of the residuals that a fitted transfer gives, Eq. (6)

@@ -26,7 +26,7 @@ from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed,
 from .servo import SERVOS, Observation
 from .servo.observation import Conflict
 from .servo.visit import Visit
-from .settings import BEST, Settings
+from .settings import Settings
 from .simulation.eyes import SimulatedEyes, open_eyes
 from .simulation.scene import Scene
 from .simulation.world import World
@@ -57,17 +57,16 @@ class Session:
         self._set_up(SceneOpener(open_eyes), settings or Settings(), dense)
 
     @classmethod
-    def of(
-        cls, arm: Arm, eyes: Eyes, settings: Settings = BEST, name: str = "own", dense: int | None = None
-    ) -> "Session":
+    def of(cls, arm: Arm, eyes: Eyes, name: str = "own", dense: int | None = None, **changes: Any) -> "Session":
         """With an arm and eyes of one's own: no scene, no world, no truth. The arm goes to its start at once.
 
-        settings: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the arm's
-        start) and seed; name: of the arm, by which a rehearsal knows its own. Raises ValueError for settings that only
-        a scene has, and for limits, postures and looks that are none; TypeError for an arm or eyes that lack a member.
+        name: of the arm, by which a rehearsal knows its own; changes: fields of `Settings` that differ from
+        `Settings.best()`: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the
+        arm's start) and seed. Raises ValueError for settings that only a scene has, and for limits, postures and looks
+        that are none; TypeError for an arm or eyes that lack a member.
         """
         session = cls.__new__(cls)
-        session._set_up(OwnOpener(arm, eyes, name), settings, dense)
+        session._set_up(OwnOpener(arm, eyes, name), Settings.best(**changes), dense)
         return session
 
     def _set_up(self, opener: Opener, settings: Settings, dense: int | None) -> None:

@@ -25,11 +25,15 @@ MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
 
 BodyPoint = tuple[int, float, float, float]  # link, 0 = base, and x, y, z m in its frame
+PAPER_FIELDS: Mapping[str, Any] = {"transfer": "epipolar", "servo": "broyden", "frames": 1}  # beside `Settings()`
 D = TypeVar("D", bound=Disturbance)
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """With equal settings a run repeats itself to the last bit. Raises ValueError that names the field and its bounds.
+
+    `Settings()` is the best method, exact for pinhole cameras; `Settings.paper()` is the paper's transfer, with
+    Broyden's law and one image at each posture, which assumes cameras that are far away.
 
     demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
     noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
@@ -53,13 +57,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     body_points: tuple[BodyPoint, ...] | None = None
     demonstrator_deg: tuple[float, ...] | None = None
     start_deg: tuple[float, ...] | None = None
-    transfer: str = "epipolar"
-    servo: str = "broyden"
+    transfer: str = "projective"
+    servo: str = "trust-region"
     noise_px: Annotated[float, NOISE] = 0.0
     missing: Annotated[float, MISSING] = 0.0
     outliers: Annotated[float, OUTLIERS] = 0.0
     swapped: Annotated[float, SWAPPED] = 0.0
-    frames: int = 1
+    frames: int = 25
     gain_error: Annotated[float, GAIN_ERROR] = 0.0
     quantum_deg: Annotated[float, QUANTUM] = 0.0
     delay: int = 0
@@ -67,6 +71,22 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     undistort: tuple[float, float] | None = None
     rectify: str = "auto"
     camera: str = "points"
+
+    @classmethod
+    def best(cls, **changes: Any) -> "Settings":
+        """The method that arrives, with these fields changed: what `Settings(**changes)` gives, by name.
+
+        Transfer "projective", servo "trust-region", 25 frames (a second of video). Raises as `Settings`.
+        """
+        return cls(**changes)
+
+    @classmethod
+    def paper(cls, **changes: Any) -> "Settings":
+        """The paper's method, with these fields changed: transfer "epipolar", servo "broyden", 1 frame.
+
+        Raises as `Settings`.
+        """
+        return cls(**{**PAPER_FIELDS, **changes})
 
     @property
     def scene_called(self) -> str:
@@ -182,9 +202,3 @@ def _require_choice(name: str, value: str, choices: Collection[str]) -> None:
 def _require_range(name: str, value: float, low: float, high: float) -> None:
     if not low <= value <= high:
         raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
-
-
-# `Settings()` is the paper's estimator, with which `landscape`, `reproduce`, `evaluate` and the page begin: it assumes
-# nothing of the cameras but that they are far away. This is what arrives, what `imitate` begins with and the page's
-# second preset: exact for pinhole cameras; 25 images at each posture are a second of video.
-BEST = Settings(transfer="projective", servo="trust-region", frames=25)

@@ -6,10 +6,10 @@ import pytest
 
 from viewimit.analysis.basin import MOST_MOTIONS, NEAR_DEG, find_basin, place_of, smallest_E, spread_starts
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 
-FEW = Settings(points=5)
+FEW = Settings.paper(points=5)
 
 
 @pytest.mark.parametrize("scene", ["panda", "iiwa"])
@@ -42,7 +42,7 @@ def test_the_start_of_the_settings_makes_no_difference():
 
 
 def test_without_bias_all_arrive_and_say_so():
-    found = find_basin(BEST, counts=(2, 2))
+    found = find_basin(Settings(), counts=(2, 2))
     assert found.count("demonstrator", True) == 4 == len(found.endings)
 
 
@@ -57,4 +57,4 @@ def test_a_run_ends_at_the_demonstrator_at_the_smallest_E_or_elsewhere():
 
 def test_two_joints_have_to_move():
     with pytest.raises(ValueError, match="two moving joints"):
-        find_basin(Settings(joints=(1, 2, 3), points=16))
+        find_basin(Settings.paper(joints=(1, 2, 3), points=16))

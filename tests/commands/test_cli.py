@@ -38,7 +38,7 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
     status, told = ask_json(
         "imitate", "--demonstrator", "40,-80", "--start", "60,-130", "--transfer", "linear", "--servo", "broyden"
     )
-    session = Session(Settings(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
+    session = Session(Settings.paper(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
     last = session.run()
     assert status == 1 and told["converged"] is False and told["status"] == "rests"
     assert told["demonstrator_deg"] == pytest.approx([40, -80])
@@ -237,7 +237,7 @@ def test_points_lost_at_one_look_may_be_found_at_the_next(ask_json):
 
 def held_up(seed):
     """seed, and after how many motions the arm first holds still for want of points; 0 if never."""
-    session = Session(Settings(missing=0.1, seed=seed))
+    session = Session(Settings.paper(missing=0.1, seed=seed))
     while session.snapshot.transfer is not None and session.step():
         pass
     return seed, session.snapshot.motion if session.snapshot.transfer is None else 0

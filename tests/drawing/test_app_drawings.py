@@ -4,7 +4,6 @@ import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 import trimesh
@@ -48,7 +47,7 @@ from viewimit.geometry.pairs import EYES, PAIRS
 from viewimit.servo import Certificate
 from viewimit.servo.surroundings import UNTOLD
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
@@ -63,7 +62,7 @@ def meshes(robot):
 
 
 def stepped(motions, **settings):
-    session = Session(Settings(**{"start_deg": (25, -25), **settings}))
+    session = Session(Settings.paper(**{"start_deg": (25, -25), **settings}))
     for _ in range(motions):
         session.step()
     return session
@@ -173,7 +172,7 @@ class TestImages:
 
     @pytest.mark.parametrize("scene, rectified", [("panda", False), ("panda-toed", True)])
     def test_what_the_transfer_has_fitted_of_them_is_not_fitted_again(self, scene, rectified):
-        snapshot = Session(Settings(scene=scene, transfer="epipolar")).snapshot
+        snapshot = Session(Settings.paper(scene=scene, transfer="epipolar")).snapshot
         assert (snapshot.rectification is not None) == rectified
         assert np.array_equal(np.delete(snapshot.fundamental.f, EYES, 0), snapshot.transfer.fundamentals)
 
@@ -465,7 +464,7 @@ class TestStatus:
 
     @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "expects to be about 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):
-        session = Session(msgspec.structs.replace(BEST, noise_px=noise_px))
+        session = Session(Settings(noise_px=noise_px))
         session.run()
         claim = status.describe(session.snapshot, assessment=assess(session), joints=(2, 4))
         assert claim.state == "arrived" and said in claim.sentence
@@ -562,7 +561,7 @@ def bilinear(values, row, column):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_equations_and_status_survive_the_loss_of_points(seed):
-    session = Session(Settings(points=16, missing=0.25, transfer="linear", seed=seed))
+    session = Session(Settings.paper(points=16, missing=0.25, transfer="linear", seed=seed))
     for _ in range(15):
         session.step()
         ElementTree.fromstring(equations.draw_equations(session.snapshot).replace("&nbsp;", " "))

@@ -18,17 +18,17 @@ from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 
 SITUATIONS = {
-    "default": Settings(),
-    "paper": Settings(servo="gradient-retuned", start_deg=(25, -45)),
-    "corner": Settings(demonstrator_deg=(85, -5), start_deg=(5, -175)),
-    "beside": Settings(demonstrator_deg=(30, -140), start_deg=(32, -138), transfer="linear"),
-    "low": Settings(demonstrator_deg=(70, -60), start_deg=(90, 0), transfer="projective", servo="trust-region"),
-    "searching": Settings(servo="trust-region", start_deg=(25, -25)),
-    "few": Settings(points=5, start_deg=(25, -45)),
-    "facing": Settings(scene="panda-facing", start_deg=(25, -45)),
-    "iiwa": Settings(scene="iiwa", start_deg=(25, -25)),
-    "other joints": Settings(joints=(1, 2)),
-    "narrow": Settings(joints=(4, 6)),
+    "default": Settings.paper(),
+    "paper": Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
+    "corner": Settings.paper(demonstrator_deg=(85, -5), start_deg=(5, -175)),
+    "beside": Settings.paper(demonstrator_deg=(30, -140), start_deg=(32, -138), transfer="linear"),
+    "low": Settings.paper(demonstrator_deg=(70, -60), start_deg=(90, 0), transfer="projective", servo="trust-region"),
+    "searching": Settings.paper(servo="trust-region", start_deg=(25, -25)),
+    "few": Settings.paper(points=5, start_deg=(25, -45)),
+    "facing": Settings.paper(scene="panda-facing", start_deg=(25, -45)),
+    "iiwa": Settings.paper(scene="iiwa", start_deg=(25, -25)),
+    "other joints": Settings.paper(joints=(1, 2)),
+    "narrow": Settings.paper(joints=(4, 6)),
 }
 
 
@@ -156,7 +156,7 @@ def test_a_label_is_told_of_all_that_it_meets_and_of_nothing_else():
 
 
 def test_a_plot_without_room_for_the_inset_has_none():
-    settings = Settings(transfer="projective")
+    settings = Settings.paper(transfer="projective")
     session = Session(settings)
     views = session.snapshot.views
     made = landscape(session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world))

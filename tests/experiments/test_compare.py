@@ -20,7 +20,7 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 
 DOCS = Path(__file__).parents[2] / "docs"
-SETTINGS = Settings(transfer="projective")
+SETTINGS = Settings.paper(transfer="projective")
 
 
 def rows_of(servo, errors, motions=9, status="rests", case="a"):

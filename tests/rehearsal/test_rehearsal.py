@@ -10,11 +10,11 @@ from viewimit.body_image import FEWEST
 from viewimit.rehearsal import rehearse
 from viewimit.servo.trust_state import FIRST_RADIUS
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import Scene
 
-SETTINGS = msgspec.structs.replace(BEST, demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -45.0))
+SETTINGS = Settings(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -45.0))
 
 
 def begun(start_deg, demonstrator_deg):

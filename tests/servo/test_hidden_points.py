@@ -1,21 +1,20 @@
 """Where surfaces hide points, another set at every posture: what is known of them leads on."""
 
-import msgspec
 import numpy as np
 from sameness import error_deg
 
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 
 def session_with(seed, **settings):
     """20 points anywhere on the arms, hidden a little beyond the rim; enough in sight at the start."""
     rng = np.random.default_rng(seed)
-    low, high = np.transpose(load_scene(BEST.scene).range_deg)
+    low, high = np.transpose(load_scene(Settings().scene).range_deg)
     demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
-    chosen = msgspec.structs.replace(BEST, demonstrator_deg=demo, start_deg=start, **settings)
+    chosen = Settings(demonstrator_deg=demo, start_deg=start, **settings)
 
     def eyes(camera, scene, points):
         return SurfaceEyes(scene, *surface_points(scene.robot, range(8), 20, rng), -0.3)

@@ -167,7 +167,7 @@ def test_it_ends_at_the_transfers_own_minimum_and_claims_nothing(name):
     """At (45, -90) the linear transfer's least E is 0.6° aside of the demonstrator."""
     ends = []
     for start in ((25, -45), (60, -120), (80, -60)):
-        session = Session(Settings(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=start))
+        session = Session(Settings.paper(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=start))
         last = session.run(60)
         assert last.status == "rests" and last.motion <= 20 and last.certificate is None
         ends.append(last.theta)
@@ -182,7 +182,7 @@ def test_it_ends_at_the_transfers_own_minimum_and_claims_nothing(name):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_its_equations_carry_the_numbers_of_the_moment(name):
-    session = Session(Settings(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=(25, -45)))
+    session = Session(Settings.paper(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=(25, -45)))
     for _ in range(4):
         before = session.snapshot
         session.step()

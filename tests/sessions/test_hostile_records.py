@@ -232,7 +232,7 @@ def test_a_redis_knows_other_writers_by_their_bytes(redis_url, key):
 
 
 def test_a_page_refuses_moments_of_another_arm(kept):
-    seven = Session(Settings(joints=tuple(range(1, 8))))
+    seven = Session(Settings.paper(joints=tuple(range(1, 8))))
     others = tuple(moment.with_fields(settings=BEGUN) for moment in seven.history)
     with pytest.raises(CannotResume, match="not of this scene"):
         QuietPage(BEGUN, resumed=SavedSession(msgspec.structs.replace(kept.head, cursor=0), others))

@@ -7,10 +7,10 @@ import pytest
 from viewimit.contradictions import believed
 from viewimit.disturbances import GROSS_PX
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.views import FourViews
 
-ONE_FRAME = msgspec.structs.replace(BEST, points=16, frames=1)
+ONE_FRAME = Settings(points=16, frames=1)
 
 
 def spoilt(views, rng, share):

@@ -10,9 +10,9 @@ from viewimit.app.sessions.codec import decode, encode
 from viewimit.rectifying import POOLED
 from viewimit.servo import TrustRegion
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
-TOED = msgspec.structs.replace(BEST, scene="panda-toed", start_deg=(25, -45))
+TOED = Settings(scene="panda-toed", start_deg=(25, -45))
 
 
 def error_deg(moment):
@@ -32,7 +32,7 @@ def test_with_toed_in_unlike_cameras_the_best_pair_arrives_and_without_rectifica
 @pytest.mark.parametrize("scene", ["panda", "panda-facing", "panda-flat", "iiwa"])
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])
 def test_with_parallel_axes_a_run_is_to_the_last_bit_that_without(scene, noise_px):
-    asked = Settings(scene=scene, noise_px=noise_px)
+    asked = Settings.paper(scene=scene, noise_px=noise_px)
     auto, off = (Session(msgspec.structs.replace(asked, rectify=how)) for how in ("auto", "off"))
     auto.run(15)
     off.run(15)

@@ -12,7 +12,7 @@ from ..history import MAX_HISTORY
 from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
 from ..session import Session
-from ..settings import BEST
+from ..settings import Settings
 from ..snapshot import Snapshot
 from . import BadInput, history_file
 from .json_output import print_json
@@ -35,10 +35,10 @@ PAGES = (".html", ".htm")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser, BEST)
+    add_setting_options(parser, Settings())
     add_undistort_option(parser)
     add_camera_option(parser)
-    add_run_options(parser, BEST)
+    add_run_options(parser, Settings())
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(
@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
             history_file.require_format(args.out, PAGES)
             if args.body and args.out.exists() and args.body.exists() and args.out.samefile(args.body):
                 raise ValueError(f"{args.out} is the rehearsal that --body reads: name another file")
-    settings = settings_from(args, BEST)
+    settings = settings_from(args, Settings())
     session = Session(settings)
     if args.body:
         _remember(session, args.body)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..simulation.derived.scene import Derived  # it loads trimesh
 
 DONE, MISSED = 0, 1
-PAPER = Settings()
+PAPER = Settings.paper()
 ALL = "all"
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 

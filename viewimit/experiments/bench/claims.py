@@ -8,12 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-import msgspec
 import numpy as np
 
 from ...rehearsal import rehearse
 from ...session import Session
-from ...settings import BEST
+from ...settings import Settings
 from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
 from ..executors.study import Study, each
@@ -127,10 +126,10 @@ def run(
 def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     """With the default transfer and servo."""
     rng = np.random.default_rng(seed)
-    low, high = np.transpose(load_scene(BEST.scene).range_deg)
+    low, high = np.transpose(load_scene(Settings().scene).range_deg)
     demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
     noise = {"noise_px": case.noise_px, "frames": case.frames, "seed": int(rng.integers(2**32))}
-    settings = msgspec.structs.replace(BEST, demonstrator_deg=demo, start_deg=start, **noise)
+    settings = Settings(demonstrator_deg=demo, start_deg=start, **noise)
     for _ in range(TRIES):
         session = Session(settings, lambda camera, scene, points: _eyes(case, scene, points, rng))
         if session.snapshot.transfer is not None:

@@ -177,7 +177,7 @@ def _fit_s(fit: Callable, demo: NDArray, own: NDArray) -> dict[int, float]:
 
 def _motion_s(scene: str, points: int, transfer: str, servo: str) -> float:
     """Of motions from the scene's start, again and again when the servo rests. NaN if it does not move there."""
-    session = Session(Settings(scene=scene, points=points, transfer=transfer, servo=servo))
+    session = Session(Settings.paper(scene=scene, points=points, transfer=transfer, servo=servo))
     times: list[float] = []
     while len(times) < MOTIONS:
         began = time.process_time()

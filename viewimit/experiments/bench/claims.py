@@ -129,7 +129,7 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     low, high = np.transpose(load_scene(Settings().scene).range_deg)
     demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
     noise = {"noise_px": case.noise_px, "frames": case.frames, "seed": int(rng.integers(2**32))}
-    settings = Settings(demonstrator_deg=demo, start_deg=start, **noise)
+    settings = Settings.best(demonstrator_deg=demo, start_deg=start, **noise)
     for _ in range(TRIES):
         session = Session(settings, lambda camera, scene, points: _eyes(case, scene, points, rng))
         if session.snapshot.transfer is not None:

@@ -415,6 +415,28 @@ def test_settings_are_those_of_the_best_method_unless_the_papers_is_asked_for():
     assert Settings.paper(servo="gradient", points=16) == msgspec.structs.replace(paper, servo="gradient", points=16)
 
 
+@pytest.mark.parametrize(
+    "fields, meant",
+    [
+        ({"demonstrator_deg": (np.pi / 4, -np.pi / 2)}, "45, -90"),
+        ({"start_deg": np.radians((0, 25, -135))}, "0, 25, -135"),
+        ({"quantum_deg": np.radians(1.0)}, "1"),
+    ],
+)
+def test_degrees_that_are_radians_of_whole_degrees_are_warned_of(fields, meant):
+    with pytest.warns(UserWarning, match=rf"{next(iter(fields))} = .* looks like radians.*Did you mean {meant}\?"):
+        Settings(**fields)
+
+
+@pytest.mark.filterwarnings("error")
+def test_postures_in_degrees_are_never_taken_for_radians():
+    rng = np.random.default_rng(0)
+    for posture in (*rng.uniform(-6, 6, (2_000, 1)), *rng.uniform(-180, 180, (200, 2)).round(1), (0, 0), (1e-9, 3)):
+        Settings(demonstrator_deg=posture, start_deg=np.degrees(np.radians(posture)))
+    for quantum in (0.01, 0.1, 0.5, 1.0):
+        Settings(quantum_deg=quantum)
+
+
 def test_settings_of_lists_and_numpys_numbers_are_those_of_tuples_and_pythons():
     plain = Settings.paper(joints=(2, 4), undistort=(0.0, 0.0), noise_px=0.5, seed=3, start_deg=(25.0, -45.0))
     loose = Settings.paper(

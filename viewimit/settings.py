@@ -1,6 +1,7 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
 import reprlib
+import warnings
 from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from numbers import Integral, Real
@@ -23,6 +24,7 @@ CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pi
 USUAL_POINTS = 10
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
+MOST_TURNS, ROUNDED = 2, 1e-7  # of angles that may be radians; how near whole degrees come to themselves as radians
 
 BodyPoint = tuple[int, float, float, float]  # link, 0 = base, and x, y, z m in its frame
 PAPER_FIELDS: Mapping[str, Any] = {"transfer": "epipolar", "servo": "broyden", "frames": 1}  # beside `Settings()`
@@ -35,7 +37,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     `Settings()` is the best method, exact for pinhole cameras; `Settings.paper()` is the paper's transfer, with
     Broyden's law and one image at each posture, which assumes cameras that are far away.
 
-    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own. Angles that are whole degrees
+    only if they are read as radians give a UserWarning.
     noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
     it. The learner is told of none of them.
     frames: how many images are averaged at each posture, of both bodies.
@@ -125,6 +128,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             value = getattr(self, name)
             if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):
                 raise ValueError(f"{name} must be {wanted}, got {reprlib.repr(value)}")
+        for name in _DEGREES:
+            _warn_of_radians(name, getattr(self, name))
         if self.undistort is not None:
             try:
                 Radial(*self.undistort)
@@ -139,6 +144,22 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("delay", self.delay, 0, MOST_LAG)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
+
+
+def _warn_of_radians(name: str, value: float | tuple[float, ...] | None) -> None:
+    """Warn of angles that are all whole degrees if they are read as rad; people write no such numbers in degrees."""
+    given = np.array(value or 0.0, float).ravel()
+    converted = np.degrees(given[np.abs(given) > np.radians(0.5)])  # smaller ones may be 0, but for rounding errors
+    if len(converted) and np.abs(converted).max() <= MOST_TURNS * 360 and _are_whole(converted):
+        meant = ", ".join(f"{angle:g}" for angle in np.degrees(given).round())
+        warnings.warn(
+            f"{name} = {value} looks like radians; angles in settings are in degrees. Did you mean {meant}?",
+            stacklevel=3,  # where Settings are made
+        )
+
+
+def _are_whole(numbers: NDArray) -> bool:
+    return bool(np.abs(numbers - numbers.round()).max() < ROUNDED)
 
 
 def _is_of(kind, value) -> bool:
@@ -165,6 +186,7 @@ _SEQUENCES = {
 }
 _HINTS = get_type_hints(Settings)
 _NUMBERS = {name: {int: Integral, float: Real}[hint] for name, hint in _HINTS.items() if hint in (int, float)}
+_DEGREES = [name for name in _HINTS if name.endswith("_deg")]
 _TEXTS = [name for name, hint in _HINTS.items() if hint in (str, str | None)]
 DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
     name: mark

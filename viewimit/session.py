@@ -9,7 +9,7 @@ Every pass leaves one immutable Snapshot, which panels, plots, exports and tests
 
 import copy
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -23,14 +23,15 @@ from .history import MAX_HISTORY, RECENT, History
 from .prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
 from .rectifying import POOLED, rectification_for
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
-from .servo import SERVOS, Observation
+from .servo import MinimalServo, Observation, Servo, completed_servo
 from .servo.observation import Conflict
 from .servo.visit import Visit
-from .settings import Settings
+from .settings import OWN, Settings
 from .simulation.eyes import SimulatedEyes, open_eyes
 from .simulation.scene import Scene
 from .simulation.world import World
-from .snapshot import AT_REST, Snapshot, exchanged
+from .snapshot import AT_REST, Snapshot, exchanged, given_own, probes, status_of
+from .transfer import TransferFunction, TransferMethod, transfer_method
 from .views import FourViews
 
 BEGIN_ANEW = (  # what changes body or camera
@@ -38,14 +39,19 @@ BEGIN_ANEW = (  # what changes body or camera
 )  # fmt: skip
 THERE = set(AT_REST) - {"stalled"}  # at rest where E is as small as the servo can make it
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
+GivenTransfer = str | TransferMethod | TransferFunction
+GivenServo = str | Servo | MinimalServo
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
 class Session:
     """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
 
-    open_eyes(camera, scene, points): what it looks with and moves by; dense: how many of the last motions its history
-    keeps all of, None for all. Raises ValueError, with the session as it was, for settings that cannot be.
+    settings: `Settings()`, the best method, if None. transfer, servo: in place of those of the settings, a name or one
+    of your own, which settings then call OWN: a function of `FourViews` or a `TransferMethod`, and an object with
+    `start` and `step` (`MinimalServo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
+    with and moves by; dense: how many of the last motions its history keeps all of, None for all. Raises ValueError,
+    with the session as it was, for settings that cannot be; TypeError for what is no transfer or no servo.
     """
 
     embodiment: Embodiment
@@ -53,25 +59,56 @@ class Session:
     history: History
     log: Log
 
-    def __init__(self, settings: Settings | None = None, open_eyes: OpenEyes = open_eyes, dense: int | None = None):
-        self._set_up(SceneOpener(open_eyes), settings or Settings(), dense)
+    def __init__(
+        self,
+        settings: Settings | None = None,
+        open_eyes: OpenEyes = open_eyes,
+        dense: int | None = None,
+        transfer: GivenTransfer | None = None,
+        servo: GivenServo | None = None,
+    ):
+        if not isinstance(settings, Settings | None):
+            raise TypeError(f"settings must be Settings(…), got {settings!r}")
+        self._set_up(SceneOpener(open_eyes), settings or Settings(), dense, transfer, servo)
 
     @classmethod
-    def of(cls, arm: Arm, eyes: Eyes, name: str = "own", dense: int | None = None, **changes: Any) -> "Session":
+    def of(
+        cls,
+        arm: Arm,
+        eyes: Eyes,
+        name: str = "own",
+        dense: int | None = None,
+        transfer: GivenTransfer | None = None,
+        servo: GivenServo | None = None,
+        **changes: Any,
+    ) -> "Session":
         """With an arm and eyes of one's own: no scene, no world, no truth. The arm goes to its start at once.
 
-        name: of the arm, by which a rehearsal knows its own; changes: fields of `Settings` that differ from
-        `Settings.best()`: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the
-        arm's start) and seed. Raises ValueError for settings that only a scene has, and for limits, postures and looks
-        that are none; TypeError for an arm or eyes that lack a member.
+        name: of the arm, by which a rehearsal knows its own; dense, transfer, servo: as of `Session`; changes: fields
+        of `Settings` that differ from `Settings.best()`: frames (looks averaged at each posture), rectify, start_deg
+        (in place of the arm's start) and seed. Raises ValueError for settings that only a scene has, and for limits,
+        postures and looks that are none; TypeError for an arm or eyes that lack a member.
         """
         session = cls.__new__(cls)
-        session._set_up(OwnOpener(arm, eyes, name), Settings.best(**changes), dense)
+        session._set_up(OwnOpener(arm, eyes, name), Settings.best(**changes), dense, transfer, servo)
         return session
 
-    def _set_up(self, opener: Opener, settings: Settings, dense: int | None) -> None:
+    def _set_up(
+        self,
+        opener: Opener,
+        settings: Settings,
+        dense: int | None,
+        transfer: GivenTransfer | None,
+        servo: GivenServo | None,
+    ) -> None:
         self._open, self._dense = opener, dense
-        self.begin(settings)
+        named = {"transfer": transfer, "servo": servo}
+        chosen = {name: one if isinstance(one, str) else OWN for name, one in named.items() if one is not None}
+        own = OwnMethods(
+            None if isinstance(transfer, str | None) else transfer_method(transfer),
+            None if isinstance(servo, str | None) else completed_servo(servo),
+        )
+        self._begin(msgspec.structs.replace(settings, **chosen), own)
 
     @property
     def snapshot(self) -> Snapshot:
@@ -151,7 +188,8 @@ class Session:
             self.history.replace(_resting(now, state))
             return False
         self.log.note_on(now.motion, looked=held)
-        after = self._moved(now, displacement, probe=state.probe, status=state.status, servo_state=state)
+        status, probe = status_of(state, "moving"), probes(state)
+        after = self._moved(now, displacement, probe=probe, status=status, servo_state=state)
         self.history.append(after)
         return True
 
@@ -221,6 +259,7 @@ class Session:
         A new servo starts learning afresh, where the arm now stands. Raises ValueError, with the session as it was.
         """
         settings = msgspec.structs.replace(self.settings, **fields)
+        self._own.require(settings)
         if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):
             self.begin(settings)
             return
@@ -288,7 +327,8 @@ class Session:
 
         Raises ValueError, with the session as it was, if its settings cannot be here.
         """
-        self.begin(history[cursor].settings)
+        shown = history[cursor]
+        self._begin(shown.settings, OwnMethods(shown.own_transfer, shown.own_servo))
         self.observer = self.embodiment.looks(history[0].theta)
         self.history, self.log = History(history, cursor, self._dense), Log.unknown() if log is None else log.copy()
         self.embodiment.revisit(self.snapshot.commanded)
@@ -304,6 +344,10 @@ class Session:
 
         Raises ValueError, with the session as it was, if the settings cannot be.
         """
+        self._begin(settings, self._own)
+
+    def _begin(self, settings: Settings, own: "OwnMethods") -> None:
+        own.require(settings)
         kept = self.snapshot.body if hasattr(self, "history") else None
         begun = self._open(settings)
         settings, self.embodiment, theta = begun.settings, begun.embodiment, begun.theta
@@ -314,10 +358,11 @@ class Session:
             settings=settings, motion=0, look=0, theta=theta, theta_demo=begun.theta_demo, views=NOTHING_SEEN,
             rectification=None, E=np.nan, commanded=begun.start, moved=np.zeros_like(begun.start), probe=False,
             status="ready", servo_state=None, lag=None, frozen=None, body=body,
+            own_transfer=own.transfer, own_servo=own.servo,
         )  # fmt: skip
         self.history = History([blank], dense=self._dense)
         self.history.replace(self._observed(theta, blank))
-        self.log = log
+        self.log, self._own = log, own
 
     def _with_points(self) -> Snapshot:
         """The present; looked at again, with the arm held still, if too few points were seen."""
@@ -331,13 +376,18 @@ class Session:
     def _knows_on(self, now: Snapshot) -> bool:
         """Whether its servo can tell a way on from where too few points are in sight: the demonstrator is seen."""
         begun = now.servo_state is not None
-        return begun and SERVOS[now.settings.servo].predicts and now.shows_demonstrator
+        return begun and now.servo.predicts and now.shows_demonstrator
 
     def _ask(self, now: Snapshot) -> tuple[Any, NDArray]:
         """The servo's next state, and the displacement that it wants, (m,) rad."""
-        servo, seen = SERVOS[now.settings.servo], self.observation(now)
+        servo, seen = now.servo, self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
-        return servo.step(state, seen, self.predicted_conflict(now))
+        state, displacement = servo.step(state, seen, self.predicted_conflict(now))
+        displacement = np.asarray(displacement, float)
+        if displacement.shape != now.theta.shape or not np.isfinite(displacement).all():
+            wanted = f"{len(now.theta)} finite angles in rad"
+            raise ValueError(f"the servo {servo.title!r} must return its state and {wanted}, got {displacement}")
+        return state, displacement
 
     def _moved(self, now: Snapshot, displacement: NDArray, **changes) -> Snapshot:
         """The moment after a motion, (m,) rad, that changes these fields as well."""
@@ -353,7 +403,7 @@ class Session:
         """The later moment, its servo told if the demonstrator has moved by itself."""
         if after.servo_state is None or after.transfer is None or _same_demonstrator(now, after):
             return after
-        state = SERVOS[after.settings.servo].retarget(after.servo_state, self.observation(after))
+        state = after.servo.retarget(after.servo_state, self.observation(after))
         return after.with_fields(servo_state=state)
 
     def _rehearse(self, now: Snapshot) -> None:
@@ -379,10 +429,23 @@ class Session:
         theta_demo = self.embodiment.pose(theta_demo)
         now = self._observed(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now))
         if now.servo_state is not None:
-            state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
+            state = now.servo.retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)
         self.log.note(now.motion, deed)
         self.history.replace(now)
+
+
+class OwnMethods(NamedTuple):
+    """What a session was given itself, which settings call OWN; None for none."""
+
+    transfer: TransferMethod | None = None
+    servo: Servo | None = None
+
+    def require(self, settings: Settings) -> None:
+        """Raises ValueError for settings that name one that was not given."""
+        for name, given in zip(self._fields, self):
+            if getattr(settings, name) == OWN:
+                given_own(name, given)
 
 
 def _log_anew(settings: Settings, before: Session | None) -> Log:
@@ -398,7 +461,8 @@ def _log_anew(settings: Settings, before: Session | None) -> Log:
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:
     """The moment at which a servo, now in this state, wants no motion any more."""
-    status = "stalled" if state.status == "moving" else state.status
+    status = status_of(state, "rests")
+    status = "stalled" if status == "moving" else status
     frozen = now.transfer if status in THERE else now.frozen
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
 

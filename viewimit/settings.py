@@ -24,6 +24,7 @@ CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pi
 USUAL_POINTS = 10
 MOST_SEED = 2**32 - 1
 MOST_FRAMES = 1_000
+OWN = "own"  # names the transfer or the servo that was given to a session as a function or an object
 MOST_TURNS, ROUNDED = 2, 1e-7  # of angles that may be radians; how near whole degrees come to themselves as radians
 
 BodyPoint = tuple[int, float, float, float]  # link, 0 = base, and x, y, z m in its frame
@@ -41,6 +42,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     only if they are read as radians give a UserWarning.
     noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
     it. The learner is told of none of them.
+    transfer, servo: of TRANSFERS and SERVOS; OWN for the one that a session was given itself.
     frames: how many images are averaged at each posture, of both bodies.
     scene: a name, or the path of a scene file, or of a URDF, for which a scene is made, or all that a scene file says,
     as text that ends with a line; robot: a name or the path of a URDF, in place of the scene's; joints: which move, in
@@ -118,7 +120,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if isinstance(value, PurePath):
                 msgspec.structs.force_setattr(self, name, value := str(value))
             if not isinstance(value, _HINTS[name]):
-                raise ValueError(f"{name} must be text, got {reprlib.repr(value)}")
+                given = f"; give your own to Session(settings, {name}=…)" if name in ("transfer", "servo") else ""
+                raise ValueError(f"{name} must be text, got {reprlib.repr(value)}{given}")
         for name, numbers in _NUMBERS.items():
             value = getattr(self, name)
             if not isinstance(value, numbers) or isinstance(value, bool):
@@ -217,7 +220,7 @@ def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
 
 
 def _require_choice(name: str, value: str, choices: Collection[str]) -> None:
-    if value not in choices:
+    if value not in choices and not (value == OWN and name in ("transfer", "servo")):
         raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
 
 

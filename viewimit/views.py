@@ -80,7 +80,7 @@ class FourViews:
         """
         if self.complete:
             return self.demo, self.own
-        demo, own = (images[..., _same_in_all(visible.all(-1)), :] for images, visible in self.bodies)
+        demo, own = (images[..., _same_in_all(np.asarray(visible.all(-1))), :] for images, visible in self.bodies)
         return demo, own
 
     @cached_property
@@ -124,7 +124,7 @@ class FourViews:
 
 def _same_in_all(points: NDArray) -> NDArray:
     """(..., N) bool → (N,) bool, the points of every posture."""
-    first = points[(0,) * (points.ndim - 1)]
+    first: NDArray = points.reshape(-1, points.shape[-1])[0]
     if not (points == first).all():
         raise ValueError(
             "the postures of this batch show different points: fit each posture by itself, "

@@ -14,7 +14,7 @@ from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..geometry.distortion import Radial
 from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
-from ..settings import CAMERAS, DISTURBANCES, RECTIFY, USUAL_POINTS, Settings, disturbances
+from ..settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
 from ..simulation.robots import robot_names
 from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
@@ -168,6 +168,8 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     for name, value in given.items():
         if value is not None:
             with naming(option(name)):
+                if value == OWN:
+                    raise ValueError(f"no {name} {OWN!r}: only a session in Python is given one")
                 settings = msgspec.structs.replace(settings, **{name: value})
     chosen = settings.scene if args.scene is None else args.scene
     with naming(asked):

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from ..geometry.affine import MIN_POINTS
 from ..servo.observation import Conflict
 from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 from ..transfer.noise import noise_weight
 from ..transfer.transfer import Residuals
 from ..views import FourViews
@@ -38,7 +37,7 @@ def demo_drift(moments: Sequence[Snapshot]) -> NDArray:
 
 def _near(now: Snapshot, views: FourViews, noise_px: float) -> Residuals | None:
     """What weighs noise best near own images of one posture, if the transfer has such and they are near enough."""
-    near = TRANSFERS[now.settings.transfer].near
+    near = now.method.near
     if near is None or now.rectification is None or len(views.own) < NEAR_POINTS:
         return None
     E = float(now.fit(views).conflict(views))

@@ -14,7 +14,6 @@ from ..geometry.affine import MIN_POINTS
 from ..geometry.rectification import Rectification, level
 from ..servo.observation import Conflict
 from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 from ..transfer.transfer import Residuals
 from ..views import FourViews
 
@@ -24,7 +23,7 @@ class HalfSeenConflict:
     px², E up to which own images are near enough for their noise to be weighed."""
 
     def __init__(self, whole: Conflict, now: Snapshot, demo: NDArray, near: float):
-        method = TRANSFERS[now.settings.transfer]
+        method = now.method
         assert method.half_seen is not None and method.near is not None
         self._even, self._weighed = method.half_seen, method.near
         self._whole, self._now, self._demo, self._near = whole, now, demo, near

@@ -39,9 +39,9 @@ class VideoDemonstrator:
 def main(arm, eyes, left, right):
     video = VideoDemonstrator(eyes, left, right)
     session = Session.of(arm, video, frames=1)
-    last = session.run(100)
-    print(f"first frame: {last.status} at {np.degrees(last.theta).round(1)} after {last.motion} motions")
-    followed = [last.theta]
+    ended = session.run(100)
+    print(f"first frame: {ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions")
+    followed = [ended.theta]
     for frame in range(1, len(video.frames)):
         video.frame = frame
         session.look()

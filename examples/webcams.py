@@ -52,8 +52,8 @@ class ArmByHand:
 
 def main(arm, left, right):
     session = Session.of(arm, Webcams(left, right), frames=5)
-    last = session.run(each=lambda now: print(f"motion {now.motion}: E = {now.E:.3f} px², {now.usable.sum()} points"))
-    print(f"{last.status} at {np.degrees(last.theta).round(1)} after {last.motion} motions")
+    ended = session.run(each=lambda now: print(f"motion {now.motion}: E = {now.E:.3f} px², {now.usable.sum()} points"))
+    print(f"{ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions")
     return session
 
 

@@ -194,18 +194,18 @@ def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_
 
 def test_run_steps_until_the_servo_rests_or_the_motions_are_made_and_tells_of_each():
     seen, session = [], Session(CALM)
-    last = session.run(each=seen.append)
+    last = session.run(each=seen.append).last
     assert last is session.snapshot and last.status == "rests" and not session.step()
     assert [moment.motion for moment in seen] == list(range(1, last.motion + 1))
-    assert Session(CALM).run(3).motion == 3
-    assert session.run() is session.snapshot
+    assert Session(CALM).run(3).last.motion == 3
+    assert session.run().last is session.snapshot
 
 
 def test_run_gives_up_when_too_few_points_are_seen_for_long_and_goes_on_when_they_come_back():
     blind = Session(Settings.paper(missing=1.0))
-    assert blind.run(patience=5).look == 5 and blind.snapshot.status == "stopped"
+    assert blind.run(patience=5).last.look == 5 and blind.snapshot.status == "stopped"
     now_and_then = Settings.paper(transfer="linear", servo="gradient-retuned", points=20, missing=0.25, seed=0)
-    impatient, patient = Session(now_and_then).run(30, patience=1), Session(now_and_then).run(30)
+    impatient, patient = Session(now_and_then).run(30, patience=1).last, Session(now_and_then).run(30).last
     assert impatient.status == "stopped" and impatient.motion < patient.motion == 30 < patient.look
 
 
@@ -403,6 +403,44 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
     assert np.degrees(np.abs(now.theta - exact.snapshot.theta)).max() < 0.5
     told = session.observation(now).displacement
     np.testing.assert_allclose(told, now.commanded - np.radians(session.settings.start_deg))
+
+
+@pytest.mark.parametrize(
+    "settings, max_motions, status, said",
+    [
+        (Settings(start_deg=(25, -45)), 100, "converged", "the learner claims to have arrived"),
+        (Settings.paper(start_deg=(25, -45)), 100, "rests", "it rests, without evidence of having arrived"),
+        (Settings(points=5, demonstrator_deg=(20, -30)), 100, "untold", "some joint is not told"),
+        (Settings.paper(servo="gradient", start_deg=(25, -45)), 3, "max_motions", "no more motions"),
+        (Settings(), 0, "max_motions", "no motion was made"),
+        (Settings(missing=1.0), 5, "stopped", "too few points are seen in all four images"),
+    ],
+)
+def test_a_run_says_why_it_ended(settings, max_motions, status, said):
+    session = Session(settings)
+    ended = session.run(max_motions, patience=3)
+    assert (ended.status, ended.success, ended.message) == (status, status == "converged", said)
+    assert ended.last is session.snapshot and ended.theta is ended.last.theta and ended.motions == session.cursor
+    assert len(repr(ended)) < 100
+
+
+def test_a_run_that_stalled_says_so_in_the_servos_words():
+    ended = Session(Settings.paper(servo="kalman", scene="panda-facing", noise_px=1.0, start_deg=(75, -150))).run(200)
+    assert ended.status == "stalled" and not ended.success
+    assert ended.message == "stalled: not lower for 30 motions"
+
+
+def test_travel_is_that_of_the_run_joint_by_joint_and_of_the_joint_that_moved_most():
+    session = Session(Settings(start_deg=(25, -45), gain_error=0.05))
+    first = session.run(3)
+    session.pose(np.radians((70, -120)))
+    second = session.run()
+    moved = np.abs(np.diff(np.degrees([moment.theta for moment in session.history]), axis=0))
+    for ended, motions in ((first, moved[:3]), (second, moved[3:])):
+        assert ended.motions == len(motions) > 0
+        np.testing.assert_allclose(ended.joint_travel_deg, motions.sum(0), atol=1e-9)
+        assert ended.travel_deg == pytest.approx(motions.max(1).sum())
+    assert session.run().travel_deg == 0 and session.run().motions == 0
 
 
 def test_settings_are_those_of_the_best_method_unless_the_papers_is_asked_for():

@@ -10,7 +10,8 @@ After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geomet
     fit_affine_fundamental          Eqs. (1)-(3)
     Arm, Eyes                       what to write for a robot and cameras of your own; Session.of(arm, eyes)
     World, load_scene               the simulated world, from a scene file
-    Landscape                       E over a grid of postures; made by viewimit.analysis.landscape.landscape
+    RunResult                       why `Session.run` ended, and what it took
+    landscape, Landscape            E over the range of the two moving joints: landscape(session)
     replay                          a session as one page, in a notebook or a file, that needs no server
 
 The names are loaded when first used.
@@ -22,11 +23,12 @@ from typing import TYPE_CHECKING
 __version__ = "0.2.0"
 
 if TYPE_CHECKING:
-    from .analysis.landscape import Landscape
+    from .analysis.landscape import Landscape, landscape
     from .embodiment.interface import Arm, Eyes
     from .evaluation import conflict
     from .export.replay import replay
     from .geometry.affine import fit_affine_fundamental
+    from .result import RunResult
     from .servo import SERVOS
     from .session import Session
     from .settings import Settings
@@ -41,6 +43,7 @@ _MODULES = {
     "Eyes": ".embodiment.interface",
     "FourViews": ".views",
     "Landscape": ".analysis.landscape",
+    "RunResult": ".result",
     "SERVOS": ".servo",
     "Session": ".session",
     "Settings": ".settings",
@@ -49,6 +52,7 @@ _MODULES = {
     "World": ".simulation.world",
     "conflict": ".evaluation",
     "fit_affine_fundamental": ".geometry.affine",
+    "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",
     "replay": ".export.replay",
 }
@@ -60,12 +64,14 @@ __all__ = [
     "Eyes",
     "FourViews",
     "Landscape",
+    "RunResult",
     "Session",
     "Settings",
     "Snapshot",
     "World",
     "conflict",
     "fit_affine_fundamental",
+    "landscape",
     "load_scene",
     "replay",
 ]

@@ -22,6 +22,7 @@ from .embodiment.in_scene import OpenEyes, degrees, told
 from .history import MAX_HISTORY, RECENT, History
 from .prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
 from .rectifying import POOLED, rectification_for
+from .result import RunResult
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
 from .servo import MinimalServo, Observation, Servo, completed_servo
 from .servo.observation import Conflict
@@ -150,19 +151,21 @@ class Session:
         max_motions: int = MAX_HISTORY,
         patience: int = PATIENCE,
         each: Callable[[Snapshot], None] = lambda moment: None,
-    ) -> Snapshot:
+    ) -> RunResult:
         """Step until the servo rests, that many motions lie behind, or too few points were seen in `patience` looks in
-        a row → the last moment. each: called with the moment after each motion."""
-        in_vain = 0
+        a row → why it ended, and the last moment. each: called with the moment after each motion."""
+        in_vain, motions, travel, joint_travel = 0, 0, 0.0, np.zeros_like(self.snapshot.moved)
         while self.snapshot.motion < max_motions and in_vain < patience:
             if self.step():
-                in_vain = 0
+                moved = np.abs(self.snapshot.moved)
+                in_vain, motions, travel = 0, motions + 1, travel + float(moved.max())
+                joint_travel += moved
                 each(self.snapshot)
             elif self.snapshot.status == "stopped":
                 in_vain += 1
             else:
                 break
-        return self.snapshot
+        return RunResult(motions, travel, joint_travel, self.snapshot)
 
     def step(self) -> bool:
         """One pass: ask the servo, move, look. False if the servo rests or the arm must hold still.
@@ -330,13 +333,14 @@ class Session:
         shown = history[cursor]
         self._begin(shown.settings, OwnMethods(shown.own_transfer, shown.own_servo))
         self.observer = self.embodiment.looks(history[0].theta)
-        self.history, self.log = History(history, cursor, self._dense), Log.unknown() if log is None else log.copy()
+        self.history, self.log = self._history(history, cursor), Log.unknown() if log is None else log.copy()
         self.embodiment.revisit(self.snapshot.commanded)
 
     def copy(self) -> "Session":
         """That does not follow any more; to be read, by any thread."""
         other = copy.copy(self)
-        other.history, other.log = History(self.history, self.cursor), self.log.copy()
+        other.history = History(self.history, self.cursor, joints=self.history.joints)
+        other.log = self.log.copy()
         return other
 
     def begin(self, settings: Settings) -> None:
@@ -360,9 +364,14 @@ class Session:
             status="ready", servo_state=None, lag=None, frozen=None, body=body,
             own_transfer=own.transfer, own_servo=own.servo,
         )  # fmt: skip
-        self.history = History([blank], dense=self._dense)
+        self.history = self._history([blank], 0)
         self.history.replace(self._observed(theta, blank))
         self.log, self._own = log, own
+
+    def _history(self, moments: Sequence[Snapshot], cursor: int) -> History:
+        """Of this session's arm, from these moments on."""
+        joints = self.embodiment.body(moments[cursor].settings).joints
+        return History(moments, cursor, self._dense, joints)
 
     def _with_points(self) -> Snapshot:
         """The present; looked at again, with the arm held still, if too few points were seen."""

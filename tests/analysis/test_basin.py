@@ -28,7 +28,7 @@ def test_every_run_is_a_sessions_own():
     found = find_basin(FEW, lambda *news: told.append(news), (1, 2))
     for start, ending in zip(found.starts, found.endings):
         alone = Session(msgspec.structs.replace(FEW, start_deg=tuple(np.degrees(start).tolist())))
-        last = alone.run(MOST_MOTIONS, patience=1)
+        last = alone.run(MOST_MOTIONS, patience=1).last
         assert np.array_equal(ending.start, start) and np.array_equal(ending.end, last.theta)
         assert ending.claimed is (last.status == "converged")
         assert ending.place == place_of(last.theta, last.theta_demo, smallest_E(alone))

@@ -213,7 +213,7 @@ def test_the_saved_scene_runs_with_those_very_points(visit, files, tmp_path, ask
     assert name == "viewimit-panda-11-points.toml" and [*scene.points["11"]] == rows(model)
     status, told = ask_json("imitate", "--scene", path, "--demonstrator", "45,-90", "--start", "25,-45")
     here = Session(Settings.paper(**{**BEST_FIELDS, "body_points": scene.points["11"]}))
-    last = here.run()
+    last = here.run().last
     assert status == 0 and told["settings"]["points"] == 11
     assert told["motions"] == last.motion and told["final_deg"] == pytest.approx(np.degrees(last.theta), abs=1e-6)
 

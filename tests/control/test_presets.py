@@ -54,7 +54,7 @@ LESSONS: dict[str, Callable[[End], bool]] = {
 @pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.camera == "points"], ids=lambda p: p.name)
 def test_a_lesson_comes_true(preset):
     session = Session(preset.settings)
-    last = session.run(MOTIONS, PATIENCE)
+    last = session.run(MOTIONS, PATIENCE).last
     off = [np.degrees(np.abs(moment.theta - moment.theta_demo).max()) for moment in session.history]
     assert LESSONS[preset.name](End(last, np.array(off), assess(session))), (last.status, last.motion, off[-1])
 

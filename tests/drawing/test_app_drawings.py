@@ -34,7 +34,7 @@ from drawn import (
 from viewimit.app.static import LAYOUT_CSS, LESSON_CSS, stylesheet
 from viewimit.assets import ROOT
 
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing import curves, equations, glossary, metrics, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
@@ -93,7 +93,7 @@ def picture(session):
 
 def surface(session):
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    return landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world))
+    return landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world))
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ from viewimit.app.control.duel import Duel
 from viewimit.app.control.player import Player
 from viewimit.app.static import stylesheet
 
-from viewimit.analysis.landscape import landscape
+from viewimit.analysis.landscape import landscape_over
 from viewimit.analysis.study import study
 from viewimit.drawing import curves, learner_bars, observability, transfers
 from viewimit.drawing import duel as duel_drawing
@@ -226,7 +226,7 @@ class TestObservability:
         assert "too few points" in blind.html
         session = Session(Settings.paper())
         views = session.snapshot.views
-        found = landscape(session.world, TRANSFERS["linear"], views.demo, views.visible[:, :2])
+        found = landscape_over(session.world, TRANSFERS["linear"], views.demo, views.visible[:, :2])
         picture = LandscapePicture(found, session.scene, session.snapshot, spread=np.radians([2.2, 1.8]))
         assert "1 px costs θ₂ 2.2°, θ₄ 1.8°" in words(picture.html)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from drawn import INSET, JOINT_LABELS, LABELS, LEARNERS_PATH, LED, LEVEL_NUMBERS, marked, only, parsed, path
 
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.drawing import path_labels
 from viewimit.drawing.labels import CHARACTER, LINE, Labels
 from viewimit.drawing.landscape import LandscapePicture
@@ -37,7 +37,7 @@ def drawn(settings):
     session = Session(settings)
     session.run(120)
     views, fit = session.snapshot.views, TRANSFERS[settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture = LandscapePicture(made, session.scene, session.snapshot)
     return session, parsed(picture.html + picture.draw_path(session.history, session.cursor))
 
@@ -87,7 +87,7 @@ def test_labels_keep_off_each_other_the_path_the_marks_and_the_inset(name):
 def test_while_the_path_grows_labels_give_way_to_it_and_else_stay_where_they_are(name, least):
     session = Session(SITUATIONS[name])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture = LandscapePicture(made, session.scene, session.snapshot)
     before, stayed = None, 0
     for _ in range(60):
@@ -105,7 +105,7 @@ def test_a_label_moves_only_where_the_path_or_the_learners_own_label_needs_its_p
     """Margins: what is kept free of a path, and by how much a label's place is larger than its letters."""
     session = Session(SITUATIONS[name])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture, plane = LandscapePicture(made, session.scene, session.snapshot), PosturePlane(session.scene)
     before, moved = set(), 0
     for _ in range(60):
@@ -159,7 +159,9 @@ def test_a_plot_without_room_for_the_inset_has_none():
     settings = Settings.paper(transfer="projective")
     session = Session(settings)
     views = session.snapshot.views
-    made = landscape(session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world))
+    made = landscape_over(
+        session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world)
+    )
     assert INSET in LandscapePicture(made, session.scene, session.snapshot).html
     narrow = msgspec.structs.replace(session.scene, range_deg=((30.0, 60.0), (-180.0, 0.0)))
     rows = slice(30, 61)
@@ -173,7 +175,7 @@ def test_labels_are_not_placed_anew_when_the_path_crosses_the_lines_that_lead_to
     monkeypatch.setattr(path_labels, "beside", lambda *args: placed.append(0) or start(*args))
     session = Session(SITUATIONS["paper"])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture = LandscapePicture(made, session.scene, session.snapshot)
     session.run(600)  # it wanders about the marks, where these lines begin
     for _ in range(100):

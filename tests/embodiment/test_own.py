@@ -69,7 +69,7 @@ def test_it_makes_the_same_run_as_a_session_that_knows_the_scene():
         session(Robot()),
         Session(msgspec.structs.replace(ONE, demonstrator_deg=(45, -90), start_deg=(25, -45))),
     )
-    last, known = one.run(60), other.run(60)
+    last, known = one.run(60).last, other.run(60).last
     assert last.status == known.status == "converged" and last.motion == known.motion
     np.testing.assert_allclose(last.theta, known.theta, atol=1e-9)
     assert last.certificate.told.all() and assess(one).certificate is last.certificate
@@ -127,7 +127,7 @@ def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
     assert not one.step()
     robot.demo = np.radians((60.0, -60.0))
     assert one.look() and one.snapshot.status == "moving"
-    assert error_deg(one.run(120), robot.demo) < 0.5 and one.snapshot.status == "converged"
+    assert error_deg(one.run(120).last, robot.demo) < 0.5 and one.snapshot.status == "converged"
 
 
 @pytest.mark.parametrize("servo", ["trust-region", "broyden", "gradient-retuned"])
@@ -138,7 +138,7 @@ def test_a_demonstrator_that_has_moved_is_told_to_the_servo_as_one_that_was_pose
     one.run(6), other.run(6)
     robot.demo = np.radians((60.0, -60.0))
     other.pose(robot.demo)
-    assert one.look() and one.run(10).motion == other.run(10).motion > 6
+    assert one.look() and one.run(10).last.motion == other.run(10).last.motion > 6
     there, here = (np.array([moment.theta for moment in found.history]) for found in (other, one))
     np.testing.assert_allclose(here, there, atol=1e-7)
 
@@ -195,7 +195,7 @@ def test_whole_pixels_are_believed_and_the_learner_arrives_as_near_as_they_tell(
         robot = WholePixels(demo, noise_px, points=16)
         robot.start = start
         one = session(robot)
-        last = one.run(40)
+        last = one.run(40).last
         assert all(moment.views.complete for moment in one.history)
         assert last.status == "converged" and error_deg(last, demo) < 2.5
 
@@ -221,7 +221,7 @@ def test_a_point_that_is_misplaced_by_many_pixels_is_not_believed_among_whole_on
 def test_the_first_motion_tells_how_late_pictures_come_and_as_many_are_let_pass(late):
     robot = Robot(late=late)
     one = session(robot)
-    last = one.run(60)
+    last = one.run(60).last
     assert last.lag == late and last.status == "converged" and error_deg(last) < 0.5
     for moment in one.history:
         np.testing.assert_array_equal(moment.views.own, robot.world.own_images(moment.commanded)[0])
@@ -266,8 +266,8 @@ def test_it_rehearses_without_a_demonstrator_and_begins_with_that(tmp_path):
     body.save(tmp_path / "body.npz")
     other = session(Robot(), name="mine")
     other.remember(BodyImage.load(tmp_path / "body.npz"))
-    last = other.run(60)
-    assert last.status == "converged" and last.rehearsal_holds and last.motion < session(Robot()).run(60).motion
+    last = other.run(60).last
+    assert last.status == "converged" and last.rehearsal_holds and last.motion < session(Robot()).run(60).last.motion
     with pytest.raises(ValueError, match="rehearsed with robot mine, here it is yours"):
         session(Robot(), name="yours").remember(body)
 
@@ -278,7 +278,7 @@ def test_other_laws_and_transfers_serve_as_well(servo):
     one.run(300)
     assert error_deg(one.snapshot) < 3  # METHOD: an affine transfer's bias
     one.change(transfer="projective", servo="trust-region")
-    assert error_deg(one.run(360)) < 0.5
+    assert error_deg(one.run(360).last) < 0.5
 
 
 @pytest.mark.parametrize(
@@ -400,7 +400,7 @@ def test_points_that_a_tracker_has_lost_are_not_seen(transfer, place):
         return look
 
     told.look, marked.look = marking(told, (np.nan, np.nan)), marking(marked, place)
-    expected, last = session(told, settings).run(60), session(marked, settings).run(60)
+    expected, last = session(told, settings).run(60).last, session(marked, settings).run(60).last
     assert last.status == expected.status
     np.testing.assert_array_equal(last.commanded, expected.commanded)
 
@@ -411,9 +411,9 @@ def test_a_body_whose_points_are_lost_to_one_place_is_no_evidence(transfer, own)
     """As trackers write what they have lost; E of it would be 0 wherever the arm is."""
     settings = Settings.paper(transfer=transfer, servo="trust-region")
     robot, whole = Robot(), Robot()
-    seen, expected = robot.look, session(whole, settings).run(60)
+    seen, expected = robot.look, session(whole, settings).run(60).last
     robot.look = lambda: seen().with_own(own) if robot.looks == 13 else seen()
-    last = session(robot, settings).run(60)
+    last = session(robot, settings).run(60).last
     assert np.degrees(np.abs(last.commanded - expected.commanded)).max() < 0.5 and last.status == expected.status
     robot.look = lambda: seen().with_own(own)
     held = session(robot, settings)

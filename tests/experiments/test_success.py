@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from waiting import wait_until
 
-from viewimit.analysis.landscape import landscape
+from viewimit.analysis.landscape import landscape_over
 from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
 from viewimit.commands.json_output import rounded
@@ -37,9 +37,9 @@ def test_the_transfers_own_minimum_is_the_smallest_of_a_search_of_everything(sce
         )
         views, (low, high) = session.snapshot.views, np.degrees([session.scene.lower, session.scene.upper])
         seen = session.world, session.snapshot.fit, views.demo, views.visible[:, :2]
-        around = np.degrees(landscape(*seen).minimum)[:, None] + np.arange(-30, 31) * 0.05
+        around = np.degrees(landscape_over(*seen).minimum)[:, None] + np.arange(-30, 31) * 0.05
         axes = tuple(np.radians(np.unique(np.clip(a, *limits))) for a, limits in zip(around, zip(low, high)))
-        np.testing.assert_allclose(success.own_minimum(session), landscape(*seen, axes).minimum, atol=1e-9)
+        np.testing.assert_allclose(success.own_minimum(session), landscape_over(*seen, axes).minimum, atol=1e-9)
 
 
 def test_there_is_no_own_minimum_where_nothing_is_seen():

@@ -110,7 +110,7 @@ def test_the_rounds_are_what_sessions_of_their_own_come_to(few):
         start = deal_start(scene.scene, scene.snapshot.theta_demo, [1, k])
         for run, transfer, servo in ((yours, "linear", "broyden"), (pages, Settings().transfer, Settings().servo)):
             changes = {**fields, "transfer": transfer, "servo": servo, "start_deg": start}
-            last = Session(msgspec.structs.replace(SETTINGS, **changes), Staging(head=head).open_eyes).run(6, 3)
+            last = Session(msgspec.structs.replace(SETTINGS, **changes), Staging(head=head).open_eyes).run(6, 3).last
             assert (run.off_deg, run.motions) == (np.degrees(np.abs(last.theta - last.theta_demo)).max(), last.motion)
     assert page.given.outcomes[0].numbers == (
         sum(run.off_deg <= 1 for run in made.yours),

@@ -20,7 +20,7 @@ def test_seven_joints_are_imitated_at_once_and_then_checked_one_by_one(postures)
         lower, upper = session.embodiment.lower, session.embodiment.upper
         aside = np.random.default_rng(seed).uniform(-0.5, 0.5, 7)
         session.pose(np.clip(session.snapshot.theta + aside, lower, upper))
-        last = session.run(60)
+        last = session.run(60).last
         assert last.status == "converged" and error_deg(last) < 0.01 and last.motion <= 7 + 2
 
 
@@ -33,7 +33,7 @@ def test_two_joints_need_five_postures():
         session.reset()
         lower, upper = session.embodiment.lower, session.embodiment.upper
         session.pose(np.random.default_rng(seed).uniform(lower, upper))
-        last = session.run(60)
+        last = session.run(60).last
         assert last.status == "converged" and error_deg(last) < 0.01
         motions.append(last.motion)
     assert np.median(motions) <= 3
@@ -45,5 +45,5 @@ def test_a_head_that_has_moved_is_noticed_though_kinematics_foretold_everything(
     moved = Session(Settings.paper(transfer="projective", servo="trust-region", scene="panda-verged"))
     moved.remember(body)
     moved.pose((moved.embodiment.lower + moved.embodiment.upper) / 2)
-    last = moved.run(60)
+    last = moved.run(60).last
     assert not last.servo_state.rehearsed and error_deg(last) < 0.5

@@ -79,10 +79,10 @@ def test_a_learner_arrives_as_soon_names_them_and_shows_the_conflict_that_is_lef
     for seed in range(2):
         settings = anywhere(Settings(points=16, swapped=share), seed)
         session = Session(settings)
-        last = session.run(40)
+        last = session.run(40).last
         assert set(last.exchanged) == swapped(settings, 16) and last.status == "converged"
         assert error_deg(last) < 0.5 and last.E < 0.01 < session.history[0].E
-        straight = Session(replace(settings, swapped=0.0)).run(40)
+        straight = Session(replace(settings, swapped=0.0)).run(40).last
         np.testing.assert_array_equal(last.views.demo, straight.views.demo)
         assert last.motion <= straight.motion + 1  # foreseen everywhere, E need not be met to be too large
         assert all(f"{i} and {j}" in describe(last).doubt for i, j in last.exchanged)
@@ -99,7 +99,7 @@ def test_what_was_found_is_kept_with_the_session_and_goes_on():
     assert [moment.E for moment in resumed.history] == [moment.E for moment in whole.history]
     resumed.pose(np.radians((60, -100)))
     assert resumed.snapshot.exchanged == whole.snapshot.exchanged
-    assert error_deg(resumed.run(60)) < 0.5
+    assert error_deg(resumed.run(60).last) < 0.5
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])

@@ -7,7 +7,7 @@ import pytest
 from linear_world import LinearWorld
 
 from viewimit import looking
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
 from viewimit.session import Session
@@ -236,9 +236,9 @@ def test_joint_limits_are_kept_by_the_servo_itself(servo, start, monkeypatch):
 def lowest(world, transfer, theta_demo):
     """The transfer's own minimum, rad: of the 1° grid, then of a 0.02° grid about it."""
     demo, seen = world.demo_images(theta_demo)
-    coarse = landscape(world, TRANSFERS[transfer], demo, seen, grid_axes(world)).minimum
+    coarse = landscape_over(world, TRANSFERS[transfer], demo, seen, grid_axes(world)).minimum
     near = tuple(c + np.radians(np.arange(-1, 1.001, 0.02)) for c in coarse)
-    return landscape(world, TRANSFERS[transfer], demo, seen, near).minimum
+    return landscape_over(world, TRANSFERS[transfer], demo, seen, near).minimum
 
 
 @pytest.mark.parametrize("grid", [(4, 5), pytest.param((10, 13), marks=pytest.mark.slow)], ids=str)

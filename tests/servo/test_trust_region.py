@@ -84,7 +84,7 @@ def test_seven_joints_take_a_probe_each_a_check_each_and_no_motion_that_leads_no
     session = Session(Settings.paper(transfer="projective", servo="trust-region", joints=joints, points=16))
     lower, upper = session.embodiment.lower, session.embodiment.upper
     session.pose(np.clip(session.snapshot.theta + np.random.default_rng(1).uniform(-0.5, 0.5, 7), lower, upper))
-    last = session.run(60)
+    last = session.run(60).last
     motions = np.abs(np.diff([moment.theta for moment in session.history], axis=0)).max(1)
     assert last.status == "converged" and last.motion <= 7 + 7 + 2 and motions.min() > np.radians(0.01)
 

@@ -116,7 +116,7 @@ def test_the_default_method_arrives_and_says_so(urdf):
     session = Session(
         Settings.paper(**{name: getattr(Settings(), name) for name in ("transfer", "servo")}, scene=str(urdf))
     )
-    last = session.run(100)
+    last = session.run(100).last
     assert last.status == "converged" and np.degrees(np.abs(last.theta - last.theta_demo).max()) < 0.5
     assert np.degrees(np.abs(session.history[0].theta - last.theta_demo).max()) > 10  # it had somewhere to go
 
@@ -359,5 +359,5 @@ def test_public_robots_are_imitated_from_their_urdf_alone(name):
     path = Path(spec.origin).parent / name
     assert len(Robot.from_urdf(path).joints) == COLLECTION[name]
     session = Session(Settings.paper(scene=str(path), transfer="projective", servo="trust-region"))
-    last = session.run(100)
+    last = session.run(100).last
     assert last.status == "converged" and np.degrees(np.abs(last.theta - last.theta_demo).max()) < 0.5

@@ -52,7 +52,7 @@ def _rounds(task: Task) -> Rounds:
 
 
 def _run(task: Task, **changes) -> Run:
-    last = task.session(**changes).run(MOST_MOTIONS, IN_VAIN)
+    last = task.session(**changes).run(MOST_MOTIONS, IN_VAIN).last
     return Run(float(np.degrees(np.abs(last.theta - last.theta_demo)).max()), last.motion)
 
 

@@ -137,7 +137,7 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     if rehearsed:
         rehearse(session, rehearsed, seed[-1])
         session.reset()
-    last = session.run(MOST_MOTIONS, PATIENCE)
+    last = session.run(MOST_MOTIONS, PATIENCE).last
     error = np.degrees(np.abs(last.theta - last.theta_demo).max())
     expected = np.nan if last.expected_error is None else np.degrees(last.expected_error)
     ended = last.motion < MOST_MOTIONS

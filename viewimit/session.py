@@ -105,11 +105,11 @@ class Session:
         self._open, self._dense = opener, dense
         named = {"transfer": transfer, "servo": servo}
         chosen = {name: one if isinstance(one, str) else OWN for name, one in named.items() if one is not None}
-        own = OwnMethods(
+        self._own = OwnMethods(
             None if isinstance(transfer, str | None) else transfer_method(transfer),
             None if isinstance(servo, str | None) else completed_servo(servo),
         )
-        self._begin(msgspec.structs.replace(settings, **chosen), own)
+        self.begin(msgspec.structs.replace(settings, **chosen))
 
     @property
     def snapshot(self) -> Snapshot:

@@ -13,7 +13,7 @@ from viewimit.experiments.bench import baselines
 from viewimit.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.servo import SERVOS
 from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.settings import Settings, warn_of_radians
 from viewimit.simulation.scene import Scene
 from viewimit.transfer import TRANSFERS
 
@@ -457,22 +457,27 @@ def test_settings_are_those_of_the_best_method_unless_the_papers_is_asked_for():
     "fields, meant",
     [
         ({"demonstrator_deg": (np.pi / 4, -np.pi / 2)}, "45, -90"),
-        ({"start_deg": np.radians((0, 25, -135))}, "0, 25, -135"),
+        ({"start_deg": np.radians((25, 0))}, "25, 0"),
         ({"quantum_deg": np.radians(1.0)}, "1"),
     ],
 )
-def test_degrees_that_are_radians_of_whole_degrees_are_warned_of(fields, meant):
-    with pytest.warns(UserWarning, match=rf"{next(iter(fields))} = .* looks like radians.*Did you mean {meant}\?"):
-        Settings(**fields)
+def test_degrees_that_are_radians_of_whole_degrees_are_warned_of_once_where_they_are_given(fields, meant):
+    said = rf"{next(iter(fields))} = .* looks like radians.*Did you mean {meant}\?"
+    session = Session()
+    for given in (lambda: Session(Settings(**fields)), lambda: session.change(**fields)):
+        with pytest.warns(UserWarning, match=said) as warned:
+            given()
+        assert [warning.filename for warning in warned] == [__file__]
 
 
 @pytest.mark.filterwarnings("error")
 def test_postures_in_degrees_are_never_taken_for_radians():
     rng = np.random.default_rng(0)
-    for posture in (*rng.uniform(-6, 6, (2_000, 1)), *rng.uniform(-180, 180, (200, 2)).round(1), (0, 0), (1e-9, 3)):
-        Settings(demonstrator_deg=posture, start_deg=np.degrees(np.radians(posture)))
+    postures = [*rng.uniform(-6, 6, (2_000, 1)), *rng.uniform(-180, 180, (200, 2)).round(1), (0, 0), (1e-9, 3)]
+    for posture in postures:
+        warn_of_radians(Settings(demonstrator_deg=posture, start_deg=np.degrees(np.radians(posture))))
     for quantum in (0.01, 0.1, 0.5, 1.0):
-        Settings(quantum_deg=quantum)
+        warn_of_radians(Settings(quantum_deg=quantum))
 
 
 def test_settings_of_lists_and_numpys_numbers_are_those_of_tuples_and_pythons():

@@ -27,7 +27,7 @@ from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed,
 from .servo import MinimalServo, Observation, Servo, completed_servo
 from .servo.observation import Conflict
 from .servo.visit import Visit
-from .settings import OWN, Settings
+from .settings import OWN, Settings, warn_of_radians
 from .simulation.eyes import SimulatedEyes, open_eyes
 from .simulation.scene import Scene
 from .simulation.world import World
@@ -77,6 +77,7 @@ class Session:
         cls,
         arm: Arm,
         eyes: Eyes,
+        *,
         name: str = "own",
         dense: int | None = None,
         transfer: GivenTransfer | None = None,
@@ -270,6 +271,7 @@ class Session:
         now = self.snapshot.with_fields(frozen=None)
         if settings.servo != now.settings.servo:
             now = now.with_fields(servo_state=None)
+        warn_of_radians(settings)
         self._pose(self.embodiment.demonstrator(settings), settings, now, Changed(changed))
 
     def pose(self, theta_demo: ArrayLike) -> None:
@@ -348,6 +350,7 @@ class Session:
 
         Raises ValueError, with the session as it was, if the settings cannot be.
         """
+        warn_of_radians(settings)
         self._begin(settings, self._own)
 
     def _begin(self, settings: Settings, own: "OwnMethods") -> None:

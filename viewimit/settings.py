@@ -1,6 +1,7 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
 import reprlib
+import sys
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from functools import cache
@@ -38,8 +39,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     `Settings()` is the best method, exact for pinhole cameras; `Settings.paper()` is the paper's transfer, with
     Broyden's law and one image at each posture, which assumes cameras that are far away.
 
-    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own. Angles that are whole degrees
-    only if they are read as radians give a UserWarning.
+    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own. A session that begins with
+    angles that are whole degrees only if they are read as radians gives a UserWarning.
     noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
     it. The learner is told of none of them.
     transfer, servo: of TRANSFERS and SERVOS; OWN for the one that a session was given itself.
@@ -131,8 +132,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             value = getattr(self, name)
             if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):
                 raise ValueError(f"{name} must be {wanted}, got {reprlib.repr(value)}")
-        for name in _DEGREES:
-            _warn_of_radians(name, getattr(self, name))
         if self.undistort is not None:
             try:
                 Radial(*self.undistort)
@@ -147,22 +146,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_range("delay", self.delay, 0, MOST_LAG)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
-
-
-def _warn_of_radians(name: str, value: float | tuple[float, ...] | None) -> None:
-    """Warn of angles that are all whole degrees if they are read as rad; people write no such numbers in degrees."""
-    given = np.array(value or 0.0, float).ravel()
-    converted = np.degrees(given[np.abs(given) > np.radians(0.5)])  # smaller ones may be 0, but for rounding errors
-    if len(converted) and np.abs(converted).max() <= MOST_TURNS * 360 and _are_whole(converted):
-        meant = ", ".join(f"{angle:g}" for angle in np.degrees(given).round())
-        warnings.warn(
-            f"{name} = {value} looks like radians; angles in settings are in degrees. Did you mean {meant}?",
-            stacklevel=3,  # where Settings are made
-        )
-
-
-def _are_whole(numbers: NDArray) -> bool:
-    return bool(np.abs(numbers - numbers.round()).max() < ROUNDED)
 
 
 def _is_of(kind, value) -> bool:
@@ -197,6 +180,32 @@ DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much o
     for mark in getattr(hint, "__metadata__", ())
     if isinstance(mark, Disturbance)
 }
+
+
+def warn_of_radians(settings: Settings) -> None:
+    """Warn of fields in degrees whose values are whole degrees only if they are read as rad.
+
+    The warning names the line outside this package that led here.
+    """
+    for name in _DEGREES:
+        given = np.array(getattr(settings, name) or 0.0, float).ravel()
+        converted = np.degrees(given[np.abs(given) > np.radians(0.5)])  # smaller ones may be 0, but for rounding errors
+        whole = converted.round()
+        if len(whole) and np.abs(whole).max() <= MOST_TURNS * 360 and np.abs(converted - whole).max() < ROUNDED:
+            meant = ", ".join(f"{angle:g}" for angle in np.degrees(given).round())
+            warnings.warn(
+                f"{name} = {getattr(settings, name)} looks like radians; angles in settings are in degrees. "
+                f"Did you mean {meant}?",
+                stacklevel=_level_outside(),
+            )
+
+
+def _level_outside() -> int:
+    """How far up the stack, for `warnings.warn` in the caller, the first line outside this package is."""
+    frame, level, package = sys._getframe(1), 1, __name__.partition(".")[0]
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def disturbances(kind: type[D]) -> dict[str, D]:

@@ -350,6 +350,7 @@ def files(tmp_path, monkeypatch):
         ("imitate --start 45,left", "--start: needs degrees separated by commas"),
         ("imitate --transfer magic", "--transfer: no transfer 'magic'; there are epipolar, linear"),
         ("imitate --servo magic", "--servo: no servo 'magic'; there are gradient"),
+        ("imitate --transfer own", "--transfer: no transfer 'own': only a session in Python is given one"),
         ("imitate --noise-px nan", "--noise-px: noise_px must be between 0 and 20, got nan"),
         ("imitate --noise-px much", "--noise-px: invalid float value: 'much'"),
         ("imitate --missing 1.2", "--missing: missing must be between 0 and 1, got 1.2"),

@@ -62,6 +62,8 @@ def test_a_setting_that_is_changed_leaves_all_others_as_in_the_best_method():
     assert (one.settings.transfer, one.settings.servo, one.settings.frames) == ("projective", "trust-region", 9)
     with pytest.raises(TypeError, match="frame_count"):
         Session.of(robot, robot, frame_count=9)
+    with pytest.raises(TypeError, match="positional"):
+        Session.of(robot, robot, Settings(frames=9))  # whose fields are given by name
 
 
 def test_it_makes_the_same_run_as_a_session_that_knows_the_scene():

@@ -145,6 +145,13 @@ def test_moments_that_no_session_has_are_refused(parts, change):
         saved.decoded(changed_moments(parts, change), BEGUN)
 
 
+@pytest.mark.parametrize("name", ["transfer", "servo"])
+def test_moments_of_methods_that_only_their_author_has_are_refused(parts, name):
+    change = lambda listed: of_kind(listed, "settings").update({name: "own"})
+    with pytest.raises(ValueError, match="a transfer or a servo that only its author has"):
+        saved.decoded(changed_moments(parts, change), BEGUN)
+
+
 T = TypeVar("T")
 
 

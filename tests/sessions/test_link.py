@@ -93,6 +93,8 @@ def layout(count: int) -> str:
         (script(None, ["r", [[0.0, 0.0]] * 201]), "rehearses"),
         (script(None, ["c", {"servo": "magic"}]), "damaged"),
         (script(None, ["c", {"nothing": 1}]), "damaged"),
+        (script({"transfer": "own"}), "only its author has"),
+        (script(None, ["c", {"servo": "own"}]), "only its author has"),
         (script({"frames": 1000}), "averages"),
         (script({"body_points": [[2, 0.0, 0.0, 0.001 * k] for k in range(65)]}), "places"),
         (script({"noise_px": float("nan")}), "damaged"),

@@ -4,13 +4,13 @@ After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geomet
 
     Session, Settings, Snapshot     the loop: posture → views → transfer → E → servo → next posture
     Settings.best, Settings.paper   the best method, which Settings() is too, and the paper's
+    RunResult                       why Session.run ended, and what it took
     FourViews                       image points in [l], [r], [L], [R], simulated or your own
     TRANSFERS, SERVOS               estimators and servo laws by name
     conflict                        E of the residuals that a fitted transfer gives, Eq. (6)
     fit_affine_fundamental          Eqs. (1)-(3)
     Arm, Eyes                       what to write for a robot and cameras of your own; Session.of(arm, eyes)
     World, load_scene               the simulated world, from a scene file
-    RunResult                       why Session.run ended, and what it took
     landscape, Landscape            E over the range of the two moving joints: landscape(session)
     replay                          a session as one page, in a notebook or a file, that needs no server
 

@@ -75,8 +75,13 @@ class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def runs_own(self) -> bool:
         """Whether it needs a transfer or a servo that a session was given itself."""
-        said = [self.settings, *(deed.settings for deed in self.deeds if isinstance(deed, Began))]
-        return any(OWN in (settings.transfer, settings.servo) for settings in said)
+        named: list[object] = [self.settings.transfer, self.settings.servo]
+        for deed in self.deeds:
+            if isinstance(deed, Began):
+                named += [deed.settings.transfer, deed.settings.servo]
+            elif isinstance(deed, Changed):
+                named += [deed.fields.get("transfer"), deed.fields.get("servo")]
+        return OWN in named
 
     def renamed(self, told: Callable[[str], str]) -> Script:
         """With scenes and robots called as told has them: `file_name` for others, to whom folders are nothing."""

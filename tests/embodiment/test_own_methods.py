@@ -135,6 +135,12 @@ def test_what_holds_neither_functions_nor_objects_says_so():
     session.step()
     with pytest.raises(ValueError, match="of your own, which no script, link or file can hold"):
         _ = session.script
+    changed = Session(transfer=affine_map)
+    changed.begin(Settings(**START))
+    assert changed.script.settings.transfer == "projective"
+    changed.change(transfer=OWN)
+    with pytest.raises(ValueError, match="of your own, which no script, link or file can hold"):
+        _ = changed.script
     with pytest.raises(TypeError, match="of your own, which no file can hold"):
         codec.encode(list(session.history))
     with pytest.raises(ValueError, match=r"transfer 'own' is one of your own.*Session\(settings, transfer=…\)"):

@@ -47,7 +47,7 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
     low, high = np.transpose(session.scene.range_deg)
     for start in np.random.default_rng(0).uniform(low, high, (runs, 2)):
-        session.begin(Settings(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
+        session.begin(Settings.paper(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
         model.undoable.begin_anew()
         ChoosePoint(chosen).apply(model, 0.0)
         scene.build(session.world)
@@ -81,7 +81,7 @@ def main() -> None:
     for transfer in ("epipolar", "linear"):
         for servo in ("broyden", "gradient-retuned"):
             for chosen in (None, 4):
-                cost = run(Settings(transfer=transfer, servo=servo), chosen, runs)
+                cost = run(Settings.paper(transfer=transfer, servo=servo), chosen, runs)
                 name = "none" if chosen is None else "chosen"
                 print(f"{transfer:10}{servo:18}{name:8}{cost['loop']:7.2f}{cost['drawings']:10.2f}{cost['whole']:8.2f}")
 

@@ -12,7 +12,7 @@ import time
 import msgspec
 import numpy as np
 
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 from .control.commands.method import switch_camera
 from .control.commands.session import ChooseSpeed, Play
@@ -28,7 +28,7 @@ from .quiet_client import quiet_client
 
 SECONDS = 20.0
 WAITS_S = 60.0  # for the first pictures
-RESTLESS = Settings(servo="gradient-retuned", start_deg=(25, -45))  # goes on for hundreds of motions
+RESTLESS = Settings.paper(servo="gradient-retuned", start_deg=(25, -45))  # goes on for hundreds of motions
 
 
 class TimedPage(Page):
@@ -74,7 +74,7 @@ def main() -> None:
     scheduler.add(other)
     scheduler.start(loop)
     print(f"ticks of another page, which makes 10 motions a second: {_ticks(other, seconds)}, alone")
-    pictured = TimedPage(2, services, msgspec.structs.replace(RESTLESS, frames=BEST.frames))
+    pictured = TimedPage(2, services, msgspec.structs.replace(RESTLESS, frames=Settings().frames))
     scheduler.add(pictured)
     pictured.switch_on()
     pictured.play("all it can")

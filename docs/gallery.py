@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 
 from viewimit import Session, Settings, replay
+from viewimit.settings import PAPER_FIELDS
 
 HERE = Path(__file__).parent
 INDEX = "index.fragment.html"
@@ -28,7 +29,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def run(self) -> Session:
         """Raises ValueError for settings that cannot be."""
-        settings = msgspec.convert(self.settings, Settings)
+        settings = msgspec.convert({**PAPER_FIELDS, **self.settings}, Settings)
         if self.robot is not None:
             settings = msgspec.structs.replace(settings, scene=str(HERE / self.robot))
         session = Session(settings)

@@ -53,5 +53,5 @@ class FakeRobot:
 
 if __name__ == "__main__":
     robot = FakeRobot(demonstrator_deg=(30, -45, 80))
-    last = Session.of(robot, robot).run()
-    print(f"{last.status} at {np.degrees(last.theta).round(1)} after {last.motion} motions")
+    ended = Session.of(robot, robot).run()
+    print(f"{ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions")

@@ -78,5 +78,5 @@ if __name__ == "__main__":
     Session.of(recorder, recorder).run()
     recorder.save(path)
     replay = Replay(path)
-    last = Session.of(replay, replay).run()
-    print(f"{last.status} at {np.degrees(last.theta).round(1)} after {last.motion} motions, without the robot")
+    ended = Session.of(replay, replay).run()
+    print(f"{ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions, without the robot")

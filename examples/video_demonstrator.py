@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from fake_robot import FakeRobot
 
-from viewimit import FourViews, Session, Settings
+from viewimit import FourViews, Session
 from viewimit.perception.tracks import read_view
 
 
@@ -38,10 +38,10 @@ class VideoDemonstrator:
 
 def main(arm, eyes, left, right):
     video = VideoDemonstrator(eyes, left, right)
-    session = Session.of(arm, video, Settings(transfer="projective", servo="trust-region"))
-    last = session.run(100)
-    print(f"first frame: {last.status} at {np.degrees(last.theta).round(1)} after {last.motion} motions")
-    followed = [last.theta]
+    session = Session.of(arm, video, frames=1)
+    ended = session.run(100)
+    print(f"first frame: {ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions")
+    followed = [ended.theta]
     for frame in range(1, len(video.frames)):
         video.frame = frame
         session.look()

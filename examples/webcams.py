@@ -12,7 +12,7 @@ import sys
 import cv2
 import numpy as np
 
-from viewimit import FourViews, Session, Settings
+from viewimit import FourViews, Session
 from viewimit.perception.fiducials import Fiducials
 
 MARKERS, DEMONSTRATOR = 25, 25  # on each arm; what is added to the numbers on the demonstrator
@@ -51,9 +51,9 @@ class ArmByHand:
 
 
 def main(arm, left, right):
-    session = Session.of(arm, Webcams(left, right), Settings(transfer="projective", servo="trust-region", frames=5))
-    last = session.run(each=lambda now: print(f"motion {now.motion}: E = {now.E:.3f} px², {now.usable.sum()} points"))
-    print(f"{last.status} at {np.degrees(last.theta).round(1)} after {last.motion} motions")
+    session = Session.of(arm, Webcams(left, right), frames=5)
+    ended = session.run(each=lambda now: print(f"motion {now.motion}: E = {now.E:.3f} px², {now.usable.sum()} points"))
+    print(f"{ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions")
     return session
 
 

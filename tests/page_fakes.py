@@ -58,7 +58,7 @@ from viewimit.app.panels.status import StatusPanel
 from viewimit.app.quiet_client import quiet_client
 from waiting import wait_until
 
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.simulation.markers import load_markers
 from viewimit.simulation.world import World
 
@@ -192,11 +192,11 @@ class Camera:
 class Visit:
     """A page without a browser, ticked by hand in a clock of its own."""
 
-    def __init__(self, camera, resumed=None, settings=BEST):
+    def __init__(self, camera, resumed=None, settings=None):
         self.kept, self.now = [], 100.0
         workers, clock = (LandscapeWorker(), ExperimentWorker(), camera), lambda: self.now
         services = Services(*workers, LoadShedding(TICK), lambda robot, arm: None, clock=clock)
-        self.page = Page(quiet_client(id(self)), services, settings, self.kept.append, resumed)
+        self.page = Page(quiet_client(id(self)), services, settings or Settings(), self.kept.append, resumed)
         self.session, self.player, self.duel = (
             getattr(self.page.model, name) for name in ("session", "player", "duel")
         )

@@ -89,7 +89,7 @@ class QuietPage:
         clock = lambda: self.now
         services = Services(*workers, shedding, lambda robot, arm: None, classroom=classroom, clock=clock)
         reach = Reach(address, shared=shared, of_class=of_class)
-        self.page = Page(self.client, services, settings or Settings(), keep, resumed, reach)
+        self.page = Page(self.client, services, settings or Settings.paper(), keep, resumed, reach)
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if widget.label == label)

@@ -29,6 +29,7 @@ ORDER = (  # each imports only what stands above it, or itself
     "body_image",
     "snapshot",
     "history",
+    "result",
     "simulation",
     "looking",
     "embodiment",
@@ -119,8 +120,8 @@ def in_part(part):
 
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/session.py") == {
-        "body_image", "contradictions", "embodiment", "history", "prediction", "rectifying", "script", "servo",
-        "settings", "simulation", "snapshot", "views",
+        "body_image", "contradictions", "embodiment", "history", "prediction", "rectifying", "result", "script",
+        "servo", "settings", "simulation", "snapshot", "transfer", "views",
     }  # fmt: skip
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 

@@ -30,11 +30,11 @@ KNOWN_BY_NAME = {
 
 
 def spoilt(seed=(1,), **amounts):
-    return spoil(Settings(**amounts).amounts(ImageDisturbance), POINTS, SEEN, seed)
+    return spoil(Settings.paper(**amounts).amounts(ImageDisturbance), POINTS, SEEN, seed)
 
 
 def driven(theta, sent, **amounts):
-    return np.degrees(drive(Settings(**amounts).amounts(ArmDisturbance), np.radians(theta), np.radians(sent)))
+    return np.degrees(drive(Settings.paper(**amounts).amounts(ArmDisturbance), np.radians(theta), np.radians(sent)))
 
 
 def test_noise_has_its_standard_deviation_and_grows_in_place():
@@ -71,7 +71,7 @@ def test_one_disturbance_of_an_image_does_not_change_what_another_does():
 
 def test_frames_are_looks_of_their_own_and_the_first_is_the_only_one_of_a_single_look():
     points, visible = np.zeros((10, 4)), np.ones((10, 2), bool)
-    amounts = Settings(noise_px=1.0, missing=0.2).amounts(ImageDisturbance)
+    amounts = Settings.paper(noise_px=1.0, missing=0.2).amounts(ImageDisturbance)
     frames, seen = spoil_frames(amounts, points, visible, [3, 1], 4)
     alone, alone_seen = spoil(amounts, points, visible, [3, 1])
     assert frames.shape == (4, 10, 4) and seen.shape == (4, 10, 2)
@@ -94,7 +94,7 @@ class TestEach:
     def test_it_changes_a_run_and_is_in_the_caption(self, name, entry):
         low, high = entry.bounds
         amount = low + 0.3 * (high - low)
-        runs = [Session(Settings(start_deg=(25, -45), **{name: value})) for value in (0.0, amount)]
+        runs = [Session(Settings.paper(start_deg=(25, -45), **{name: value})) for value in (0.0, amount)]
         for run in runs:
             run.run(4)
         plain, disturbed = ([moment.E for moment in run.history] for run in runs)
@@ -103,10 +103,10 @@ class TestEach:
 
     def test_its_bounds_are_kept(self, name, entry):
         for bound in entry.bounds:
-            assert getattr(Settings(**{name: bound}), name) == bound
+            assert getattr(Settings.paper(**{name: bound}), name) == bound
         for beyond in (entry.bounds[0] - 0.01, entry.bounds[1] + 0.01, np.nan):
             with pytest.raises(ValueError, match=f"{name} must be between"):
-                msgspec.structs.replace(Settings(), **{name: beyond})
+                msgspec.structs.replace(Settings.paper(), **{name: beyond})
 
     def test_it_is_an_option(self, name, entry, ask, ask_json):
         option = "--" + name.replace("_", "-")
@@ -117,7 +117,7 @@ class TestEach:
         assert status == 2 and f"{option}: {name} must be between" in err
 
     def test_it_is_a_slider(self, name, entry):
-        page = QuietPage(Settings(start_deg=(25, -45)))
+        page = QuietPage(Settings.paper(start_deg=(25, -45)))
         page.tick()
         slider = page.widget(entry.label)
         assert (slider.min, slider.max, slider.step) == entry.reach and slider.hint == entry.says

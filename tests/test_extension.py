@@ -168,7 +168,7 @@ def registered(monkeypatch):
 
 def outside(**settings):
     """Settings with the transfer and the servo from outside."""
-    return Settings(**{"transfer": "ridge", "servo": "cautious", "start_deg": (25, -45), **settings})
+    return Settings.paper(**{"transfer": "ridge", "servo": "cautious", "start_deg": (25, -45), **settings})
 
 
 def stepped(count):
@@ -181,7 +181,7 @@ def stepped(count):
 @pytest.fixture
 def page():
     """At rest on the outside methods, chosen by their titles."""
-    page = QuietPage(Settings(start_deg=(25, -45)))
+    page = QuietPage(Settings.paper(start_deg=(25, -45)))
     page.tick()
     page.choose("Transfer", "Ridge regression")
     page.choose("Servo", "Cautious")

@@ -9,7 +9,7 @@ from viewimit.history import EARLY, RECENT, STRIDE, History
 from viewimit.session import Session
 from viewimit.settings import Settings
 
-BEGUN = Session(Settings(transfer="linear")).snapshot
+BEGUN = Session(Settings.paper(transfer="linear")).snapshot
 
 
 def moment(motion, **changes):
@@ -101,3 +101,26 @@ def test_a_history_taken_over_is_as_one_written_here(dense):
     assert heavy_ones(there) == heavy_ones(here)
     bare = [moment(motion) for motion in range(motions + 1)]
     assert all(one is other for one, other in zip(History(bare, motions), bare))  # nothing to let go of
+
+
+def test_a_history_is_a_table_whose_columns_are_named_by_the_joints_that_move():
+    session = Session(Settings(joints=(2, 4, 6), points=16))
+    session.run(4)
+    for history in (session.history, session.copy().history):
+        arrays, rows = history.arrays(), history.table()
+        for k, joint in enumerate((2, 4, 6)):
+            for name, field in (("theta", "theta"), ("demonstrator", "theta_demo"), ("moved", "moved")):
+                expected = np.degrees([getattr(moment, field)[k] for moment in history])
+                np.testing.assert_array_equal(arrays[f"{name}{joint}_deg"], expected)
+        np.testing.assert_array_equal(arrays["E_px2"], [moment.E for moment in history])
+        assert arrays["status"].tolist() == [moment.status for moment in history]
+        assert arrays["motion"].tolist() == [row["motion"] for row in rows] == list(range(5))
+        assert all(row.keys() == arrays.keys() for row in rows)
+        assert rows[3] == {name: column.tolist()[3] for name, column in arrays.items()}
+
+
+def test_moments_that_stand_in_for_others_are_in_its_table_once():
+    session = Session(Settings.paper(servo="gradient", start_deg=(25, -45)), dense=8)
+    session.run(EARLY + 8 + 4 * STRIDE)
+    motions = [row["motion"] for row in session.history.table()]
+    assert motions == sorted(set(motions)) and len(motions) < len(session.history) and motions[-1] == session.cursor

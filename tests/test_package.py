@@ -151,7 +151,7 @@ def test_its_links_open_the_states_that_are_drawn(wheel):
     assert len(found) > 5
     for address, E in found:
         names: dict = {}
-        exec(as_python(read(address, Settings()).script), names)
+        exec(as_python(read(address, Settings.paper()).script), names)
         assert names["session"].snapshot.E == pytest.approx(E, rel=1e-9)
 
 

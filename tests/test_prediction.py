@@ -18,11 +18,11 @@ def drift_of(session):
 
 
 def test_a_servo_may_ask_another_transfer_and_for_weights():
-    session = Session(Settings(transfer="epipolar"))
+    session = Session(Settings.paper(transfer="epipolar"))
     now = session.snapshot
     ask, own = PredictedConflict(now), now.views.own
     np.testing.assert_allclose(ask(own), now.e)
-    other = Session(Settings(transfer="linear")).snapshot
+    other = Session(Settings.paper(transfer="linear")).snapshot
     np.testing.assert_allclose(ask(own, "linear"), other.e)
     unknown = own.copy()
     unknown[3] = np.nan
@@ -41,7 +41,7 @@ def half_seen(session, points):
 
 
 def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_transfer_that_can():
-    session = Session(Settings(transfer="projective"))
+    session = Session(Settings.paper(transfer="projective"))
     there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
     now = half_seen(session, [2, 7])
     assert now.half_shown == 2 and now.shown == 8
@@ -65,7 +65,7 @@ def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_tran
 
 
 def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_alike_elsewhere():
-    session = Session(Settings(transfer="projective", scene="panda-toed", points=16, noise_px=0.2))
+    session = Session(Settings.paper(transfer="projective", scene="panda-toed", points=16, noise_px=0.2))
     while session.snapshot.rectification is None and session.step():
         pass
     there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
@@ -78,7 +78,7 @@ def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_ali
 
 
 def test_images_of_a_batch_are_answered_as_each_of_them():
-    now = Session(Settings(transfer="projective")).snapshot
+    now = Session(Settings.paper(transfer="projective")).snapshot
     ask, own = PredictedConflict(now), now.views.own
     batch = own + np.random.default_rng(0).normal(0, 2, (2, 3, *own.shape))
     for by in (None, "epipolar"):
@@ -88,7 +88,7 @@ def test_images_of_a_batch_are_answered_as_each_of_them():
 
 
 def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays(monkeypatch):
-    session = Session(Settings(transfer="projective", servo="trust-region"))
+    session = Session(Settings.paper(transfer="projective", servo="trust-region"))
     for _ in range(3):
         session.step()
     now, moments = session.snapshot, list(session.history)
@@ -112,16 +112,16 @@ def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays
 
 
 def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
-    now = Session(Settings(transfer="linear")).snapshot
+    now = Session(Settings.paper(transfer="linear")).snapshot
     drift = np.full_like(now.views.demo, 3.0)
     ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
     np.testing.assert_allclose(PredictedConflict(now, drift)(now.views.own), ahead.e)
 
 
 def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
-    first = Session(Settings(transfer="linear", start_deg=(25, -45)))
+    first = Session(Settings.paper(transfer="linear", start_deg=(25, -45)))
     then = first.snapshot.transfer
-    now = first.run().with_fields(frozen=then)
+    now = first.run().last.with_fields(frozen=then)
     own, drift = now.views.own, np.ones_like(now.views.demo)
 
     def of_frozen(by_px):
@@ -134,7 +134,7 @@ def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_whe
 
 
 def test_one_jump_of_the_demonstrator_is_no_drift():
-    session = Session(Settings(transfer="linear"))
+    session = Session(Settings.paper(transfer="linear"))
     session.run(4)
     session.pose(np.radians([70, -40]))
     assert not drift_of(session).any()
@@ -151,7 +151,7 @@ def test_one_jump_of_the_demonstrator_is_no_drift():
 
 
 def test_a_point_not_seen_on_the_way_has_no_drift_whatever_its_coordinates_were():
-    session = Session(Settings(transfer="linear", servo="trust-region", demonstrator_deg=(70, -40)))
+    session = Session(Settings.paper(transfer="linear", servo="trust-region", demonstrator_deg=(70, -40)))
     for angle in (71, 72):
         session.step()
         session.pose(np.radians([angle, -40]))

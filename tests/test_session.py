@@ -8,18 +8,19 @@ import numpy as np
 import pytest
 from viewimit.assets import ROOT
 
+from viewimit.embodiment.in_scene import complete
 from viewimit.experiments.bench import baselines
 from viewimit.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.servo import SERVOS
 from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.settings import Settings, warn_of_radians
 from viewimit.simulation.scene import Scene
 from viewimit.transfer import TRANSFERS
 
-DISTURBED = Settings(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
-RESTLESS = Settings(servo="gradient-retuned", noise_px=0.2, start_deg=(25, -45))  # it never rests
+DISTURBED = Settings.paper(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
+RESTLESS = Settings.paper(servo="gradient-retuned", noise_px=0.2, start_deg=(25, -45))  # it never rests
 DERIVED = ("usable", "transfer", "flatness", "recovered", "e")
-CALM = Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))
+CALM = Settings.paper(transfer="linear", demonstrator_deg=(45, -90), start_deg=(25, -45))
 
 
 def run(session, motions=200):
@@ -46,7 +47,7 @@ def same(a, b):
 @pytest.mark.parametrize("servo", SERVOS)
 def test_equal_settings_repeat_bit_for_bit_and_another_seed_does_not(servo):
     def history(seed):
-        return walked(Session(Settings(**{**options, "seed": seed})), 12).history
+        return walked(Session(Settings.paper(**{**options, "seed": seed})), 12).history
 
     options = {"transfer": "linear", "servo": servo, "noise_px": 0.3, "missing": 0.05}
     first, again, other = history(3), history(3), history(4)
@@ -56,7 +57,7 @@ def test_equal_settings_repeat_bit_for_bit_and_another_seed_does_not(servo):
 
 
 def test_E_of_every_moment_is_that_of_the_plain_implementation():
-    session = run(Session(Settings(transfer="epipolar")))
+    session = run(Session(Settings.paper(transfer="epipolar")))
     postures = np.array([moment.theta for moment in session.history])
     plain = baselines.loop(session.world, session.snapshot.views.demo, postures)
     assert [moment.E for moment in session.history] == pytest.approx(plain, rel=1e-8)
@@ -159,7 +160,7 @@ def test_the_past_is_not_altered():
 
 @pytest.mark.parametrize("transfer", TRANSFERS)
 def test_old_moments_let_go_of_what_follows_from_the_rest_and_find_the_same_again(transfer):
-    session = Session(Settings(servo="gradient-retuned", transfer=transfer, noise_px=0.3, missing=0.1))
+    session = Session(Settings.paper(servo="gradient-retuned", transfer=transfer, noise_px=0.3, missing=0.1))
     first = session.snapshot
     before = {name: getattr(first, name) for name in DERIVED}
     while session.snapshot.motion < RECENT + STRIDE:
@@ -186,25 +187,25 @@ def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_
         now.with_fields(e=now.e)
     other = now.with_fields(status="stalled", E=1.0)
     assert other.transfer is now.transfer and other.E == 1.0 and now.status == "ready"
-    for changes in ({"views": dataclasses.replace(now.views)}, {"settings": Settings(transfer="rank3")}):
+    for changes in ({"views": dataclasses.replace(now.views)}, {"settings": Settings.paper(transfer="rank3")}):
         other = now.with_fields(**changes)
         assert other.transfer is not now.transfer and now.with_fields(**changes).e is not now.e
 
 
 def test_run_steps_until_the_servo_rests_or_the_motions_are_made_and_tells_of_each():
     seen, session = [], Session(CALM)
-    last = session.run(each=seen.append)
+    last = session.run(each=seen.append).last
     assert last is session.snapshot and last.status == "rests" and not session.step()
     assert [moment.motion for moment in seen] == list(range(1, last.motion + 1))
-    assert Session(CALM).run(3).motion == 3
-    assert session.run() is session.snapshot
+    assert Session(CALM).run(3).last.motion == 3
+    assert session.run().last is session.snapshot
 
 
 def test_run_gives_up_when_too_few_points_are_seen_for_long_and_goes_on_when_they_come_back():
-    blind = Session(Settings(missing=1.0))
-    assert blind.run(patience=5).look == 5 and blind.snapshot.status == "stopped"
-    now_and_then = Settings(transfer="linear", servo="gradient-retuned", points=20, missing=0.25, seed=0)
-    impatient, patient = Session(now_and_then).run(30, patience=1), Session(now_and_then).run(30)
+    blind = Session(Settings.paper(missing=1.0))
+    assert blind.run(patience=5).last.look == 5 and blind.snapshot.status == "stopped"
+    now_and_then = Settings.paper(transfer="linear", servo="gradient-retuned", points=20, missing=0.25, seed=0)
+    impatient, patient = Session(now_and_then).run(30, patience=1).last, Session(now_and_then).run(30).last
     assert impatient.status == "stopped" and impatient.motion < patient.motion == 30 < patient.look
 
 
@@ -241,7 +242,7 @@ def test_too_few_points_hold_the_arm_still_and_say_so():
 
 
 def test_points_that_are_not_seen_in_all_four_views_take_no_part():
-    session = Session(Settings(transfer="linear", missing=0.1, seed=3))
+    session = Session(Settings.paper(transfer="linear", missing=0.1, seed=3))
     now = session.snapshot
     assert 5 <= now.usable.sum() < 10
     np.testing.assert_array_equal(now.usable, now.views.visible.all(-1))
@@ -311,7 +312,7 @@ def test_a_posture_that_cannot_be_leaves_the_demonstrator_as_it_was(posture):
 
 
 def test_a_demonstrators_posture_is_checked_once_and_lies_within_its_limits(monkeypatch):
-    session, checked, require = Session(), [], Scene.require_posture
+    session, checked, require = Session(Settings.paper()), [], Scene.require_posture
     monkeypatch.setattr(Scene, "require_posture", lambda *args: checked.append(args) or require(*args))
     lower, upper = session.scene.lower, session.scene.upper
     for theta in (upper + 1e-9, lower - 1e-9, np.radians((45.1, -90.2))):
@@ -356,13 +357,13 @@ def test_another_robot_takes_the_place_of_the_scenes(tmp_path):
     shipped = Session(CALM)
     path = tmp_path / "shorter.urdf"
     path.write_text((ROOT / "robots/panda/panda.urdf").read_text().replace('xyz="0 -0.316 0"', 'xyz="0 -0.216 0"'))
-    session = Session(Settings(transfer="linear", robot=str(path)))
+    session = Session(Settings.paper(transfer="linear", robot=str(path)))
     assert session.world.robot.name == "shorter"
     assert not np.allclose(session.snapshot.views.own, shipped.snapshot.views.own)
 
 
 def test_a_demonstrator_that_moves_is_not_taken_for_convergence():
-    rng, session = np.random.default_rng(5), Session(Settings(transfer="linear"))
+    rng, session = np.random.default_rng(5), Session(Settings.paper(transfer="linear"))
     for _ in range(25):
         session.pose(rng.uniform(session.scene.lower, session.scene.upper))
         for _ in range(rng.integers(1, 40)):
@@ -372,7 +373,7 @@ def test_a_demonstrator_that_moves_is_not_taken_for_convergence():
 
 
 def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
-    session = Session(Settings(servo="gradient-retuned", transfer="linear"))
+    session = Session(Settings.paper(servo="gradient-retuned", transfer="linear"))
     for _ in range(400):
         session.step()
     session.pose(np.radians([70, -60]))
@@ -383,7 +384,7 @@ def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
 
 def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
     """One motion a degree of the demonstrator: without looking ahead the learner would lag by that degree."""
-    session = run(Session(Settings(transfer="linear", servo="broyden", demonstrator_deg=(45, -90))))
+    session = run(Session(Settings.paper(transfer="linear", servo="broyden", demonstrator_deg=(45, -90))))
     bias = np.degrees(session.snapshot.theta - session.snapshot.theta_demo)
     lag = []
     for k in range(1, 31):
@@ -394,8 +395,8 @@ def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
 
 
 def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arrives():
-    session = run(Session(Settings(transfer="linear", gain_error=0.05, quantum_deg=0.2)))
-    exact = run(Session(Settings(transfer="linear")))
+    session = run(Session(Settings.paper(transfer="linear", gain_error=0.05, quantum_deg=0.2)))
+    exact = run(Session(Settings.paper(transfer="linear")))
     now = session.snapshot
     assert np.degrees(np.abs(now.commanded - now.theta)).max() > 0.5
     np.testing.assert_array_equal(exact.snapshot.commanded, exact.snapshot.theta)
@@ -404,21 +405,96 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
     np.testing.assert_allclose(told, now.commanded - np.radians(session.settings.start_deg))
 
 
+@pytest.mark.parametrize(
+    "settings, max_motions, status, said",
+    [
+        (Settings(start_deg=(25, -45)), 100, "converged", "the learner claims to have arrived"),
+        (Settings.paper(start_deg=(25, -45)), 100, "rests", "it rests, without evidence of having arrived"),
+        (Settings(points=5, demonstrator_deg=(20, -30)), 100, "untold", "some joint is not told"),
+        (Settings.paper(servo="gradient", start_deg=(25, -45)), 3, "max_motions", "no more motions"),
+        (Settings(), 0, "max_motions", "no motion was made"),
+        (Settings(missing=1.0), 5, "stopped", "too few points are seen in all four images"),
+    ],
+)
+def test_a_run_says_why_it_ended(settings, max_motions, status, said):
+    session = Session(settings)
+    ended = session.run(max_motions, patience=3)
+    assert (ended.status, ended.success, ended.message) == (status, status == "converged", said)
+    assert ended.last is session.snapshot and ended.theta is ended.last.theta and ended.motions == session.cursor
+    assert len(repr(ended)) < 100
+
+
+def test_a_run_that_stalled_says_so_in_the_servos_words():
+    ended = Session(Settings.paper(servo="kalman", scene="panda-facing", noise_px=1.0, start_deg=(75, -150))).run(200)
+    assert ended.status == "stalled" and not ended.success
+    assert ended.message == "stalled: not lower for 30 motions"
+
+
+def test_travel_is_that_of_the_run_joint_by_joint_and_of_the_joint_that_moved_most():
+    session = Session(Settings(start_deg=(25, -45), gain_error=0.05))
+    first = session.run(3)
+    session.pose(np.radians((70, -120)))
+    second = session.run()
+    moved = np.abs(np.diff(np.degrees([moment.theta for moment in session.history]), axis=0))
+    for ended, motions in ((first, moved[:3]), (second, moved[3:])):
+        assert ended.motions == len(motions) > 0
+        np.testing.assert_allclose(ended.joint_travel_deg, motions.sum(0), atol=1e-9)
+        assert ended.travel_deg == pytest.approx(motions.max(1).sum())
+    assert session.run().travel_deg == 0 and session.run().motions == 0
+
+
+def test_settings_are_those_of_the_best_method_unless_the_papers_is_asked_for():
+    best, paper = Settings(), Settings.paper()
+    assert (best.transfer, best.servo, best.frames) == ("projective", "trust-region", 25)
+    assert Settings.best() == best and Session().settings == complete(best) and Session().settings != complete(paper)
+    assert (paper.transfer, paper.servo, paper.frames) == ("epipolar", "broyden", 1)
+    assert msgspec.structs.replace(paper, transfer="projective", servo="trust-region", frames=25) == best
+    assert Settings.best(frames=9) == msgspec.structs.replace(best, frames=9)
+    assert Settings.paper(servo="gradient", points=16) == msgspec.structs.replace(paper, servo="gradient", points=16)
+
+
+@pytest.mark.parametrize(
+    "fields, meant",
+    [
+        ({"demonstrator_deg": (np.pi / 4, -np.pi / 2)}, "45, -90"),
+        ({"start_deg": np.radians((25, 0))}, "25, 0"),
+        ({"quantum_deg": np.radians(1.0)}, "1"),
+    ],
+)
+def test_degrees_that_are_radians_of_whole_degrees_are_warned_of_once_where_they_are_given(fields, meant):
+    said = rf"{next(iter(fields))} = .* looks like radians.*Did you mean {meant}\?"
+    session = Session()
+    for given in (lambda: Session(Settings(**fields)), lambda: session.change(**fields)):
+        with pytest.warns(UserWarning, match=said) as warned:
+            given()
+        assert [warning.filename for warning in warned] == [__file__]
+
+
+@pytest.mark.filterwarnings("error")
+def test_postures_in_degrees_are_never_taken_for_radians():
+    rng = np.random.default_rng(0)
+    postures = [*rng.uniform(-6, 6, (2_000, 1)), *rng.uniform(-180, 180, (200, 2)).round(1), (0, 0), (1e-9, 3)]
+    for posture in postures:
+        warn_of_radians(Settings(demonstrator_deg=posture, start_deg=np.degrees(np.radians(posture))))
+    for quantum in (0.01, 0.1, 0.5, 1.0):
+        warn_of_radians(Settings(quantum_deg=quantum))
+
+
 def test_settings_of_lists_and_numpys_numbers_are_those_of_tuples_and_pythons():
-    plain = Settings(joints=(2, 4), undistort=(0.0, 0.0), noise_px=0.5, seed=3, start_deg=(25.0, -45.0))
-    loose = Settings(
+    plain = Settings.paper(joints=(2, 4), undistort=(0.0, 0.0), noise_px=0.5, seed=3, start_deg=(25.0, -45.0))
+    loose = Settings.paper(
         joints=np.array([2, 4]), undistort=[0.0, np.float64(0)], noise_px=np.float64(0.5), seed=np.int64(3),
         start_deg=[25.0, -45.0],
     )  # fmt: skip
     assert loose == plain and repr(loose) == repr(plain) and hash(loose) == hash(plain)
     with pytest.raises(ValueError, match="seed must be a whole number"):
-        Settings(seed=np.float64(3.5))
+        Settings.paper(seed=np.float64(3.5))
 
 
 def test_settings_of_paths_are_those_of_their_text_and_of_nothing_else():
-    loose = Settings(scene=Path("mine.toml"), robot=Path("arm.urdf"))
-    assert loose == Settings(scene="mine.toml", robot="arm.urdf")
+    loose = Settings.paper(scene=Path("mine.toml"), robot=Path("arm.urdf"))
+    assert loose == Settings.paper(scene="mine.toml", robot="arm.urdf")
     assert msgspec.convert(msgspec.to_builtins(loose), Settings) == loose
     for name, wrong in (("scene", None), ("scene", 5), ("robot", b"panda"), ("transfer", ["linear"]), ("servo", None)):
         with pytest.raises(ValueError, match=f"{name} must be text, got"):
-            Settings(**{name: wrong})
+            Settings.paper(**{name: wrong})

@@ -69,6 +69,37 @@ def test_one_demonstrator_beside_a_batch_of_own_images():
     assert views.with_own(views.own[0]).own.shape == (6, 4)
 
 
+def test_a_batch_whose_postures_show_different_points_is_never_merged_into_one_body():
+    l, r, L, R = images(12, (3,))
+    R[1, 4] = np.nan
+    views = FourViews.from_images(l, r, L, R)
+    for unfit in (lambda: views.used, lambda: views.matches, lambda: views.select(views.usable)):
+        with pytest.raises(ValueError, match="for all postures|different points: fit each posture by itself"):
+            unfit()
+    of_all = views.select(views.usable.all(0))
+    assert of_all.used is of_all and of_all.demo.shape == of_all.own.shape == (3, 11, 4)
+
+
+def test_a_batch_whose_postures_show_the_same_points_stays_a_batch():
+    l, r, L, R = images(12, (3,))
+    l[:, 7] = np.nan
+    views = FourViews.from_images(l, r, L, R)
+    used = views.used
+    assert used.own.shape == (3, 11, 4) and used.complete
+    for k in range(3):
+        alone = FourViews.from_images(l[k], r[k], L[k], R[k])
+        np.testing.assert_array_equal(used.own[k], alone.used.own)
+        np.testing.assert_array_equal(views.matches[0][k], alone.matches[0])
+        np.testing.assert_array_equal(views.matches[1][k], alone.matches[1])
+
+
+def test_opencvs_arrays_are_points_of_one_posture():
+    l, r, L, R = images()
+    views = FourViews.from_images(l[:, None], r[:, None].astype("f4"), L, np.ma.array(R[:, None], mask=False))
+    assert views.own.shape == views.demo.shape == (6, 4)
+    np.testing.assert_array_equal(views.own, FourViews.from_images(l, r, L, R).own)
+
+
 def test_wrong_shapes_are_refused_with_the_view():
     l, r, L, R = images()
     with pytest.raises(ValueError, match="own_left: need points of shape"):

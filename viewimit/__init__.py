@@ -3,13 +3,15 @@
 After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry", IROS 2001.
 
     Session, Settings, Snapshot     the loop: posture → views → transfer → E → servo → next posture
+    Settings.best, Settings.paper   the best method, which Settings() is too, and the paper's
+    RunResult                       why Session.run ended, and what it took
     FourViews                       image points in [l], [r], [L], [R], simulated or your own
     TRANSFERS, SERVOS               estimators and servo laws by name
     conflict                        E of the residuals that a fitted transfer gives, Eq. (6)
     fit_affine_fundamental          Eqs. (1)-(3)
     Arm, Eyes                       what to write for a robot and cameras of your own; Session.of(arm, eyes)
     World, load_scene               the simulated world, from a scene file
-    Landscape                       E over a grid of postures; made by viewimit.analysis.landscape.landscape
+    landscape, Landscape            E over the range of the two moving joints: landscape(session)
     replay                          a session as one page, in a notebook or a file, that needs no server
 
 The names are loaded when first used.
@@ -21,11 +23,12 @@ from typing import TYPE_CHECKING
 __version__ = "0.2.0"
 
 if TYPE_CHECKING:
-    from .analysis.landscape import Landscape
+    from .analysis.landscape import Landscape, landscape
     from .embodiment.interface import Arm, Eyes
     from .evaluation import conflict
     from .export.replay import replay
     from .geometry.affine import fit_affine_fundamental
+    from .result import RunResult
     from .servo import SERVOS
     from .session import Session
     from .settings import Settings
@@ -40,6 +43,7 @@ _MODULES = {
     "Eyes": ".embodiment.interface",
     "FourViews": ".views",
     "Landscape": ".analysis.landscape",
+    "RunResult": ".result",
     "SERVOS": ".servo",
     "Session": ".session",
     "Settings": ".settings",
@@ -48,6 +52,7 @@ _MODULES = {
     "World": ".simulation.world",
     "conflict": ".evaluation",
     "fit_affine_fundamental": ".geometry.affine",
+    "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",
     "replay": ".export.replay",
 }
@@ -59,12 +64,14 @@ __all__ = [
     "Eyes",
     "FourViews",
     "Landscape",
+    "RunResult",
     "Session",
     "Settings",
     "Snapshot",
     "World",
     "conflict",
     "fit_affine_fundamental",
+    "landscape",
     "load_scene",
     "replay",
 ]

@@ -1,7 +1,10 @@
 """The moments of a session in order of their motions, and the one of them that it is at."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import overload
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .snapshot import Snapshot
 
@@ -12,14 +15,22 @@ STRIDE, MOST_OLD = 32, 64  # of motions long past one in so many is kept, if not
 
 
 class History(Sequence[Snapshot]):
-    """moments: by motion, from 0 on; cursor: the motion that the session is at.
+    """moments: by motion, from 0 on; cursor: the motion that the session is at; joints: numbers of those that move, by
+    which columns are named, 1, 2, … if None.
 
     dense: how many of the last motions are kept, None for all. Of older ones the EARLY first are, and then every
     STRIDE-th, which stands in place of those after it; every second one of these as soon as they are MOST_OLD, and so
     on: a history of whatever length takes no more memory.
     """
 
-    def __init__(self, moments: Iterable[Snapshot], cursor: int = 0, dense: int | None = None):
+    def __init__(
+        self,
+        moments: Iterable[Snapshot],
+        cursor: int = 0,
+        dense: int | None = None,
+        joints: Sequence[int] | None = None,
+    ):
+        self.joints = joints
         self._moments, self.cursor, self._dense = list(moments), cursor, dense
         for first in range(0, cursor - RECENT - STRIDE + 1, STRIDE):
             self._let_go(first)
@@ -46,6 +57,38 @@ class History(Sequence[Snapshot]):
     def recent(self, count: int) -> list[Snapshot]:
         """The last moments up to the present, at most `count`, the present one last."""
         return self._moments[max(self.cursor + 1 - count, 0) : self.cursor + 1]
+
+    def arrays(self) -> dict[str, NDArray]:
+        """Columns of one value a motion, (K,) each, of the K moments that are kept.
+
+        motion; by joint theta2_deg, demonstrator2_deg (the truth, NaN where nobody knows it) and moved2_deg, the motion
+        that led there; E_px2; usable, the number of points seen in all views; probe; status.
+        """
+        kept = [moment for k, moment in enumerate(self._moments) if moment.motion == k]  # others stand in for some
+        joints = self.joints or range(1, len(kept[0].theta) + 1)
+        angles = {
+            "theta": [moment.theta for moment in kept],
+            "demonstrator": [moment.theta_demo for moment in kept],
+            "moved": [moment.moved for moment in kept],
+        }
+        by_joint = {
+            f"{name}{joint}_deg": column
+            for name, values in angles.items()
+            for joint, column in zip(joints, np.degrees(values).T)
+        }
+        return {
+            "motion": np.array([moment.motion for moment in kept]),
+            **by_joint,
+            "E_px2": np.array([moment.E for moment in kept]),
+            "usable": np.array([int(moment.usable.sum()) for moment in kept]),
+            "probe": np.array([bool(moment.probe) for moment in kept]),
+            "status": np.array([moment.status for moment in kept]),
+        }
+
+    def table(self) -> list[dict[str, Any]]:
+        """A row a motion, with the columns of `arrays`: for csv.DictWriter, or for pandas.DataFrame."""
+        columns = self.arrays()
+        return [dict(zip(columns, row)) for row in zip(*(column.tolist() for column in columns.values()))]
 
     def append(self, moment: Snapshot) -> None:
         """One motion on from the present; what came later is dropped."""

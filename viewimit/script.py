@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import msgspec
 
-from .settings import Settings
+from .settings import OWN, Settings
 
 Times = Annotated[int, msgspec.Meta(ge=1)]
 FIELDS: dict[str, Any] = {"frozen": True, "forbid_unknown_fields": True, "array_like": True}
@@ -71,6 +71,17 @@ class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def steps(self) -> int:
         """How long it takes to play, in passes of the loop."""
         return sum(deed.times for deed in self.deeds if isinstance(deed, Stepped | Looked))
+
+    @property
+    def runs_own(self) -> bool:
+        """Whether it needs a transfer or a servo that a session was given itself."""
+        named: list[object] = [self.settings.transfer, self.settings.servo]
+        for deed in self.deeds:
+            if isinstance(deed, Began):
+                named += [deed.settings.transfer, deed.settings.servo]
+            elif isinstance(deed, Changed):
+                named += [deed.fields.get("transfer"), deed.fields.get("servo")]
+        return OWN in named
 
     def renamed(self, told: Callable[[str], str]) -> Script:
         """With scenes and robots called as told has them: `file_name` for others, to whom folders are nothing."""
@@ -142,7 +153,10 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             if here:
                 deeds += [Stepped(at - last)] * (at > last) + here
                 last = at
-        return Script(self.before.settings, tuple(deeds + [Stepped(motion - last)] * (motion > last)))
+        found = Script(self.before.settings, tuple(deeds + [Stepped(motion - last)] * (motion > last)))
+        if found.runs_own:
+            raise ValueError("it runs a transfer or a servo of your own, which no script, link or file can hold")
+        return found
 
     def copy(self) -> Log:
         """That does not follow any more."""

@@ -9,7 +9,7 @@ Every pass leaves one immutable Snapshot, which panels, plots, exports and tests
 
 import copy
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -23,15 +23,17 @@ from .embodiment.motion_limits import waypoints, within
 from .history import MAX_HISTORY, RECENT, History
 from .prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
 from .rectifying import POOLED, rectification_for
+from .result import RunResult
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
-from .servo import SERVOS, Observation
+from .servo import MinimalServo, Observation, Servo, completed_servo
 from .servo.observation import Conflict
 from .servo.visit import Visit
-from .settings import BEST, Settings
+from .settings import OWN, Settings, warn_of_radians
 from .simulation.eyes import SimulatedEyes, open_eyes
 from .simulation.scene import Scene
 from .simulation.world import World
-from .snapshot import AT_REST, Snapshot, exchanged
+from .snapshot import AT_REST, Snapshot, exchanged, given_own, probes, status_of
+from .transfer import TransferFunction, TransferMethod, transfer_method
 from .views import FourViews
 
 BEGIN_ANEW = (  # what changes body or camera
@@ -39,15 +41,20 @@ BEGIN_ANEW = (  # what changes body or camera
 )  # fmt: skip
 THERE = set(AT_REST) - {"stalled"}  # at rest where E is as small as the servo can make it
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
+GivenTransfer = str | TransferMethod | TransferFunction
+GivenServo = str | Servo | MinimalServo
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
 class Session:
     """One learner, one demonstrator, one history. Not thread-safe: one thread steps it.
 
-    open_eyes(camera, scene, points): what it looks with and moves by; dense: how many of the last motions its history
-    keeps all of, None for all. workspace: the lowest and the highest angles that its arm may be sent to, (m,) rad each.
-    Raises ValueError, with the session as it was, for settings that cannot be.
+    settings: `Settings()`, the best method, if None. transfer, servo: in place of those of the settings, a name or one
+    of your own, which settings then call OWN: a function of `FourViews` or a `TransferMethod`, and an object with
+    `start` and `step` (`MinimalServo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
+    with and moves by; dense: how many of the last motions its history keeps all of, None for all. workspace: the lowest
+    and the highest angles that its arm may be sent to, (m,) rad each. Raises ValueError, with the session as it was,
+    for settings that cannot be; TypeError for what is no transfer or no servo.
     """
 
     embodiment: Embodiment
@@ -56,29 +63,59 @@ class Session:
     history: History
     log: Log
 
-    def __init__(self, settings: Settings | None = None, open_eyes: OpenEyes = open_eyes, dense: int | None = None):
-        self._set_up(SceneOpener(open_eyes), settings or Settings(), dense)
+    def __init__(
+        self,
+        settings: Settings | None = None,
+        open_eyes: OpenEyes = open_eyes,
+        dense: int | None = None,
+        transfer: GivenTransfer | None = None,
+        servo: GivenServo | None = None,
+    ):
+        if not isinstance(settings, Settings | None):
+            raise TypeError(f"settings must be Settings(…), got {settings!r}")
+        self._set_up(SceneOpener(open_eyes), settings or Settings(), dense, transfer, servo)
 
     @classmethod
     def of(
-        cls, arm: Arm, eyes: Eyes, settings: Settings = BEST, name: str = "own", dense: int | None = None
+        cls,
+        arm: Arm,
+        eyes: Eyes,
+        *,
+        name: str = "own",
+        dense: int | None = None,
+        transfer: GivenTransfer | None = None,
+        servo: GivenServo | None = None,
+        **changes: Any,
     ) -> "Session":
         """With an arm and eyes of one's own: no scene, no world, no truth. The arm goes to its start at once.
 
-        settings: transfer, servo, frames (looks averaged at each posture), rectify, start_deg (in place of the arm's
-        start), seed, and how far the arm may go: max_step_deg, workspace_deg and restarts. They hold for all that it is
-        sent to, undo and reset included, but the very first motion, to its start, may be of any length, as nobody knows
-        where the arm stood before. name: of the arm, by which a rehearsal knows its own. Raises ValueError for settings
-        that only a scene has, and for limits, postures and looks that are none; TypeError for an arm or eyes that lack
-        a member.
+        name: of the arm, by which a rehearsal knows its own; dense, transfer, servo: as of `Session`; changes: fields
+        of `Settings` that differ from `Settings.best()`: frames (looks averaged at each posture), rectify, start_deg
+        (in place of the arm's start), seed, and how far the arm may go: max_step_deg, workspace_deg and restarts. These
+        hold for all that it is sent to, undo and reset included, but the very first motion, to its start, may be of any
+        length, as nobody knows where the arm stood before. Raises ValueError for settings that only a scene has, and
+        for limits, postures and looks that are none; TypeError for an arm or eyes that lack a member.
         """
         session = cls.__new__(cls)
-        session._set_up(OwnOpener(arm, eyes, name), settings, dense)
+        session._set_up(OwnOpener(arm, eyes, name), Settings.best(**changes), dense, transfer, servo)
         return session
 
-    def _set_up(self, opener: Opener, settings: Settings, dense: int | None) -> None:
+    def _set_up(
+        self,
+        opener: Opener,
+        settings: Settings,
+        dense: int | None,
+        transfer: GivenTransfer | None,
+        servo: GivenServo | None,
+    ) -> None:
         self._open, self._dense = opener, dense
-        self.begin(settings)
+        named = {"transfer": transfer, "servo": servo}
+        chosen = {name: one if isinstance(one, str) else OWN for name, one in named.items() if one is not None}
+        self._own = OwnMethods(
+            None if isinstance(transfer, str | None) else transfer_method(transfer),
+            None if isinstance(servo, str | None) else completed_servo(servo),
+        )
+        self.begin(msgspec.structs.replace(settings, **chosen))
 
     @property
     def snapshot(self) -> Snapshot:
@@ -120,19 +157,21 @@ class Session:
         max_motions: int = MAX_HISTORY,
         patience: int = PATIENCE,
         each: Callable[[Snapshot], None] = lambda moment: None,
-    ) -> Snapshot:
+    ) -> RunResult:
         """Step until the servo rests, that many motions lie behind, or too few points were seen in `patience` looks in
-        a row → the last moment. each: called with the moment after each motion."""
-        in_vain = 0
+        a row → why it ended, and the last moment. each: called with the moment after each motion."""
+        in_vain, motions, travel, joint_travel = 0, 0, 0.0, np.zeros_like(self.snapshot.moved)
         while self.snapshot.motion < max_motions and in_vain < patience:
             if self.step():
-                in_vain = 0
+                moved = np.abs(self.snapshot.moved)
+                in_vain, motions, travel = 0, motions + 1, travel + float(moved.max())
+                joint_travel += moved
                 each(self.snapshot)
             elif self.snapshot.status == "stopped":
                 in_vain += 1
             else:
                 break
-        return self.snapshot
+        return RunResult(motions, travel, joint_travel, self.snapshot)
 
     def step(self) -> bool:
         """One pass: ask the servo, move, look. False if the servo rests or the arm must hold still.
@@ -164,8 +203,8 @@ class Session:
             self.history.replace(_resting(now, state))
             return False
         self.log.note_on(now.motion, looked=held)
-        target = now.commanded + displacement
-        after = self._moved(now, target, probe=state.probe, status=state.status, servo_state=state)
+        target, status, probe = now.commanded + displacement, status_of(state, "moving"), probes(state)
+        after = self._moved(now, target, probe=probe, status=status, servo_state=state)
         self.history.append(after)
         return True
 
@@ -238,6 +277,7 @@ class Session:
         A new servo starts learning afresh, where the arm now stands. Raises ValueError, with the session as it was.
         """
         settings = msgspec.structs.replace(self.settings, **fields)
+        self._own.require(settings)
         if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):
             self.begin(settings)
             return
@@ -245,6 +285,7 @@ class Session:
         now = self.snapshot.with_fields(frozen=None)
         if settings.servo != now.settings.servo:
             now = now.with_fields(servo_state=None)
+        warn_of_radians(settings)
         self._pose(self.embodiment.demonstrator(settings), settings, now, Changed(changed))
 
     def pose(self, theta_demo: ArrayLike) -> None:
@@ -309,15 +350,17 @@ class Session:
 
         Raises ValueError, with the session as it was, if its settings cannot be here.
         """
-        self.begin(history[cursor].settings)
+        shown = history[cursor]
+        self._begin(shown.settings, OwnMethods(shown.own_transfer, shown.own_servo))
         self.observer, sent = self.embodiment.looks(history[0].theta), self.snapshot.commanded
-        self.history, self.log = History(history, cursor, self._dense), Log.unknown() if log is None else log.copy()
+        self.history, self.log = self._history(history, cursor), Log.unknown() if log is None else log.copy()
         self.embodiment.revisit(self.settings, sent, self.snapshot.commanded)
 
     def copy(self) -> "Session":
         """That does not follow any more; to be read, by any thread."""
         other = copy.copy(self)
-        other.history, other.log = History(self.history, self.cursor), self.log.copy()
+        other.history = History(self.history, self.cursor, joints=self.history.joints)
+        other.log = self.log.copy()
         return other
 
     def begin(self, settings: Settings) -> None:
@@ -325,6 +368,11 @@ class Session:
 
         Raises ValueError, with the session as it was, if the settings cannot be.
         """
+        warn_of_radians(settings)
+        self._begin(settings, self._own)
+
+    def _begin(self, settings: Settings, own: "OwnMethods") -> None:
+        own.require(settings)
         kept, sent = (self.snapshot.body, self.snapshot.commanded) if hasattr(self, "history") else (None, None)
         begun = self._open(settings, sent)
         settings, self.embodiment, self.workspace = begun.settings, begun.embodiment, begun.workspace
@@ -336,10 +384,16 @@ class Session:
             settings=settings, motion=0, look=0, theta=theta, theta_demo=begun.theta_demo, views=NOTHING_SEEN,
             rectification=None, E=np.nan, commanded=begun.start, moved=np.zeros_like(begun.start), probe=False,
             status="ready", servo_state=None, lag=None, frozen=None, body=body,
+            own_transfer=own.transfer, own_servo=own.servo,
         )  # fmt: skip
-        self.history = History([blank], dense=self._dense)
+        self.history = self._history([blank], 0)
         self.history.replace(self._observed(theta, blank))
-        self.log = log
+        self.log, self._own = log, own
+
+    def _history(self, moments: Sequence[Snapshot], cursor: int) -> History:
+        """Of this session's arm, from these moments on."""
+        joints = self.embodiment.body(moments[cursor].settings).joints
+        return History(moments, cursor, self._dense, joints)
 
     def _with_points(self) -> Snapshot:
         """The present; looked at again, with the arm held still, if too few points were seen."""
@@ -353,13 +407,18 @@ class Session:
     def _knows_on(self, now: Snapshot) -> bool:
         """Whether its servo can tell a way on from where too few points are in sight: the demonstrator is seen."""
         begun = now.servo_state is not None
-        return begun and SERVOS[now.settings.servo].predicts and now.shows_demonstrator
+        return begun and now.servo.predicts and now.shows_demonstrator
 
     def _ask(self, now: Snapshot) -> tuple[Any, NDArray]:
         """The servo's next state, and the displacement that it wants, (m,) rad."""
-        servo, seen = SERVOS[now.settings.servo], self.observation(now)
+        servo, seen = now.servo, self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
-        return servo.step(state, seen, self.predicted_conflict(now))
+        state, displacement = servo.step(state, seen, self.predicted_conflict(now))
+        displacement = np.asarray(displacement, float)
+        if displacement.shape != now.theta.shape or not np.isfinite(displacement).all():
+            wanted = f"{len(now.theta)} finite angles in rad"
+            raise ValueError(f"the servo {servo.title!r} must return its state and {wanted}, got {displacement}")
+        return state, displacement
 
     def _moved(self, now: Snapshot, target: NDArray, **changes) -> Snapshot:
         """The moment after a motion to the target, (m,) rad, within the workspace and as far as one motion may go; it
@@ -379,7 +438,7 @@ class Session:
         forgotten."""
         if after.servo_state is None or after.transfer is None or _same_demonstrator(now, after):
             return after
-        state = SERVOS[after.settings.servo].retarget(after.servo_state, self.observation(after))
+        state = after.servo.retarget(after.servo_state, self.observation(after))
         return after.with_fields(servo_state=state, target=None)
 
     def _rehearse(self, now: Snapshot) -> None:
@@ -404,10 +463,23 @@ class Session:
         theta_demo = self.embodiment.pose(theta_demo)
         now = self._observed(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now), target=None)
         if now.servo_state is not None:
-            state = SERVOS[settings.servo].retarget(now.servo_state, self.observation(now))
+            state = now.servo.retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)
         self.log.note(now.motion, deed)
         self.history.replace(now)
+
+
+class OwnMethods(NamedTuple):
+    """What a session was given itself, which settings call OWN; None for none."""
+
+    transfer: TransferMethod | None = None
+    servo: Servo | None = None
+
+    def require(self, settings: Settings) -> None:
+        """Raises ValueError for settings that name one that was not given."""
+        for name, given in zip(self._fields, self):
+            if getattr(settings, name) == OWN:
+                given_own(name, given)
 
 
 def _log_anew(settings: Settings, before: Session | None) -> Log:
@@ -423,7 +495,8 @@ def _log_anew(settings: Settings, before: Session | None) -> Log:
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:
     """The moment at which a servo, now in this state, wants no motion any more."""
-    status = "stalled" if state.status == "moving" else state.status
+    status = status_of(state, "rests")
+    status = "stalled" if status == "moving" else status
     frozen = now.transfer if status in THERE else now.frozen
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
 

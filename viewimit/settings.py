@@ -1,6 +1,8 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
 import reprlib
+import sys
+import warnings
 from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from numbers import Integral, Real
@@ -27,18 +29,26 @@ MOST_FRAMES = 1_000
 LEAST_STEP_DEG, MOST_STEP_DEG = 0.01, 360.0  # of a motion that is the longest
 MOST_RESTARTS = 100
 SAFETY = ("max_step_deg", "restarts", "workspace_deg")  # fields that say how far the learner's arm may go
+OWN = "own"  # names the transfer or the servo that was given to a session as a function or an object
+MOST_TURNS, ROUNDED = 2, 1e-7  # of angles that may be radians; how near whole degrees come to themselves as radians
 
 Range = tuple[float, float]  # degrees
 BodyPoint = tuple[int, float, float, float]  # link, 0 = base, and x, y, z m in its frame
+PAPER_FIELDS: Mapping[str, Any] = {"transfer": "epipolar", "servo": "broyden", "frames": 1}  # beside `Settings()`
 D = TypeVar("D", bound=Disturbance)
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """With equal settings a run repeats itself to the last bit. Raises ValueError that names the field and its bounds.
 
-    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own.
+    `Settings()` is the best method, exact for pinhole cameras; `Settings.paper()` is the paper's transfer, with
+    Broyden's law and one image at each posture, which assumes cameras that are far away.
+
+    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own. A session that begins with
+    angles that are whole degrees only if they are read as radians gives a UserWarning.
     noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
     it. The learner is told of none of them.
+    transfer, servo: of TRANSFERS and SERVOS; OWN for the one that a session was given itself.
     frames: how many images are averaged at each posture, of both bodies.
     scene: a name, or the path of a scene file, or of a URDF, for which a scene is made, or all that a scene file says,
     as text that ends with a line; robot: a name or the path of a URDF, in place of the scene's; joints: which move, in
@@ -62,13 +72,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     body_points: tuple[BodyPoint, ...] | None = None
     demonstrator_deg: tuple[float, ...] | None = None
     start_deg: tuple[float, ...] | None = None
-    transfer: str = "epipolar"
-    servo: str = "broyden"
+    transfer: str = "projective"
+    servo: str = "trust-region"
     noise_px: Annotated[float, NOISE] = 0.0
     missing: Annotated[float, MISSING] = 0.0
     outliers: Annotated[float, OUTLIERS] = 0.0
     swapped: Annotated[float, SWAPPED] = 0.0
-    frames: int = 1
+    frames: int = 25
     gain_error: Annotated[float, GAIN_ERROR] = 0.0
     quantum_deg: Annotated[float, QUANTUM] = 0.0
     delay: int = 0
@@ -79,6 +89,22 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     max_step_deg: float | None = None
     restarts: int = RESTARTS
     workspace_deg: tuple[Range, ...] | None = None
+
+    @classmethod
+    def best(cls, **changes: Any) -> "Settings":
+        """The method that arrives, with these fields changed: what `Settings(**changes)` gives, by name.
+
+        Transfer "projective", servo "trust-region", 25 frames (a second of video). Raises as `Settings`.
+        """
+        return cls(**changes)
+
+    @classmethod
+    def paper(cls, **changes: Any) -> "Settings":
+        """The paper's method, with these fields changed: transfer "epipolar", servo "broyden", 1 frame.
+
+        Raises as `Settings`.
+        """
+        return cls(**{**PAPER_FIELDS, **changes})
 
     @property
     def scene_called(self) -> str:
@@ -112,7 +138,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if isinstance(value, PurePath):
                 msgspec.structs.force_setattr(self, name, value := str(value))
             if not isinstance(value, _HINTS[name]):
-                raise ValueError(f"{name} must be text, got {reprlib.repr(value)}")
+                given = f"; give your own to Session(settings, {name}=…)" if name in ("transfer", "servo") else ""
+                raise ValueError(f"{name} must be text, got {reprlib.repr(value)}{given}")
         for name, numbers in _NUMBERS.items():
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
@@ -173,6 +200,7 @@ _HINTS = get_type_hints(Settings)
 _OPTIONAL = [name for name, hint in _HINTS.items() if hint == float | None]
 _NUMBERS = {name: {int: Integral, float: Real}[hint] for name, hint in _HINTS.items() if hint in (int, float)}
 _NUMBERS |= dict.fromkeys(_OPTIONAL, Real)
+_DEGREES = [name for name in _HINTS if name.endswith("_deg")]
 _TEXTS = [name for name, hint in _HINTS.items() if hint in (str, str | None)]
 DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
     name: mark
@@ -180,6 +208,32 @@ DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much o
     for mark in getattr(hint, "__metadata__", ())
     if isinstance(mark, Disturbance)
 }
+
+
+def warn_of_radians(settings: Settings) -> None:
+    """Warn of fields in degrees whose values are whole degrees only if they are read as rad.
+
+    The warning names the line outside this package that led here.
+    """
+    for name in _DEGREES:
+        given = np.array(getattr(settings, name) or 0.0, float).ravel()
+        converted = np.degrees(given[np.abs(given) > np.radians(0.5)])  # smaller ones may be 0, but for rounding errors
+        whole = converted.round()
+        if len(whole) and np.abs(whole).max() <= MOST_TURNS * 360 and np.abs(converted - whole).max() < ROUNDED:
+            meant = ", ".join(f"{angle:g}" for angle in np.degrees(given).round())
+            warnings.warn(
+                f"{name} = {getattr(settings, name)} looks like radians; angles in settings are in degrees. "
+                f"Did you mean {meant}?",
+                stacklevel=_level_outside(),
+            )
+
+
+def _level_outside() -> int:
+    """How far up the stack, for `warnings.warn` in the caller, the first line outside this package is."""
+    frame, level, package = sys._getframe(1), 1, __name__.partition(".")[0]
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def disturbances(kind: type[D]) -> dict[str, D]:
@@ -203,16 +257,10 @@ def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
 
 
 def _require_choice(name: str, value: str, choices: Collection[str]) -> None:
-    if value not in choices:
+    if value not in choices and not (value == OWN and name in ("transfer", "servo")):
         raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
 
 
 def _require_range(name: str, value: float, low: float, high: float) -> None:
     if not low <= value <= high:
         raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
-
-
-# `Settings()` is the paper's estimator, with which `landscape`, `reproduce`, `evaluate` and the page begin: it assumes
-# nothing of the cameras but that they are far away. This is what arrives, what `imitate` begins with and the page's
-# second preset: exact for pinhole cameras; 25 images at each posture are a second of video.
-BEST = Settings(transfer="projective", servo="trust-region", frames=25)

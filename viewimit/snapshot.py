@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,9 @@ from .body_image import BodyImage
 from .geometry.affine import MIN_POINTS, flatness
 from .geometry.pairs import INTO, PairGeometry, fit_pairs
 from .geometry.rectification import Rectification
-from .servo import Certificate
-from .settings import Settings
-from .transfer import TRANSFERS, FittedTransfer, rectified
+from .servo import SERVOS, Certificate, Servo
+from .settings import OWN, Settings
+from .transfer import TRANSFERS, FittedTransfer, TransferMethod, rectified
 from .views import FourViews, Pairs
 
 AT_REST = ("converged", "rests", "untold", "stalled")  # statuses in which a servo asks for no motion worth making
@@ -35,7 +35,8 @@ class Snapshot:
     frozen: the transfer as it was fitted at the last convergence, None before;
     body: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
     to_rehearse: (k, m) rad, postures still to watch itself in, None or (0, m) if there are none;
-    target: (m,) rad, where the servo has sent the arm that is still on its way there, None if it is there.
+    target: (m,) rad, where the servo has sent the arm that is still on its way there, None if it is there;
+    own_transfer, own_servo: that the session was given itself, which settings call OWN; None if it was given none.
     """
 
     settings: Settings
@@ -56,6 +57,20 @@ class Snapshot:
     body: BodyImage | None = None
     to_rehearse: NDArray | None = None
     target: NDArray | None = None
+    own_transfer: TransferMethod | None = None
+    own_servo: Servo | None = None
+
+    @property
+    def method(self) -> TransferMethod:
+        """The transfer that the settings name. Raises ValueError for one that no session was given."""
+        if self.settings.transfer != OWN:
+            return TRANSFERS[self.settings.transfer]
+        return given_own("transfer", self.own_transfer)
+
+    @property
+    def servo(self) -> Servo:
+        """The servo that the settings name. Raises ValueError for one that no session was given."""
+        return SERVOS[self.settings.servo] if self.settings.servo != OWN else given_own("servo", self.own_servo)
 
     @cached_property
     def usable(self) -> NDArray:
@@ -70,7 +85,7 @@ class Snapshot:
     @property
     def half_shown(self) -> int:
         """How many are in sight in one image alone, for a transfer that can ask them: on a line of the other image."""
-        asked = TRANSFERS[self.settings.transfer].half_seen is not None and self.settings.rectify != "off"
+        asked = self.method.half_seen is not None and self.settings.rectify != "off"
         return int(np.count_nonzero(self.views.half_seen)) if asked else 0
 
     @property
@@ -87,7 +102,7 @@ class Snapshot:
 
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
         """The transfer chosen, or another one by its name, fitted to any views as this moment rectifies them."""
-        return rectified.fit(TRANSFERS[by or self.settings.transfer], views, self.rectification)
+        return rectified.fit(TRANSFERS[by] if by else self.method, views, self.rectification)
 
     @cached_property
     def flatness(self) -> float:
@@ -204,9 +219,32 @@ class Snapshot:
         return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
 
 
+T = TypeVar("T")
+
+
+def given_own(what: str, given: T | None) -> T:
+    """What a session was given itself. Raises ValueError if it was given none."""
+    if given is None:
+        raise ValueError(f"{what} {OWN!r} is one of your own that is not here: give it to Session(settings, {what}=…)")
+    return given
+
+
 def exchanged(servo_state: Any) -> Pairs:
     """Pairs of points, none if the servo tells of none."""
     return getattr(servo_state, "exchanged", ())
+
+
+def probes(servo_state: Any) -> bool:
+    """Whether the motion asked for last is to learn from; a state without `probe` asks for none."""
+    return bool(getattr(servo_state, "probe", False))
+
+
+def status_of(servo_state: Any, usual: str) -> str:
+    """Of a `ServoState`; usual: of a state without one. Raises ValueError for a status that there is not."""
+    status = getattr(servo_state, "status", usual)
+    if status not in ("moving", *AT_REST):
+        raise ValueError(f"a servo's status must be one of moving, {', '.join(AT_REST)}, got {status!r}")
+    return status
 
 
 FIELDS = frozenset(field.name for field in fields(Snapshot))

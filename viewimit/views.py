@@ -6,6 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .geometry.affine import image_points
+
 Pairs = tuple[tuple[int, int], ...]  # of points
 VIEWS = ("l", "r", "L", "R")  # the paper's names: demonstrator left, right; own left, right
 # Of the same views in files, columns, options and JSON: many a file system takes l for L
@@ -27,11 +29,12 @@ class FourViews:
 
     @classmethod
     def from_images(cls, demo_left: ArrayLike, demo_right: ArrayLike, own_left: ArrayLike, own_right: ArrayLike):
-        """Tracked points, (..., N, 2) px a view. A point with NaN in a view, or masked, was not seen there.
+        """Tracked points, (..., N, 2) px a view, or OpenCV's (N, 1, 2). A point with NaN in a view, or masked, was not
+        seen there.
 
         Raises ValueError if the views do not hold the same number of points.
         """
-        images = [_unmasked(image) for image in (demo_left, demo_right, own_left, own_right)]
+        images = [image_points(_unmasked(image)) for image in (demo_left, demo_right, own_left, own_right)]
         for name, image in zip(VIEW_NAMES.values(), images):
             if image.ndim < 2 or image.shape[-1] != 2:
                 raise ValueError(f"{name}: need points of shape (..., N, 2), got {image.shape}")
@@ -73,10 +76,13 @@ class FourViews:
 
     @cached_property
     def matches(self) -> tuple[NDArray, NDArray]:
-        """Of the demonstrator and of the learner, the points that both cameras see: (M, 4) px each, of one posture."""
+        """Of the demonstrator and of the learner, the points that both cameras see: (..., M, 4) px each.
+
+        Raises ValueError for a batch of postures that show different points.
+        """
         if self.complete:
             return self.demo, self.own
-        demo, own = (images[visible.all(-1)] for images, visible in self.bodies)
+        demo, own = (images[..., _same_in_all(np.asarray(visible.all(-1))), :] for images, visible in self.bodies)
         return demo, own
 
     @cached_property
@@ -96,11 +102,13 @@ class FourViews:
 
     @property
     def used(self) -> "FourViews":
-        """The views of the usable points only, of one posture."""
-        return self if self.complete else self.select(self.usable)
+        """The views of the usable points only. Raises ValueError for a batch of postures that show different points."""
+        return self if self.complete else self.select(_same_in_all(self.usable))
 
     def select(self, points: NDArray) -> "FourViews":
-        """The views of some points only. points: (N,) bool or indices."""
+        """The views of some points only. points: (N,) bool or indices, for all postures of a batch."""
+        if np.ndim(points) != 1:
+            raise ValueError(f"points must be (N,) bool or indices, for all postures, got shape {np.shape(points)}")
         return FourViews(self.demo[..., points, :], self.own[..., points, :], self.visible[..., points, :])
 
     def with_exchanged(self, pairs: Pairs) -> "FourViews":
@@ -122,6 +130,17 @@ def view_of(name: str) -> str:
         if name in (view, full):
             return view
     raise ValueError(f"{name!r} is none of {', '.join(VIEW_NAMES.values())}")
+
+
+def _same_in_all(points: NDArray) -> NDArray:
+    """(..., N) bool → (N,) bool, the points of every posture."""
+    first: NDArray = points.reshape(-1, points.shape[-1])[0]
+    if not (points == first).all():
+        raise ValueError(
+            "the postures of this batch show different points: fit each posture by itself, "
+            "or views.select(points) those that all of them show"
+        )
+    return first
 
 
 def exchange(order: NDArray, pairs: Pairs) -> NDArray:

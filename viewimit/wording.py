@@ -7,7 +7,7 @@ import msgspec
 
 from .reading import is_text
 from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Stepped
-from .settings import BEST, DISTURBANCES, SAFETY, USUAL_POINTS, Settings
+from .settings import DISTURBANCES, SAFETY, USUAL_POINTS, Settings
 
 MOST_LINES = 12
 OF_BODY = ("scene", "robot", "joints", "points", "undistort", "camera")  # which body is seen, and by what
@@ -34,7 +34,7 @@ def as_python(script: Script) -> str:
 def as_command(script: Script) -> str:
     """Of `viewimit imitate`. Raises ValueError, with what it is, for what a command cannot say."""
     settings = script.settings
-    options = _options(settings, BEST)
+    options = _options(settings, Settings())
     if is_text(settings.scene):
         raise ValueError("no command: its scene came without a file; save the scene, and name its file")
     if not all(isinstance(deed, Stepped) for deed in script.deeds):
@@ -44,7 +44,7 @@ def as_command(script: Script) -> str:
 
 def as_imitation(settings: Settings, body: str) -> str:
     """Of `viewimit imitate`, of the body that was rehearsed with these settings. body: the file of the rehearsal."""
-    return shlex.join(["viewimit", "imitate", "--body", body, *_words(settings, BEST, (*OF_BODY, *SAFETY))])
+    return shlex.join(["viewimit", "imitate", "--body", body, *_words(settings, Settings(), (*OF_BODY, *SAFETY))])
 
 
 def as_reproduction(figure: str, settings: Settings, motion: str | None = None) -> str:
@@ -54,7 +54,7 @@ def as_reproduction(figure: str, settings: Settings, motion: str | None = None) 
     if any(getattr(settings, name) != getattr(Settings(), name) for name in SAFETY):
         raise ValueError("no command: viewimit reproduce has no option that limits how far the arm goes")
     moves = [] if motion is None else [f"--motion={motion}"]
-    return shlex.join(["viewimit", "reproduce", figure, *moves, *_options(settings, Settings())])
+    return shlex.join(["viewimit", "reproduce", figure, *moves, *_options(settings, Settings.paper())])
 
 
 def _options(settings: Settings, usual: Settings) -> list[str]:
@@ -86,10 +86,14 @@ def _value(value: object) -> str:
 
 
 def _settings(settings: Settings) -> str:
-    """Those that are not the usual ones."""
-    usual = Settings()
+    """Those that are not as in the best method or, if that is fewer words, as in the paper's."""
     fields = {name: getattr(settings, name) for name in settings.__struct_fields__}
-    return f"Settings({_fields({name: value for name, value in fields.items() if value != getattr(usual, name)})})"
+    ways = {
+        called: {name: value for name, value in fields.items() if value != getattr(usual, name)}
+        for called, usual in (("Settings", Settings()), ("Settings.paper", Settings.paper()))
+    }
+    called = min(ways, key=lambda way: len(ways[way]))
+    return f"{called}({_fields(ways[called])})"
 
 
 def _fields(fields: dict[str, object]) -> str:

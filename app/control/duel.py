@@ -9,7 +9,7 @@ from viewimit.drawing.duel import ARRIVED_DEG, Standing
 from viewimit.rehearsal import begin_rehearsal
 from viewimit.servo import SERVOS
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 from ..jobs.camera_images import CameraProcess
 from ..jobs.session_eyes import SessionEyes
@@ -32,7 +32,7 @@ class Duel:
         """Begin at the start, playing; or end, which leaves the visitor's learner where it is."""
         if self.opponent is None:
             if self._settings == self._session.settings:  # a race against itself
-                self.transfer, self.servo = BEST.transfer, BEST.servo
+                self.transfer, self.servo = Settings().transfer, Settings().servo
             self.opponent = Session(self._settings, self._eyes, DENSE)
             self._player.runners.append(Runner(self.opponent))
             self.begin_again()

@@ -2,12 +2,8 @@
 
 from dataclasses import dataclass
 
-import msgspec
-
 from viewimit.embodiment.in_scene import complete
-from viewimit.settings import BEST, Settings
-
-replace = msgspec.structs.replace
+from viewimit.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -23,38 +19,37 @@ class Preset:
 PRESETS = (
     Preset(
         "Paper, Section 5.3",
-        Settings(),
+        Settings.paper(),
         2,
         "Ten points in four images: where their conflict E is least, arms nearly agree.",
     ),
     Preset(
         "Beyond the paper",
-        BEST,
+        Settings(),
         2,
         "No bias, a handful of motions: it asks for E of images that it predicts.",
     ),
     Preset(
         "The paper's own law",
-        Settings(servo="gradient", start_deg=(30, -60)),
+        Settings.paper(servo="gradient", start_deg=(30, -60)),
         0,
         "Eq. (13) as printed: u fades with E, and the learned gradient goes stale.",
     ),
     Preset(
         "The paper's law, retuned",
-        Settings(servo="gradient-retuned", start_deg=(25, -45)),
+        Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
         0,
         "More gain, bounded steps, dither: near in hundreds of motions, never at rest.",
     ),
     Preset(
         "Linear combination of views",
-        Settings(transfer="linear", start_deg=(75, -150)),
+        Settings.paper(transfer="linear", start_deg=(75, -150)),
         2,
         "No lines are intersected, so none can be parallel; it ends as near.",
     ),
     Preset(
         "Seven joints",
-        replace(
-            BEST,
+        Settings(
             joints=tuple(range(1, 8)),
             points=16,
             demonstrator_deg=(10, 40, -10, -80, 15, 100, 30),
@@ -65,55 +60,55 @@ PRESETS = (
     ),
     Preset(
         "Verged cameras",
-        Settings(scene="panda-verged", start_deg=(25, -45), rectify="off"),
+        Settings.paper(scene="panda-verged", start_deg=(25, -45), rectify="off"),
         2,
         "Each camera looks at the gaze point itself: E is least at a wrong posture.",
     ),
     Preset(
         "Toed-in cameras",
-        replace(BEST, scene="panda-toed", start_deg=(25, -45)),
+        Settings(scene="panda-toed", start_deg=(25, -45)),
         2,
         "Unlike eyes, turned inwards: their matches alone tell how to rectify them.",
     ),
     Preset(
         "Demonstrator faces the learner",
-        Settings(scene="panda-facing", start_deg=(25, -45)),
+        Settings.paper(scene="panda-facing", start_deg=(25, -45)),
         2,
         "Turned by 180°, near and far swap: E is least many degrees off, and far from 0.",
     ),
     Preset(
         "Few points",
-        Settings(points=5, start_deg=(25, -45)),
+        Settings.paper(points=5, start_deg=(25, -45)),
         2,
         "Five are the least for which E is not always 0: too few to tell a joint by.",
     ),
     Preset(
         "Nearly coplanar points",
-        Settings(scene="panda-flat", start_deg=(25, -45)),
+        Settings.paper(scene="panda-flat", start_deg=(25, -45)),
         2,
         "Points near one plane leave one coordinate to chance: watch σ₁/σ₃.",
     ),
     Preset(
         "Half a pixel of noise",
-        Settings(noise_px=0.5, start_deg=(25, -45)),
+        Settings.paper(noise_px=0.5, start_deg=(25, -45)),
         2,
         "The minimum itself moves by degrees: the transfer amplifies the noise.",
     ),
     Preset(
         "Points get lost",
-        Settings(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
+        Settings.paper(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
         2,
         "A point counts only if all four views see it; below five the arm holds still.",
     ),
     Preset(
         "KUKA iiwa",
-        Settings(scene="iiwa", start_deg=(25, -25)),
+        Settings.paper(scene="iiwa", start_deg=(25, -25)),
         2,
         "Another body, the same method: nothing in it knows the robot.",
     ),
     Preset(
         "Camera images",
-        replace(BEST, camera="rendered"),
+        Settings(camera="rendered"),
         2,
         "Pictures of arms that have weight: only markers detected in them count.",
     ),

@@ -5,14 +5,25 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import msgspec
-
 from viewimit.servo import SERVOS
-from viewimit.settings import Settings
 
 from .dealing import HEAD, deal
 from .figures import FIGURES
-from .format import CHANGEABLE, MOST_WORDS, Choice, Do, Figure, Lesson, Number, Place, Pose, Select, Slider, Step
+from .format import (
+    CHANGEABLE,
+    MOST_WORDS,
+    Choice,
+    Do,
+    Figure,
+    Lesson,
+    Number,
+    Place,
+    Pose,
+    Select,
+    Slider,
+    Step,
+    settings_of,
+)
 from .measures import MEASURES, named_in
 from .reading import WORDS_A_MINUTE, reading_minutes
 from .works import WORKS
@@ -48,7 +59,7 @@ def _of_step(step: Step, before: set[str], settings: dict[str, Any]) -> Faults:
     if words > MOST_WORDS:
         yield ".text", f"{words} words; at most {MOST_WORDS} are read"
     try:
-        if msgspec.convert(settings, Settings).camera != "points":
+        if settings_of(settings).camera != "points":
             yield ".settings.camera", "lessons look at points, not at pictures"
     except ValueError as error:
         yield ".settings", str(error)
@@ -119,7 +130,7 @@ def _of_deal(step: Step, settings: dict[str, Any]) -> Faults:
             return
     if step.dealt and not _unsettled(settings):
         try:
-            deal(step.dealt, msgspec.convert(settings, Settings), 1)
+            deal(step.dealt, settings_of(settings), 1)
         except ValueError as error:
             yield ".dealt", str(error)
 
@@ -139,7 +150,7 @@ def _of_select(ask: Select, settings: dict[str, Any]) -> Faults:
 def _unsettled(settings: dict[str, Any]) -> str:
     """What is wrong with settings; nothing for those that can be."""
     try:
-        msgspec.convert(settings, Settings)
+        settings_of(settings)
     except ValueError as error:
         return str(error)
     return ""

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import msgspec
 
+from viewimit.settings import PAPER_FIELDS, Settings
+
 MOST_WORDS = 60  # of a step's text
 CHANGEABLE = ("head", "demonstrator", "learner", "points")  # of a scene, in a step
 FIELDS: dict[str, Any] = {"frozen": True, "kw_only": True, "forbid_unknown_fields": True}
+
+
+def settings_of(fields: Mapping[str, Any]) -> Settings:
+    """Of a lesson: the paper's, but for these fields. Raises ValueError that names the one that cannot be."""
+    return msgspec.convert({**PAPER_FIELDS, **fields}, Settings)
 
 
 class Figure(msgspec.Struct, **FIELDS):

@@ -9,14 +9,13 @@ import msgspec
 from numpy.typing import NDArray
 
 from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies, Silhouettes
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
 
 from .dealing import deal, deal_start
-from .format import Step
+from .format import Step, settings_of
 from .scenes import SLIDERS, Staging
 
 replace = msgspec.structs.replace
@@ -48,7 +47,7 @@ class StepSession:
     ) -> None:
         """In the step's scene. fields: of `Settings`; sliders: where they stand, by name; dealt: the step whose scene
         and start are dealt by the seed, None for none."""
-        settings = msgspec.convert(fields, Settings)
+        settings = settings_of(fields)
         drawn, head = deal(dealt.dealt, settings, seed) if dealt and dealt.dealt else ({}, {})
         settings = replace(settings, **drawn)
         moved = {name: value for name, value in sliders.items() if name in SLIDERS}

@@ -4,14 +4,13 @@ taught. Nothing long is computed."""
 from collections.abc import Iterator
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from viewimit.session import Session
 from viewimit.settings import Settings
 
 from .course import Course
-from .format import Do, Lesson, Number, Place, Pose, Step
+from .format import Do, Lesson, Number, Place, Pose, Step, settings_of
 from .measures import MEASURES, named_in
 from .progress import Progress
 from .scenes import Staging
@@ -38,7 +37,7 @@ def faults_in_session(lesson: Lesson) -> Faults:
 def _of_world(step: Step, session: Session, fields: dict[str, Any]) -> Faults:
     """Joints and points that the scene does not have, settings that cannot be."""
     try:
-        session.begin(msgspec.convert(fields, Settings))
+        session.begin(settings_of(fields))
     except (ValueError, OSError) as error:
         yield ".settings", str(error)
         return
@@ -58,7 +57,7 @@ def _of_world(step: Step, session: Session, fields: dict[str, Any]) -> Faults:
         if slider.name in Settings.__struct_fields__:
             try:
                 for end in (slider.low, slider.high):
-                    session.begin(msgspec.convert({**fields, slider.name: end}, Settings))
+                    session.begin(settings_of({**fields, slider.name: end}))
             except (ValueError, OSError) as error:
                 yield f".sliders[{k}]", str(error)
 

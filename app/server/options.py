@@ -19,7 +19,7 @@ class ServerOptions:
     max_per_address: tabs of one address at a time, None: as many as there are; lessons: shown before those that are
     shipped, by name; lecturer: the secret by which one is known, None without a class; host: on which it listens."""
 
-    settings: Settings = Settings()
+    settings: Settings = Settings.paper()
     store: str | None = None
     max_clients: int = 40
     origins: tuple[str, ...] = ()

@@ -18,7 +18,7 @@ from viewimit.body_image import Body, BodyImage
 from viewimit.geometry.rectification import Rectification
 from viewimit.servo import SERVOS
 from viewimit.servo.visit import Visit
-from viewimit.settings import Settings
+from viewimit.settings import OWN, Settings
 from viewimit.snapshot import Snapshot
 from viewimit.transfer import TRANSFERS
 from viewimit.transfer.rectified import RectifiedTransfer
@@ -36,6 +36,8 @@ ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
 
 def encode(snapshots: Sequence[Snapshot]) -> bytes:
     """Raises TypeError for what nobody has said how to store."""
+    if any(OWN in (one.settings.transfer, one.settings.servo) for one in snapshots):
+        raise TypeError("cannot keep it: it runs a transfer or a servo of your own, which no file can hold")
     packer = _Packer()
     values = [packer.value(one) for one in snapshots]
     try:

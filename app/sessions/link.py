@@ -11,7 +11,7 @@ import zstandard
 from viewimit.history import MAX_HISTORY
 from viewimit.reading import file_name, is_text
 from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script
-from viewimit.settings import Settings
+from viewimit.settings import OWN, Settings
 from viewimit.simulation.robots import robot_names
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_reading import scene_names
@@ -142,6 +142,8 @@ def _settings_of(deed: Deed) -> Settings | None:
 
 def _require_names(settings: Settings, begun: Settings) -> None:
     """No file of the server's is opened for a link, but those that it shows anyhow."""
+    if OWN in (settings.transfer, settings.servo):
+        raise ValueError("the link runs a transfer or a servo that only its author has")
     if not is_text(settings.scene) and settings.scene not in (*scene_names(), begun.scene):
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
     if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):

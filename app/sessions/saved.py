@@ -9,8 +9,7 @@ import numpy as np
 from viewimit import __version__
 from viewimit.history import MAX_HISTORY
 from viewimit.script import Log
-from viewimit.servo import SERVOS
-from viewimit.settings import Settings
+from viewimit.settings import OWN, Settings
 from viewimit.snapshot import Snapshot
 
 from ..lessons.progress import Progress
@@ -102,6 +101,8 @@ def _require_moments(history: list[Snapshot]) -> None:
     for k, moment in enumerate(history):
         if not 0 <= moment.motion <= k or history[moment.motion].motion != moment.motion:
             raise ValueError(f"moment {k} is after {moment.motion} motions")
+        if OWN in (moment.settings.transfer, moment.settings.servo):
+            raise ValueError(f"moment {k}: it runs a transfer or a servo that only its author has")
         views = moment.views
         on_its_way = () if moment.target is None else (moment.target,)
         postures = moment.theta, moment.theta_demo, moment.commanded, moment.moved, *on_its_way
@@ -112,5 +113,5 @@ def _require_moments(history: list[Snapshot]) -> None:
         images = views.demo, views.own, views.visible
         if any(one.shape != points for one in images) or views.visible.dtype != bool:
             raise ValueError(f"moment {k}: images are not of the same points")
-        if not isinstance(moment.servo_state, (type(None), *SERVOS[moment.settings.servo].stored)):
+        if not isinstance(moment.servo_state, (type(None), *moment.servo.stored)):
             raise ValueError(f"moment {k}: its servo has another state than {type(moment.servo_state).__name__}")

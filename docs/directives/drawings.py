@@ -13,7 +13,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from viewimit import Session
 from viewimit.analysis.construction import construct
-from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+from viewimit.analysis.landscape import Landscape, landscape
 from viewimit.analysis.self_assessment import assess
 from viewimit.drawing import curves, equations, status
 from viewimit.drawing import landscape as landscapes
@@ -70,10 +70,7 @@ def _images(session: Session, chosen: int) -> str:
 
 @cache
 def _landscape(session: Session) -> Landscape:
-    now = session.snapshot
-    demo, seen = now.views.demo, now.views.visible[:, :2]
-    step = SLOW_STEP_DEG if now.settings.transfer == SLOW else STEP_DEG
-    return landscape(session.eyes, now.fit, demo, seen, grid_axes(session.world, step))
+    return landscape(session, SLOW_STEP_DEG if session.settings.transfer == SLOW else STEP_DEG)
 
 
 def _bowl(session: Session, chosen: int) -> str:

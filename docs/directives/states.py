@@ -3,14 +3,11 @@
 from dataclasses import dataclass, field
 from functools import cache
 
-import msgspec
 import numpy as np
 from viewimit.app.sessions.link import Linked, written
 
 from viewimit import Session, Settings
-from viewimit.settings import BEST
 
-replace = msgspec.structs.replace
 PAGE = "http://127.0.0.1:8080/?s="  # where `viewimit` serves
 
 
@@ -19,7 +16,7 @@ class State:
     """settings and motions: what leads there; chosen: a body point, None for that with the largest residual; show:
     switches of the page."""
 
-    settings: Settings = Settings()
+    settings: Settings = Settings.paper()
     motions: int = 0
     chosen: int | None = None
     show: dict[str, bool] = field(default_factory=dict)
@@ -27,14 +24,14 @@ class State:
 
 
 STATES = {
-    "begin": State(Settings(start_deg=(25, -45)), chosen=6),
-    "agree": State(Settings(start_deg=(45, -90))),
-    "arrived": State(Settings(start_deg=(25, -45)), runs=True),
-    "best": State(replace(BEST, start_deg=(25, -45)), runs=True),
-    "papers-law": State(Settings(servo="gradient", start_deg=(30, -60)), motions=100),
-    "untold": State(replace(BEST, points=5, start_deg=(25, -45)), runs=True),
-    "toed-in": State(replace(BEST, scene="panda-toed", start_deg=(25, -45)), show={"rectified": True}),
-    "facing": State(Settings(scene="panda-facing", start_deg=(25, -45)), runs=True),
+    "begin": State(Settings.paper(start_deg=(25, -45)), chosen=6),
+    "agree": State(Settings.paper(start_deg=(45, -90))),
+    "arrived": State(Settings.paper(start_deg=(25, -45)), runs=True),
+    "best": State(Settings(start_deg=(25, -45)), runs=True),
+    "papers-law": State(Settings.paper(servo="gradient", start_deg=(30, -60)), motions=100),
+    "untold": State(Settings(points=5, start_deg=(25, -45)), runs=True),
+    "toed-in": State(Settings(scene="panda-toed", start_deg=(25, -45)), show={"rectified": True}),
+    "facing": State(Settings.paper(scene="panda-facing", start_deg=(25, -45)), runs=True),
 }
 
 

@@ -6,10 +6,10 @@ import pytest
 
 from viewimit.analysis.basin import MOST_MOTIONS, NEAR_DEG, find_basin, place_of, smallest_E, spread_starts
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 
-FEW = Settings(points=5)
+FEW = Settings.paper(points=5)
 
 
 @pytest.mark.parametrize("scene", ["panda", "iiwa"])
@@ -28,7 +28,7 @@ def test_every_run_is_a_sessions_own():
     found = find_basin(FEW, lambda *news: told.append(news), (1, 2))
     for start, ending in zip(found.starts, found.endings):
         alone = Session(msgspec.structs.replace(FEW, start_deg=tuple(np.degrees(start).tolist())))
-        last = alone.run(MOST_MOTIONS, patience=1)
+        last = alone.run(MOST_MOTIONS, patience=1).last
         assert np.array_equal(ending.start, start) and np.array_equal(ending.end, last.theta)
         assert ending.claimed is (last.status == "converged")
         assert ending.place == place_of(last.theta, last.theta_demo, smallest_E(alone))
@@ -42,7 +42,7 @@ def test_the_start_of_the_settings_makes_no_difference():
 
 
 def test_without_bias_all_arrive_and_say_so():
-    found = find_basin(BEST, counts=(2, 2))
+    found = find_basin(Settings(), counts=(2, 2))
     assert found.count("demonstrator", True) == 4 == len(found.endings)
 
 
@@ -57,4 +57,4 @@ def test_a_run_ends_at_the_demonstrator_at_the_smallest_E_or_elsewhere():
 
 def test_two_joints_have_to_move():
     with pytest.raises(ValueError, match="two moving joints"):
-        find_basin(Settings(joints=(1, 2, 3), points=16))
+        find_basin(Settings.paper(joints=(1, 2, 3), points=16))

@@ -13,7 +13,7 @@ POINT = 3
 
 
 def of(transfer):
-    return Session(Settings(transfer=transfer)).snapshot
+    return Session(Settings.paper(transfer=transfer)).snapshot
 
 
 def test_lines_cross_at_the_angle_between_their_directions():

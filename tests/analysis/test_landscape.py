@@ -1,13 +1,17 @@
 """Landscapes: the figures known for the Panda, agreement with plain loops everywhere, minima and basins."""
 
+from functools import partial
+
 import msgspec
 import numpy as np
 import pytest
 
 from viewimit.analysis import landscape as landscape_module
-from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+from viewimit.analysis.landscape import Landscape, grid_axes, landscape, landscape_over
 from viewimit.evaluation import conflict
 from viewimit.experiments.bench import baselines
+from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
@@ -26,7 +30,7 @@ def over_grid(world, transfer="epipolar", demo_deg=(45, -90), **options):
     """The landscape, all points taken as seen, and the demonstrator's images."""
     demo, _ = world.demo_images(np.radians(demo_deg))
     seen = np.ones((len(demo), 2), bool)
-    return landscape(world, TRANSFERS[transfer], demo, seen, **options), demo
+    return landscape_over(world, TRANSFERS[transfer], demo, seen, **options), demo
 
 
 def flat(axes):
@@ -102,7 +106,7 @@ def test_points_that_are_missing_somewhere_are_left_out_there(transfer):
     demo, demo_visible = world.demo_images(np.radians([45, -90]))
     demo_visible = np.ones_like(demo_visible)
     demo_visible[3, 1] = False
-    found = landscape(world, TRANSFERS[transfer], demo, demo_visible, axes, with_condition=True)
+    found = landscape_over(world, TRANSFERS[transfer], demo, demo_visible, axes, with_condition=True)
     counts = set()
     for (i, j), E in np.ndenumerate(found.E):
         own, own_visible = world.own_images((axes[0][i], axes[1][j]))
@@ -121,7 +125,7 @@ def test_points_that_are_missing_somewhere_are_left_out_there(transfer):
 def test_nothing_seen_anywhere_is_nan_and_has_no_minimum():
     world = panda()
     demo, visible = world.demo_images(np.radians([45, -90]))
-    found = landscape(world, TRANSFERS["epipolar"], demo, np.zeros_like(visible), grid_axes(world, 30))
+    found = landscape_over(world, TRANSFERS["epipolar"], demo, np.zeros_like(visible), grid_axes(world, 30))
     assert np.isnan(found.E).all() and np.isnan(found.minimum).all()
     assert len(found.local_minima()) == 0 and found.basin_fraction() == 0.0
 
@@ -129,6 +133,40 @@ def test_nothing_seen_anywhere_is_nan_and_has_no_minimum():
 def test_condition_is_measured_only_when_asked():
     found, _ = over_grid(panda(), axes=grid_axes(panda(), 30))
     assert found.condition is None
+
+
+def test_the_landscape_of_a_session_is_that_of_what_it_sees_and_of_its_transfer():
+    session = Session(Settings(scene="panda-toed", noise_px=0.3, demonstrator_deg=(40, -80)))
+    now = session.snapshot
+    assert now.rectification is not None
+    axes = grid_axes(session.world, 9.0)
+    for by in (None, "linear"):
+        found = landscape(session, 9.0, by, with_condition=True)
+        expected = landscape_over(
+            session.world, partial(now.fit, by=by), now.views.demo, now.views.visible[:, :2], axes, with_condition=True
+        )
+        np.testing.assert_array_equal(found.E, expected.E)
+        np.testing.assert_array_equal(found.condition, expected.condition)
+        for axis, wanted in zip(found.axes, axes):
+            np.testing.assert_array_equal(axis, wanted)
+    assert landscape(Session(Settings.paper(demonstrator_deg=(45, -90)))).E.shape == (91, 181)
+
+
+def test_a_landscape_needs_a_scene_and_two_joints():
+    with pytest.raises(ValueError, match="two moving joints, this scene has 3"):
+        landscape(Session(Settings(joints=(2, 4, 6), points=16)))
+
+    class Robot:
+        lower, upper, start, noise_px = np.zeros(2), np.ones(2), np.full(2, 0.5), 0.0
+
+        def move(self, theta):
+            return theta
+
+        def look(self):
+            return FourViews.from_images(*np.random.default_rng(0).uniform(0, 600, (4, 9, 2)))
+
+    with pytest.raises(ValueError, match="an arm and eyes of your own have no scene"):
+        landscape(Session.of(Robot(), Robot()))
 
 
 def test_grids_cover_the_range_of_two_joints():

@@ -9,6 +9,7 @@ from viewimit.analysis.landscape import Landscape
 from viewimit.analysis.minima import local_minima
 from viewimit.experiments.paper.fig7 import conflict_of, over_grid
 from viewimit.session import Session
+from viewimit.settings import Settings
 
 AXES = tuple(np.radians(np.linspace(low, high, n)) for low, high, n in ((0, 90, 46), (-180, 0, 91)))
 BOUNDS = np.radians([[0.0, 90.0], [-180.0, 0.0]])
@@ -52,7 +53,7 @@ def test_postures_without_E_are_no_minima():
 
 
 def test_the_real_minimum_is_where_another_method_finds_it():
-    session = Session()
+    session = Session(Settings.paper())
     E_at = conflict_of(session, "epipolar")
     minima = local_minima(over_grid(session, "epipolar", tuple(axis[::2] for axis in AXES)), E_at)
     at = lambda degrees: float(E_at(np.radians(degrees)[:, None])[0])
@@ -93,7 +94,7 @@ def test_a_quartic_leaves_its_parabola_where_it_must():
 
 
 def test_the_hessian_of_the_real_E_does_not_depend_on_its_step():
-    E_at = conflict_of(Session(), "epipolar")
+    E_at = conflict_of(Session(Settings.paper()), "epipolar")
     theta = np.radians([[45.8, 60.0], [-89.7, -40.0]])
     h = np.radians(0.1)
     for k, found in enumerate(hessian(E_at, theta)):

@@ -10,7 +10,7 @@ from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
 
-SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
+SEVEN = Settings.paper(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
 
 
 def asked(session, transfer):
@@ -28,7 +28,7 @@ def test_it_is_the_spread_of_least_squares_under_noise():
 
 @pytest.mark.parametrize("transfer", ["linear", "projective"])
 def test_it_is_the_spread_of_the_smallest_E_under_noise_in_the_own_images(transfer):
-    session = Session(Settings())
+    session = Session(Settings.paper())
     demo, theta_demo = session.snapshot.views.demo, session.snapshot.theta_demo
     rng, sigma = np.random.default_rng(1), 0.01
 
@@ -89,7 +89,7 @@ def test_larger_images_tell_more():
 
 
 def test_the_wrist_is_told_least_and_more_points_tell_more():
-    few, many = (asked(Session(Settings(joints=SEVEN.joints, points=n)), "projective") for n in (10, 20))
+    few, many = (asked(Session(Settings.paper(joints=SEVEN.joints, points=n)), "projective") for n in (10, 20))
     assert weak_joints(few)[0] == 6 and few[6] > many[6]
 
 
@@ -102,5 +102,5 @@ def test_weak_is_what_costs_much_more_than_the_others(spread, weak):
 
 
 def test_too_few_points_tell_nothing():
-    session = Session(Settings(missing=1.0))
+    session = Session(Settings.paper(missing=1.0))
     assert asked(session, "linear") is None

@@ -16,7 +16,7 @@ RIGID = tuple((6, 0.02 * (k % 3), 0.03 * (k % 2), 0.02 * k) for k in range(8))
 
 
 def of(**settings):
-    session = Session(Settings(**settings))
+    session = Session(Settings.paper(**settings))
     return session.world, session.snapshot
 
 

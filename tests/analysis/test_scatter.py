@@ -10,7 +10,7 @@ from viewimit.session import Session
 from viewimit.settings import Settings
 
 RUNS = 400
-SESSION = Session(Settings(transfer="projective", points=16, demonstrator_deg=(45, -90)))
+SESSION = Session(Settings.paper(transfer="projective", points=16, demonstrator_deg=(45, -90)))
 MOMENT = SESSION.snapshot
 WORLD, DEMO = SESSION.world, MOMENT.theta_demo
 
@@ -25,7 +25,7 @@ def test_without_noise_it_is_the_demonstrators_posture():
 
 def test_noise_of_the_own_images_alone_costs_what_the_curvature_of_E_tells():
     """An independent way: √diag((JᵀJ)⁻¹), of the linear transfer, whose residual is a projection of the own images."""
-    session = Session(Settings(transfer="linear", demonstrator_deg=(45, -90)))
+    session = Session(Settings.paper(transfer="linear", demonstrator_deg=(45, -90)))
     moment, noise_px = session.snapshot, 0.02
     rng = np.random.default_rng(1)
     theta = scatter(session.world, moment.fit, DEMO, noise_px, 1, RUNS, rng, of_demo=False)
@@ -60,7 +60,7 @@ def test_averaged_images_bring_the_postures_nearer_by_the_root_of_their_number()
 
 def test_a_point_out_of_sight_is_refused():
     rng = np.random.default_rng(0)
-    world = Session(Settings(demonstrator_deg=(45, -90))).world
+    world = Session(Settings.paper(demonstrator_deg=(45, -90))).world
     world.own_images = lambda theta: (np.zeros((10, 4)), np.zeros((10, 2), bool))
     with pytest.raises(ValueError, match="needs all points in all four images"):
         scatter(world, MOMENT.fit, DEMO, 0.5, 1, 2, rng)

@@ -1,6 +1,5 @@
 """What a learner tells of its posture agrees with what the simulation knows, though it is told none of it."""
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -11,7 +10,7 @@ from viewimit.history import History
 from viewimit.servo import SERVOS
 from viewimit.servo.trust_region import CERTAIN
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 
 def rested(settings):
@@ -23,12 +22,12 @@ def rested(settings):
 @pytest.mark.parametrize(
     "settings",
     [
-        BEST,
         Settings(),
-        Settings(transfer="linear", start_deg=(75, -150)),
-        Settings(scene="panda-verged", start_deg=(25, -45)),
-        Settings(scene="panda-facing", start_deg=(25, -45)),
-        Settings(scene="iiwa", start_deg=(25, -25)),
+        Settings.paper(),
+        Settings.paper(transfer="linear", start_deg=(75, -150)),
+        Settings.paper(scene="panda-verged", start_deg=(25, -45)),
+        Settings.paper(scene="panda-facing", start_deg=(25, -45)),
+        Settings.paper(scene="iiwa", start_deg=(25, -25)),
     ],
     ids=lambda settings: f"{settings.scene} {settings.transfer}",
 )
@@ -41,13 +40,13 @@ def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
 
 
 def test_five_points_do_not_tell_the_joints():
-    found = assess(rested(Settings(points=5, start_deg=(25, -45))))
+    found = assess(rested(Settings.paper(points=5, start_deg=(25, -45))))
     assert sorted(found.untold) == [0, 1] and found.certificate.claim == "untold"
 
 
 @pytest.mark.parametrize("noise_px, seed", [(0.5, 7), (0.25, 1)])
 def test_what_the_visits_under_noise_leave_open_is_not_said_of_the_points(noise_px, seed):
-    session = rested(Settings(noise_px=noise_px, seed=seed, start_deg=(25, -45)))
+    session = rested(Settings.paper(noise_px=noise_px, seed=seed, start_deg=(25, -45)))
     now, found = session.snapshot, assess(session)
     views = now.views
     true = joint_uncertainty(session.world, now.fit, views.demo, views.visible[:, :2], now.theta)
@@ -56,7 +55,7 @@ def test_what_the_visits_under_noise_leave_open_is_not_said_of_the_points(noise_
 
 
 def test_only_an_E_that_leaves_no_room_is_a_claim():
-    sure, bent = rested(BEST), rested(Settings(scene="panda-facing", start_deg=(25, -45)))
+    sure, bent = rested(Settings()), rested(Settings.paper(scene="panda-facing", start_deg=(25, -45)))
     off = np.abs(bent.snapshot.theta - bent.snapshot.theta_demo).max()
     found = assess(bent)
     assert sure.snapshot.status == "converged" and assess(sure).room < CERTAIN
@@ -66,24 +65,24 @@ def test_only_an_E_that_leaves_no_room_is_a_claim():
 @pytest.mark.parametrize("points", [5, 10])
 def test_the_assessment_of_a_servo_that_knows_is_its_own(points):
     """What the page says of a posture can be nothing else than what the servo claims."""
-    session = rested(msgspec.structs.replace(BEST, points=points))
+    session = rested(Settings(points=points))
     assert assess(session).certificate is session.snapshot.certificate
     assert session.snapshot.status == session.snapshot.certificate.claim
 
 
 def test_a_moment_is_assessed_once():
-    session = rested(Settings())
+    session = rested(Settings.paper())
     assert assess(session) is assess(session)
 
 
 def test_a_law_that_gave_up_knows_that_E_is_lower_elsewhere():
-    found = assess(rested(Settings(servo="gradient", start_deg=(30, -60))))
+    found = assess(rested(Settings.paper(servo="gradient", start_deg=(30, -60))))
     assert found.lower > NEAR and not found.least
 
 
 def test_it_is_told_no_posture():
     """Only what was seen, and how far it has moved itself."""
-    session = rested(BEST)
+    session = rested(Settings())
     expected = assess(session)
     unknown = np.full(2, np.nan)
     hidden = [moment.with_fields(theta=unknown, theta_demo=unknown) for moment in session.history]
@@ -93,7 +92,7 @@ def test_it_is_told_no_posture():
 
 
 def test_before_every_joint_has_moved_nothing_is_told():
-    session = Session(BEST)
+    session = Session(Settings())
     session.step()
     assert assess(session) is None
     session.step()
@@ -102,7 +101,7 @@ def test_before_every_joint_has_moved_nothing_is_told():
 
 def test_no_flight_goes_without_a_word():
     """A trust region that finds E too large wherever it is least searches elsewhere, and says so at every motion."""
-    session, servo = Session(Settings(servo="trust-region", start_deg=(25, -25))), SERVOS["trust-region"]
+    session, servo = Session(Settings.paper(servo="trust-region", start_deg=(25, -25))), SERVOS["trust-region"]
     said = []
     while session.step():
         now = session.snapshot

@@ -16,7 +16,7 @@ QUICK = {"start_deg": (30, -70)}
 
 
 def converged(**settings):
-    session = Session(Settings(**{**QUICK, **settings}))
+    session = Session(Settings.paper(**{**QUICK, **settings}))
     session.run(60, patience=1)
     return session
 
@@ -80,14 +80,14 @@ def test_a_motion_is_carried_over_within_the_workspace_and_in_short_steps():
 
 def test_the_hand_is_the_three_points_farthest_out(session):
     assert np.flatnonzero(hand_points(session)).tolist() == [7, 8, 9]
-    assert hand_points(Session(Settings(points=20))).sum() >= 3
+    assert hand_points(Session(Settings.paper(points=20))).sum() >= 3
 
 
 def test_the_learner_sees_no_truth(session, monkeypatch):
     """The same way of the arm, whatever the truth that is kept for people says."""
     moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=10)
     honest = follow(session, session.snapshot.transfer, moves, np.ones(10, bool))
-    poisoned = Session(Settings(**QUICK))
+    poisoned = Session(Settings.paper(**QUICK))
     moments = [replace(moment, theta_demo=moment.theta_demo * np.nan) for moment in session.history]
     poisoned.history = History(moments, session.cursor)
     monkeypatch.setattr("viewimit.analysis.trajectory.hand_position", lambda *_: np.full(3, np.nan))

@@ -103,7 +103,7 @@ def test_who_comes_late_follows_too_and_what_was_sent_before_is_not_sent_again(o
     assert same(of.students[0], of.students[1]) and model(of.students[0]).session.cursor == 0
     of.students.append(of.open(key="late"))
     of.go_on()
-    assert model(of.students[2]).session.script == Session().script
+    assert model(of.students[2]).session.script == Session(Settings.paper()).script
     of.do("lead")
     of.students.append(of.open(key="later"))
     of.go_on()
@@ -387,13 +387,13 @@ def test_a_summary_is_small_whatever_was_done(of):
     assert isinstance(summary, Summary) and len(encode(summary)) < MOST_SUMMARY / 2
 
 
-SETTINGS = Session().settings
+SETTINGS = Session(Settings.paper()).settings
 DEEDS = (Stepped(2), Posed((0.5, -1.0)), Stepped(1), Changed({"noise_px": 0.5}), Stepped(3))
 
 
 @pytest.mark.parametrize("count", range(len(DEEDS) + 1))
 def test_the_rest_of_a_script_leads_on_to_the_same_state(count):
-    whole, begun = Session(), Session()
+    whole, begun = Session(Settings.paper()), Session(Settings.paper())
     play(Script(SETTINGS, DEEDS), whole)
     play(Script(SETTINGS, DEEDS[:count]), begun)
     from viewimit.script_player import do
@@ -406,5 +406,5 @@ def test_the_rest_of_a_script_leads_on_to_the_same_state(count):
 def test_what_went_elsewhere_has_no_rest():
     done = Script(SETTINGS, (Stepped(3),))
     assert rest(done, Script(SETTINGS, (Stepped(2), Posed((0.5, -1.0))))) is None
-    assert rest(done, Script(Settings(seed=1), (Stepped(4),))) is None
+    assert rest(done, Script(Settings.paper(seed=1), (Stepped(4),))) is None
     assert rest(done, done) == () and rest(done, Script(SETTINGS, (Stepped(4),))) == (Stepped(1),)

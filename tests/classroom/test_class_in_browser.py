@@ -76,7 +76,7 @@ def test_the_class_is_large_by_a_link_and_by_a_key(lecturer):
 
 
 def test_a_lecturer_sees_leads_and_asks_a_student(browser, server, lecturer):
-    student, alone = open_page(browser, server.url, "small"), Session(Settings())
+    student, alone = open_page(browser, server.url, "small"), Session(Settings.paper())
     assert not student.get_by_role("tab", name="Class").count()
     name = student.locator("div.mantine-Flex-root").filter(has=student.get_by_text("Your name", exact=True)).last
     name.locator("input").fill("<i>Mira</i>")

@@ -18,7 +18,7 @@ import pytest
 from viewimit.assets import ROOT
 
 import viewimit
-from viewimit.analysis.landscape import landscape
+from viewimit.analysis.landscape import landscape_over
 from viewimit.commands import imitate, json_output
 from viewimit.commands.json_output import rounded
 from viewimit.experiments.bench import robustness, speed
@@ -38,13 +38,16 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
     status, told = ask_json(
         "imitate", "--demonstrator", "40,-80", "--start", "60,-130", "--transfer", "linear", "--servo", "broyden"
     )
-    session = Session(Settings(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
-    last = session.run()
+    session = Session(Settings.paper(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
+    last = session.run().last
     assert status == 1 and told["converged"] is False and told["status"] == "rests"
     assert told["demonstrator_deg"] == pytest.approx([40, -80])
     assert told["final_deg"] == np.degrees(last.theta).round(6).tolist()
     assert told["error_deg"] == pytest.approx(np.abs(np.degrees(last.theta) - (40, -80)).max())
     assert told["E"] == rounded(last.E) and told["motions"] == last.motion == len(told["history"]) - 1
+    moved = np.abs(np.diff(np.degrees([moment.theta for moment in session.history]), axis=0))
+    assert told["travel_deg"] == pytest.approx(moved.max(1).sum())
+    assert [joint["travel_deg"] for joint in told["joints"]] == pytest.approx(moved.sum(0).tolist())
     for told_moment, moment in zip(told["history"], session.history):
         assert told_moment["theta_deg"] == np.degrees(moment.theta).round(6).tolist()
         assert (told_moment["E"], told_moment["probe"]) == (rounded(moment.E), moment.probe)
@@ -90,8 +93,8 @@ def test_a_run_can_be_repeated_from_its_object(ask_json, words):
     settings = msgspec.convert(told["settings"], Settings)
     assert set(told["settings"]) == set(Settings.__struct_fields__)
     session = Session(settings)
-    session.run(told["options"]["max_motions"])
-    again = json.loads(json.dumps(json_output.plain(imitate.outcome(session))))
+    ended = session.run(told["options"]["max_motions"])
+    again = json.loads(json.dumps(json_output.plain(imitate.outcome(session, ended))))
     assert again == without(told, *HEADING, "settings") and len(again["history"]) > 5
 
 
@@ -246,7 +249,7 @@ def test_points_lost_at_one_look_may_be_found_at_the_next(ask_json):
 
 def held_up(seed):
     """seed, and after how many motions the arm first holds still for want of points; 0 if never."""
-    session = Session(Settings(missing=0.1, seed=seed))
+    session = Session(Settings.paper(missing=0.1, seed=seed))
     while session.snapshot.transfer is not None and session.step():
         pass
     return seed, session.snapshot.motion if session.snapshot.transfer is None else 0
@@ -267,7 +270,7 @@ def coarse():
     world = World(load_scene("iiwa"))
     axes = np.radians(np.linspace(0, 90, 10)), np.radians(np.linspace(-120, 0, 13))
     demo, seen = world.demo_images(np.radians((45, -90)))
-    return landscape(world, TRANSFERS["linear"], demo, seen, axes)
+    return landscape_over(world, TRANSFERS["linear"], demo, seen, axes)
 
 
 def test_landscape_writes_its_data(ask, tmp_path, coarse):
@@ -366,6 +369,7 @@ def files(tmp_path, monkeypatch):
         ("imitate --start 45,left", "--start: needs degrees separated by commas"),
         ("imitate --transfer magic", "--transfer: no transfer 'magic'; there are epipolar, linear"),
         ("imitate --servo magic", "--servo: no servo 'magic'; there are gradient"),
+        ("imitate --transfer own", "--transfer: no transfer 'own': only a session in Python is given one"),
         ("imitate --noise-px nan", "--noise-px: noise_px must be between 0 and 20, got nan"),
         ("imitate --noise-px much", "--noise-px: invalid float value: 'much'"),
         ("imitate --missing 1.2", "--missing: missing must be between 0 and 1, got 1.2"),

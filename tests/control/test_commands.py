@@ -31,8 +31,8 @@ AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 @pytest.fixture
 def page():
     """A model and a visitor of it: session, player, model, visitor."""
-    model, _ = quiet_model(Settings(seed=99))
-    model.session.begin(Settings(start_deg=(25, -25)))
+    model, _ = quiet_model(Settings.paper(seed=99))
+    model.session.begin(Settings.paper(start_deg=(25, -25)))
     return model.session, model.player, model, Hands(model)
 
 
@@ -119,13 +119,13 @@ def test_a_slider_shows_what_it_has_asked_for(page, name, amount):
     for value in np.arange(amount.low, amount.high + amount.step / 2, amount.step):
         visitor.set(name, float(value))
         assert amount.shown(session.settings) == pytest.approx(value, abs=1e-9)
-    assert amount.shown(Settings()) == max(amount.low, 0)  # none of it
+    assert amount.shown(Settings.paper()) == max(amount.low, 0)  # none of it
 
 
 @pytest.mark.parametrize("scene, layout", [("panda", 16), ("iiwa", 10)])
 def test_joints_are_freed_with_a_layout_for_them_and_held_again(page, scene, layout):
     session, _, model, visitor = page
-    session.begin(Settings(scene=scene, start_deg=(25, -25), points=10))
+    session.begin(Settings.paper(scene=scene, start_deg=(25, -25), points=10))
     two, seven = joint_choices(session.settings)
     visitor.set("joint0", 60.0)
     before = session.settings
@@ -151,13 +151,13 @@ def test_freed_joints_of_a_preset_are_held_with_the_usual_layout(page):
     session, _, _, visitor = page
     visitor.set("preset", "Seven joints")
     visitor.set("joints", next(iter(joint_choices(session.settings))))
-    assert session.settings.joints is None and session.settings.points == Settings().points
+    assert session.settings.joints is None and session.settings.points == Settings.paper().points
     assert session.settings.demonstrator_deg == (40, -80)
 
 
 def test_other_joints_from_the_command_line_are_a_choice_too(page):
     session, _, _, visitor = page
-    session.begin(Settings(joints=(2, 4, 6), points=20))
+    session.begin(Settings.paper(joints=(2, 4, 6), points=20))
     assert list(joint_choices(session.settings)) == ["two: θ₂, θ₄", "all seven", "three: θ₂, θ₄, θ₆"]
     visitor.set("joints", "all seven")
     assert session.settings.points == 20  # enough already
@@ -319,7 +319,7 @@ def test_motions_keep_their_distance_in_time(page, speed):
 def experimenting():
     """A visitor with experiments and motions: session, worker, experiments, motions, visitor, what was sent."""
     worker, sent = QuietExperiments(), []
-    model, queue = quiet_model(Settings(), worker, lambda *file: sent.append(file))
+    model, queue = quiet_model(Settings.paper(), worker, lambda *file: sent.append(file))
     return model.session, worker, model.experiments, model.motions, Hands(model, queue), sent
 
 
@@ -435,7 +435,7 @@ def test_posing_by_a_motion_wakes_the_loop(page):
 
 
 def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
-    model, _ = quiet_model(Settings())
+    model, _ = quiet_model(Settings.paper())
     for dark in ("1", "0", "1"):
         TOUCHES["dark"](dark).apply(model, 0.0)
         assert model.view.on("dark") == (dark == "1")
@@ -445,7 +445,7 @@ def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
 
 
 def test_why_something_could_not_be_is_said_until_something_can_be_that_is_no_view():
-    page = QuietPage(Settings())
+    page = QuietPage(Settings.paper())
     page.page.put(LoadMotion(b"{}"))
     for command, stays in ((FitView(), True), (Step(), False)):
         page.tick(0.5)

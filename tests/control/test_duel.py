@@ -10,13 +10,13 @@ from viewimit.app.control.player import Player
 from viewimit.analysis.joint_errors import RECENT, ErrorTrace, recent_errors_deg
 from viewimit.drawing.curves import following
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 
 @pytest.fixture
 def race():
     """A visitor at the start of a duel: session, player, duel, visitor."""
-    model, _ = quiet_model(msgspec.structs.replace(BEST, noise_px=0.1))
+    model, _ = quiet_model(Settings(noise_px=0.1))
     visitor = Hands(model)
     visitor.act("duel", 0.0)
     return model.session, model.player, model.duel, visitor
@@ -135,7 +135,7 @@ def test_arrival_is_the_first_motion_within_a_degree_of_where_the_demonstrator_i
 
 
 def test_errors_are_those_of_the_history_however_that_changes():
-    session, trace, rng = Session(Settings()), ErrorTrace(), np.random.default_rng(0)
+    session, trace, rng = Session(Settings.paper()), ErrorTrace(), np.random.default_rng(0)
     for _ in range(60):
         change = rng.integers(5)
         if change < 3:
@@ -178,7 +178,7 @@ def test_both_hold_still_where_too_few_points_are_seen_and_go_on_once_they_are(r
 
 
 def test_nobody_races_against_the_same_method():
-    session = Session(Settings(servo="gradient"))
+    session = Session(Settings.paper(servo="gradient"))
     duel = Duel(session, Player(session))
     duel.toggle()
-    assert (duel.opponent.settings.transfer, duel.opponent.settings.servo) == (BEST.transfer, BEST.servo)
+    assert (duel.opponent.settings.transfer, duel.opponent.settings.servo) == (Settings().transfer, Settings().servo)

@@ -25,7 +25,7 @@ FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0
 @pytest.fixture
 def model():
     """One whose experiment has made an imitation, which is seen since BEGUN."""
-    model, _ = quiet_model(Settings(start_deg=(25, -45)))
+    model, _ = quiet_model(Settings.paper(start_deg=(25, -45)))
     model.session.run()
     theta = model.session.snapshot.theta + np.linspace(0, 0.3, FRAMES)[:, None]
     made = model.session.settings, model.session.snapshot.transfer, STEP_S
@@ -103,7 +103,7 @@ def test_it_is_not_seen_in_another_world(model):
 
 def test_fig_10_hands_out_what_was_imitated_by_the_transfer_of_the_convergence():
     experiment = EXPERIMENTS["fig10"]
-    found = experiment.run(Settings(start_deg=(25, -45)))
+    found = experiment.run(Settings.paper(start_deg=(25, -45)))
     imitation, run = experiment.imitation(found), found.runs["converged"]
     assert imitation.theta is run.theta and imitation.theta_demo is run.theta_demo
     demo = np.zeros((3, 2))

@@ -24,7 +24,7 @@ class Asked:
 
 @pytest.fixture
 def session():
-    return Session(Settings(start_deg=(25, -45)))
+    return Session(Settings.paper(start_deg=(25, -45)))
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_a_coarse_one_has_a_sixteenth_of_the_postures_and_the_same_E_there(sessi
 
 
 def test_without_two_joints_nothing_is_made_twice(own, worker):
-    session = Session(Settings(joints=(2, 3, 4), transfer="projective"))
+    session = Session(Settings.paper(joints=(2, 3, 4), transfer="projective"))
     own.ask(session.world, session.snapshot)
     own.take(worker.makes[-1]())
     assert len(worker.makes) == 1

@@ -49,8 +49,8 @@ def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_
         play(script, session)
 
     monkeypatch.setattr(undoable, "play", slow)
-    text = written(QuietPage(Settings(transfer="linear")).page.model.linked())
-    pages = [QuietPage(Settings(), address="/touch/0.x") for _ in range(4)]
+    text = written(QuietPage(Settings.paper(transfer="linear")).page.model.linked())
+    pages = [QuietPage(Settings.paper(), address="/touch/0.x") for _ in range(4)]
     for page in pages:
         for deed in below:
             page.page.touch("lesson", deed)
@@ -69,7 +69,7 @@ def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_
 
 @pytest.mark.parametrize("preset", BY_POINTS[:4], ids=lambda preset: preset.name)
 def test_a_link_opens_the_same_state_and_undo_brings_back_the_old_one(preset):
-    sender, receiver = QuietPage(preset.settings), QuietPage(Settings())
+    sender, receiver = QuietPage(preset.settings), QuietPage(Settings.paper())
     for page, motions in ((sender, 4), (receiver, 2)):
         for _ in range(motions):
             page.page.put(Step())
@@ -92,7 +92,10 @@ def test_a_link_opens_the_same_state_and_undo_brings_back_the_old_one(preset):
 def test_a_link_made_in_a_lesson_opens_that_step_elsewhere():
     """The receiver's page is the sender's, below it; what the receiver answered before is kept; a lesson that is not
     there is refused, and a screen beyond the last is the last."""
-    sender, receiver = QuietPage(Settings(), address="/touch/0.x"), QuietPage(Settings(), address="/touch/0.x")
+    sender, receiver = (
+        QuietPage(Settings.paper(), address="/touch/0.x"),
+        QuietPage(Settings.paper(), address="/touch/0.x"),
+    )
     sent, got = sender.page.model, receiver.page.model
     for page, places in ((sender, 5), (receiver, 1)):
         page.page.put(Step())
@@ -118,7 +121,7 @@ def test_a_link_made_in_a_lesson_opens_that_step_elsewhere():
 
 
 def test_a_bad_link_says_why_and_changes_nothing():
-    page = QuietPage(Settings())
+    page = QuietPage(Settings.paper())
     before = page.page.model.session.snapshot
     page.page.put(FollowLink("1nonsense"))
     settled(page)
@@ -127,7 +130,7 @@ def test_a_bad_link_says_why_and_changes_nothing():
 
 
 def test_the_card_shows_link_and_code_of_the_moment_shown():
-    page = QuietPage(Settings(), address="/touch/0.x")
+    page = QuietPage(Settings.paper(), address="/touch/0.x")
     page.page.put(Step())
     page.tick(0.3)
     model = page.page.model
@@ -135,10 +138,10 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
     text = written(model.linked())
     assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
-    session = Session()
+    session = Session(Settings.paper())
     from viewimit.script_player import play
 
-    play(read(text, Settings()).script, session)
+    play(read(text, Settings.paper()).script, session)
     assert np.array_equal(session.snapshot.theta, model.session.snapshot.theta)
 
 
@@ -146,7 +149,7 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     """The card says nothing of a file, its QR code is there, and pictures are captioned by the scene's title."""
     path = tmp_path / "mine.toml"
     path.write_text('title = "Eyes <b>apart</b> &c"\nextends = "panda"\n[head]\nbaseline = 0.8\n')
-    sender, receiver = QuietPage(Settings(scene=str(path))), QuietPage(Settings(), address="/touch/0.x")
+    sender, receiver = QuietPage(Settings.paper(scene=str(path))), QuietPage(Settings.paper(), address="/touch/0.x")
     for _ in range(3):
         sender.page.put(Step())
         sender.tick(0.3)
@@ -160,7 +163,7 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
     assert got.session.snapshot.E == sent.session.snapshot.E and got.session.cursor == 3
     assert got.session.world.scene == sent.session.world.scene
-    assert written(got.linked()).startswith("1") and read(written(got.linked()), Settings()) == got.linked()
+    assert written(got.linked()).startswith("1") and read(written(got.linked()), Settings.paper()) == got.linked()
     card = share_html(got.state(0.0), "http://here:8080")
     assert "save the scene, and name its file" in card and "baseline = 0.8" in card and "<b>apart" not in card
     cited = cite(got.session)
@@ -169,13 +172,13 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     assert "<b>apart" not in page and "Eyes &lt;b&gt;apart&lt;/b&gt; &amp;c" in page
     memory = memory_of(got)
     head = msgspec.msgpack.decode(msgspec.msgpack.encode(memory.head), type=SavedPage)
-    again = QuietPage(Settings(), resumed=SavedSession(head, memory.history)).page.model
+    again = QuietPage(Settings.paper(), resumed=SavedSession(head, memory.history)).page.model
     assert again.session.snapshot.theta.tobytes() == got.session.snapshot.theta.tobytes()
     assert again.session.world.scene == got.session.world.scene and again.session.script == got.session.script
 
 
 def test_what_is_too_much_for_a_link_is_said_in_python():
-    page = QuietPage(Settings()).page.model
+    page = QuietPage(Settings.paper()).page.model
     angles = np.random.default_rng(0).uniform((0, -140), (90, -40), (900, 2))
     for theta in np.radians(angles):
         page.session.pose(theta)
@@ -186,16 +189,16 @@ def test_what_is_too_much_for_a_link_is_said_in_python():
 
 
 def test_the_card_says_where_alone_a_link_with_a_robot_of_ones_own_opens():
-    page = QuietPage(Settings(scene=str(ROOT / "docs/gallery-arm.urdf")))
+    page = QuietPage(Settings.paper(scene=str(ROOT / "docs/gallery-arm.urdf")))
     card = share_html(page.page.model.state(0.0), "http://here:8080")
     assert "It opens only on a server that was started with gallery-arm.urdf" in card and "/?s=" in card
 
 
 def test_what_a_link_began_with_is_its_own_and_not_what_this_server_was_started_with():
-    sent = QuietPage(Settings(seed=11, noise_px=0.125)).page.model.linked()
-    page = QuietPage(Settings(scene="iiwa", seed=3))
+    sent = QuietPage(Settings.paper(seed=11, noise_px=0.125)).page.model.linked()
+    page = QuietPage(Settings.paper(scene="iiwa", seed=3))
     assert sent.preset == page.page.model.preset.name == AS_STARTED
-    scripts = [Session(Settings(scene=scene)).script for scene in ("panda-facing", "panda-flat")]
+    scripts = [Session(Settings.paper(scene=scene)).script for scene in ("panda-facing", "panda-flat")]
     others = [msgspec.structs.replace(sent, script=script, preset="Elsewhere") for script in scripts]
     for linked in (sent, *others):
         page.page.put(FollowLink(written(linked)))

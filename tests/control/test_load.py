@@ -49,7 +49,7 @@ def test_sessions_that_run_as_fast_as_they_compute_share_the_time_for_it():
 
 def test_a_player_keeps_to_its_budget():
     looked = itertools.count()  # each look at the clock takes 4 ms
-    player = Player(Session(Settings(servo="gradient")), lambda: 0.004 * next(looked))
+    player = Player(Session(Settings.paper(servo="gradient")), lambda: 0.004 * next(looked))
     player.speed = 0
     player.toggle()
     player.advance(0.0, lambda: 0.0)

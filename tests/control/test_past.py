@@ -14,7 +14,7 @@ from viewimit.embodiment.in_scene import complete
 from viewimit.session import Session
 from viewimit.settings import Settings
 
-SETTINGS = Settings(start_deg=(25, -45), noise_px=0.3)
+SETTINGS = Settings.paper(start_deg=(25, -45), noise_px=0.3)
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from viewimit.app.sessions.autosave import SavedSession
 
 from viewimit.analysis.point_information import point_information
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 PLACE = PlacePoint(3, (0.05, 0.08123456, 0.04))
@@ -49,7 +49,7 @@ def worker():
 def visit(files, worker):
     """A model in which points are being edited, and its visitor."""
     send = lambda *file: files.append(file)
-    model, queue = quiet_model(Settings(start_deg=(25, -45)), send=send, landscapes=worker)
+    model, queue = quiet_model(Settings.paper(start_deg=(25, -45)), send=send, landscapes=worker)
     visitor = Hands(model, queue)
     visitor.act("edit points")
     return model, visitor
@@ -212,14 +212,14 @@ def test_the_saved_scene_runs_with_those_very_points(visit, files, tmp_path, ask
     scene = load_scene(path)
     assert name == "viewimit-panda-11-points.toml" and [*scene.points["11"]] == rows(model)
     status, told = ask_json("imitate", "--scene", path, "--demonstrator", "45,-90", "--start", "25,-45")
-    here = Session(Settings(**{**BEST_FIELDS, "body_points": scene.points["11"]}))
-    last = here.run()
+    here = Session(Settings.paper(**{**BEST_FIELDS, "body_points": scene.points["11"]}))
+    last = here.run().last
     assert status == 0 and told["settings"]["points"] == 11
     assert told["motions"] == last.motion and told["final_deg"] == pytest.approx(np.degrees(last.theta), abs=1e-6)
 
 
 BEST_FIELDS = {
-    **{name: getattr(BEST, name) for name in BEST.__struct_fields__},
+    **{name: getattr(Settings(), name) for name in Settings().__struct_fields__},
     "demonstrator_deg": (45, -90),
     "start_deg": (25, -45),
 }
@@ -260,12 +260,12 @@ def test_a_rehearsal_with_other_points_is_forgotten(visit):
     assert model.session.snapshot.body is None
     PLACE.apply(model, 0.0)
     other = model.session.embodiment.body(model.session.settings)
-    assert other.points == 10 and other != model.session.embodiment.body(Settings())
+    assert other.points == 10 and other != model.session.embodiment.body(Settings.paper())
 
 
 def test_where_pictures_show_markers_no_point_is_edited():
     pytest.importorskip("pybullet")
-    visit = Visit(Camera(), settings=BEST)
+    visit = Visit(Camera(), settings=Settings())
     visit.put("camera", True)
     visit.rest()
     visit.act("edit points")
@@ -279,7 +279,7 @@ def test_a_kept_session_goes_on_with_its_points(visit):
     visitor.act("step")
     kept = memory_of(model)
     read = SavedSession(kept.head, tuple(codec.decode(codec.encode(kept.history))))
-    other, _ = quiet_model(Settings(start_deg=(25, -45)))
+    other, _ = quiet_model(Settings.paper(start_deg=(25, -45)))
     go_on(other, read)
     assert rows(other) == rows(model) and other.view.chosen == 10
     assert Hands(other).act("step") is None and other.session.cursor == 2

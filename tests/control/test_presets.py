@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from viewimit.app.control.presets import PRESETS
+from viewimit.app.control.presets import PRESETS, presets_from
+from viewimit.app.server.options import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.metrics import RED
 from viewimit.session import Session
+from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 
 MOTIONS = 600  # within which all but the paper's own laws rest
@@ -52,9 +54,15 @@ LESSONS: dict[str, Callable[[End], bool]] = {
 @pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.camera == "points"], ids=lambda p: p.name)
 def test_a_lesson_comes_true(preset):
     session = Session(preset.settings)
-    last = session.run(MOTIONS, PATIENCE)
+    last = session.run(MOTIONS, PATIENCE).last
     off = [np.degrees(np.abs(moment.theta - moment.theta_demo).max()) for moment in session.history]
     assert LESSONS[preset.name](End(last, np.array(off), assess(session))), (last.status, last.motion, off[-1])
+
+
+def test_the_page_begins_with_the_papers_method_and_offers_the_best_next():
+    assert ServerOptions().settings == Settings.paper()
+    assert next(iter(presets_from(ServerOptions().settings).values())).name == "Paper, Section 5.3"
+    assert [preset.settings for preset in PRESETS[:2]] == [Settings.paper(), Settings.best()]
 
 
 def test_every_lesson_fits_into_two_lines():

@@ -100,7 +100,7 @@ class Desk:
     """Motions of a session with a clock of one's own; what is made aside waits until `make`."""
 
     def __init__(self):
-        self.session, self.now = Session(Settings()), 10.0
+        self.session, self.now = Session(Settings.paper()), 10.0
         self.aside, self.sent = [], []
         aside, send = lambda *asked: self.aside.append(asked), lambda *file: self.sent.append(file)
         self.motions = Motions(self.session, self.session.pose, aside, send, lambda: self.now)

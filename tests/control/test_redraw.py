@@ -26,7 +26,7 @@ def test_after_a_while_nothing_is_made_up_for():
 
 
 def test_motions_at_the_pace_of_drawings_are_nearly_all_drawn_though_ticks_jitter():
-    page = QuietPage(Settings(servo="gradient-retuned", start_deg=(25.0, -45.0)))
+    page = QuietPage(Settings.paper(servo="gradient-retuned", start_deg=(25.0, -45.0)))
     player, panel, rng = page.page.model.player, page.page.panel(ImagesPanel), np.random.default_rng(4)
     player.speed = 1 / PERIOD
     player.toggle()

@@ -9,14 +9,14 @@ from viewimit.app.jobs import basin_child
 from viewimit.app.jobs.experiments import ExperimentWorker, Request, Run
 from waiting import wait_until
 
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 
 @pytest.fixture
 def visit():
     """A model, its visitor, and what stands for the worker."""
     worker = QuietExperiments()
-    model, queue = quiet_model(Settings(start_deg=(25, -45)), basins=worker)
+    model, queue = quiet_model(Settings.paper(start_deg=(25, -45)), basins=worker)
     return model, Hands(model, queue), worker
 
 
@@ -104,7 +104,7 @@ def test_what_cannot_be_is_said(visit):
 
 
 def test_the_page_shows_where_they_end():
-    page = QuietPage(Settings(start_deg=(25, -45)))
+    page = QuietPage(Settings.paper(start_deg=(25, -45)))
     page.click("From these starts")
     page.tick_until(lambda: "learners have come to rest" in page.shown or "claim to have arrived" in page.shown, 60)
     page.tick_until(lambda: "claim to have arrived" in page.shown, 60)
@@ -117,7 +117,7 @@ def test_the_page_shows_where_they_end():
 
 def test_a_process_that_is_cancelled_tells_no_more():
     worker, told = ExperimentWorker(basin_child.work), []
-    worker.ask(1, Request("basin 1", BEST), told.append)
+    worker.ask(1, Request("basin 1", Settings()), told.append)
     wait_until(lambda: any(run.figure for run in told), 60)
     worker.cancel(1)
     last = len(told)
@@ -128,7 +128,7 @@ def test_a_process_that_is_cancelled_tells_no_more():
 
 def test_what_fails_in_the_process_is_told():
     worker, told = ExperimentWorker(basin_child.work), []
-    worker.ask(1, Request("basin 1", Settings(scene="none such")), told.append)
+    worker.ask(1, Request("basin 1", Settings.paper(scene="none such")), told.append)
     wait_until(lambda: told[-1].state == "failed", 60)
     assert "none such" in told[-1].problem
     worker.stop()

@@ -68,7 +68,7 @@ class Costly(Command):
 @pytest.mark.parametrize("cost", [0.002, 0.008, 0.06])
 def test_a_page_has_a_share_of_the_time_and_what_is_beyond_waits_in_its_order(cost):
     clock, done = Clock(), []
-    model, _ = quiet_model(Settings())
+    model, _ = quiet_model(Settings.paper())
     queue = CommandQueue(clock)
     loop = CommandLoop(model, queue, LoadShedding(TICK), lambda now: None, TimeBudget(clock))
     for k in range(150):

@@ -15,7 +15,7 @@ from viewimit.app.control.state import LARGE
 from viewimit.session import Session
 from viewimit.settings import Settings
 
-NOISY = Settings(start_deg=(25, -45), noise_px=0.5)
+NOISY = Settings.paper(start_deg=(25, -45), noise_px=0.5)
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def test_a_point_is_chosen_and_chosen_again_is_none(visit):
 
 
 def test_a_page_begins_with_the_point_that_is_farthest_off():
-    model, _ = quiet_model(Settings())
+    model, _ = quiet_model(Settings.paper())
     squares = (model.session.snapshot.e**2).sum(1)
     assert squares[model.view.chosen] == squares.max()
 
@@ -105,7 +105,7 @@ def test_a_look_shows_what_would_be_seen_and_disturbs_nothing(visit):
     for k in range(4):
         touch(model, "posture", f"{20 + 10 * k},-60")
         state = model.state(0.0)
-        there = Session(Settings(start_deg=(20 + 10 * k, -60), noise_px=0.5)).snapshot
+        there = Session(Settings.paper(start_deg=(20 + 10 * k, -60), noise_px=0.5)).snapshot
         if k == 0:  # the first look of a session that starts there has the same noise
             assert state.see_through.E == there.E
         assert state.looked is state.shown is state.see_through and np.array_equal(state.shown.theta, there.theta)
@@ -150,7 +150,7 @@ def test_a_moment_of_the_curves_is_gone_to(visit):
 
 
 def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
-    page = QuietPage(Settings(start_deg=(25, -45)), address="/touch/0.x")
+    page = QuietPage(Settings.paper(start_deg=(25, -45)), address="/touch/0.x")
     page.choose("Look only", True)
     assert page.page.touch("posture", "20,-60") and not page.page.touch("nothing", "1")
     page.tick(0.5)

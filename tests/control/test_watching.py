@@ -2,7 +2,6 @@
 
 import itertools
 
-import msgspec
 import numpy as np
 import pytest
 from page_fakes import Camera, Hands, Visit, quiet_model
@@ -16,10 +15,10 @@ from viewimit.app.sessions.sqlite_store import SqliteStore
 
 from viewimit.rehearsal import POSTURES, motions_of_imitation, rehearse
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.snapshot import AT_REST
 
-SETTINGS = msgspec.structs.replace(BEST, start_deg=(25.0, -45.0), seed=7)
+SETTINGS = Settings(start_deg=(25.0, -45.0), seed=7)
 WATCH, STOP, FORGET = "Watch yourself first", "Stop", "Forget"
 
 
@@ -213,7 +212,7 @@ def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit(tmp_path):
 
 
 def test_the_button_is_what_can_be_done_now():
-    page = QuietPage(Settings(servo="broyden"))
+    page = QuietPage(Settings.paper(servo="broyden"))
     page.tick(1.0)
     button = page.widget(WATCH)
     assert button.disabled and "Only for Trust region on images." in page.shown

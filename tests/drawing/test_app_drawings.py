@@ -4,7 +4,6 @@ import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 import trimesh
@@ -35,7 +34,7 @@ from drawn import (
 from viewimit.app.static import LAYOUT_CSS, LESSON_CSS, stylesheet
 from viewimit.assets import ROOT
 
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing import curves, equations, glossary, metrics, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
@@ -48,7 +47,7 @@ from viewimit.geometry.pairs import EYES, PAIRS
 from viewimit.servo import Certificate
 from viewimit.servo.surroundings import UNTOLD
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
 from viewimit.transfer import TRANSFERS
 from viewimit.views import FourViews
@@ -63,7 +62,7 @@ def meshes(robot):
 
 
 def stepped(motions, **settings):
-    session = Session(Settings(**{"start_deg": (25, -25), **settings}))
+    session = Session(Settings.paper(**{"start_deg": (25, -25), **settings}))
     for _ in range(motions):
         session.step()
     return session
@@ -94,7 +93,7 @@ def picture(session):
 
 def surface(session):
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    return landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world))
+    return landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world))
 
 
 @pytest.fixture(scope="module")
@@ -173,7 +172,7 @@ class TestImages:
 
     @pytest.mark.parametrize("scene, rectified", [("panda", False), ("panda-toed", True)])
     def test_what_the_transfer_has_fitted_of_them_is_not_fitted_again(self, scene, rectified):
-        snapshot = Session(Settings(scene=scene, transfer="epipolar")).snapshot
+        snapshot = Session(Settings.paper(scene=scene, transfer="epipolar")).snapshot
         assert (snapshot.rectification is not None) == rectified
         assert np.array_equal(np.delete(snapshot.fundamental.f, EYES, 0), snapshot.transfer.fundamentals)
 
@@ -465,7 +464,7 @@ class TestStatus:
 
     @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "expects to be about 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):
-        session = Session(msgspec.structs.replace(BEST, noise_px=noise_px))
+        session = Session(Settings(noise_px=noise_px))
         session.run()
         claim = status.describe(session.snapshot, assessment=assess(session), joints=(2, 4))
         assert claim.state == "arrived" and said in claim.sentence
@@ -562,7 +561,7 @@ def bilinear(values, row, column):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_equations_and_status_survive_the_loss_of_points(seed):
-    session = Session(Settings(points=16, missing=0.25, transfer="linear", seed=seed))
+    session = Session(Settings.paper(points=16, missing=0.25, transfer="linear", seed=seed))
     for _ in range(15):
         session.step()
         ElementTree.fromstring(equations.draw_equations(session.snapshot).replace("&nbsp;", " "))

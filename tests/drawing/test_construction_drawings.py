@@ -15,7 +15,7 @@ POINT = 3
 
 
 def drawn(transfer, stage, whole=False):
-    session = Session(Settings(transfer=transfer))
+    session = Session(Settings.paper(transfer=transfer))
     snapshot = session.snapshot
     bodies = Silhouettes({}, session.world).bodies(snapshot)
     windows = image_windows(reach(session.world), session.scene.head.image)
@@ -56,7 +56,7 @@ def test_where_no_lines_are_crossed_none_are_drawn_but_steps_are_carried_over(tr
 
 @pytest.mark.parametrize("transfer, crossed", [("epipolar", True), ("linear", False)])
 def test_each_stage_has_its_words(transfer, crossed):
-    found = construct(Session(Settings(transfer=transfer)).snapshot, POINT)
+    found = construct(Session(Settings.paper(transfer=transfer)).snapshot, POINT)
     words = [describe(found, POINT, stage, crossed) for stage in (*range(last_stage(crossed) + 1), None)]
     assert len(set(words)) == len(words) and f"1/{last_stage(crossed) + 1}" in words[0]
     assert ("cross at" in words[-1]) == crossed

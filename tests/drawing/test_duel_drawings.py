@@ -30,7 +30,7 @@ from viewimit.app.control.duel import Duel
 from viewimit.app.control.player import Player
 from viewimit.app.static import stylesheet
 
-from viewimit.analysis.landscape import landscape
+from viewimit.analysis.landscape import landscape_over
 from viewimit.analysis.study import study
 from viewimit.drawing import curves, learner_bars, observability, transfers
 from viewimit.drawing import duel as duel_drawing
@@ -38,12 +38,12 @@ from viewimit.drawing.images import planes
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.small_landscape import WIDTH, small_plane
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.appearance import places, reach
 from viewimit.transfer import TRANSFERS
 
 PAGE_CSS = stylesheet()
-SEVEN = Settings(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
+SEVEN = Settings.paper(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
 
 
 def raced(settings, motions, transfer="epipolar", servo="gradient"):
@@ -59,12 +59,12 @@ def raced(settings, motions, transfer="epipolar", servo="gradient"):
 
 @pytest.fixture(scope="module")
 def race():
-    return raced(BEST, 8)
+    return raced(Settings(), 8)
 
 
 @pytest.fixture(scope="module")
 def studied():
-    session = Session(BEST)
+    session = Session(Settings())
     return session, [study(session.world, session.snapshot, transfer) for transfer in TRANSFERS]
 
 
@@ -142,7 +142,7 @@ class TestDuel:
 
     def test_paths_of_many_motions_stay_small(self, race):
         session, duel = race
-        session, duel = raced(Settings(servo="gradient-retuned"), 400)
+        session, duel = raced(Settings.paper(servo="gradient-retuned"), 400)
         assert len(draw_race(session, duel).encode()) < 9_000
 
 
@@ -224,9 +224,9 @@ class TestObservability:
         assert parsed(picture.draw_path(session.history, 0)).find(".//path") is None
         blind = LandscapePicture(None, session.scene, session.snapshot, "too few points")
         assert "too few points" in blind.html
-        session = Session(Settings())
+        session = Session(Settings.paper())
         views = session.snapshot.views
-        found = landscape(session.world, TRANSFERS["linear"], views.demo, views.visible[:, :2])
+        found = landscape_over(session.world, TRANSFERS["linear"], views.demo, views.visible[:, :2])
         picture = LandscapePicture(found, session.scene, session.snapshot, spread=np.radians([2.2, 1.8]))
         assert "1 px costs θ₂ 2.2°, θ₄ 1.8°" in words(picture.html)
 
@@ -243,7 +243,7 @@ class TestManyJoints:
         assert planes.holds(wider, places(world, far)) and planes.holds(wider, places(world, snapshot))
         assert wider[False]["L"].scale <= windows[False]["L"].scale
 
-    @pytest.mark.parametrize("settings, columns", [(Settings(), False), (SEVEN, True)])
+    @pytest.mark.parametrize("settings, columns", [(Settings.paper(), False), (SEVEN, True)])
     def test_the_learners_bars_stand_in_two_columns_if_many(self, settings, columns):
         session = Session(settings)
         theta, demo = session.snapshot.theta, session.snapshot.theta_demo

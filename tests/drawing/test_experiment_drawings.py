@@ -65,17 +65,17 @@ def draw(name, result):
 
 @pytest.fixture(scope="module")
 def landscape():
-    return fig7.run(Settings(), step_deg=15.0, study=(2, 2))
+    return fig7.run(Settings.paper(), step_deg=15.0, study=(2, 2))
 
 
 @pytest.fixture(scope="module")
 def imitation():
-    return fig9.run(Settings(), starts=(1, 1), max_motions=300)
+    return fig9.run(Settings.paper(), starts=(1, 1), max_motions=300)
 
 
 @pytest.fixture(scope="module")
 def trajectory():
-    return fig10.run(Settings(), max_motions=30)
+    return fig10.run(Settings.paper(), max_motions=30)
 
 
 def lines(html, *seen):
@@ -211,7 +211,7 @@ class TestFig9:
         theta = np.stack([np.linspace(25, 60, count), np.linspace(-25, -80, count)], -1)
         probe = np.zeros(count, bool)
         run = fig9.Run("gradient", (25.0, -25.0), (45.0, -90.0), theta, np.geomspace(200, 3, count), probe, "stalled")
-        settings = Settings(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -25.0))
+        settings = Settings.paper(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -25.0))
         runs = tuple(replace(run, law=law) for law in fig9.laws_of(settings) for _ in range(7))
         html = draw("fig9", fig9.Fig9(settings, (2, 4), ((25.0, -25.0),) * 7, 1.6, runs))
         assert len(html) < 50_000
@@ -344,7 +344,7 @@ class TestAll:
             assert paths(drawing, AXES)
 
     def test_disturbances_are_among_what_it_was_made_of(self):
-        settings = Settings(demonstrator_deg=(45.0, -90.0), noise_px=0.5, missing=0.1, transfer="linear")
+        settings = Settings.paper(demonstrator_deg=(45.0, -90.0), noise_px=0.5, missing=0.1, transfer="linear")
         assert plots.described(settings).endswith("linear transfer · panda, 10 points · noise 0.5 px, missing 10%")
         assert "<img" not in plots.figure(msgspec.structs.replace(settings, scene=HOSTILE), "")
 
@@ -352,7 +352,9 @@ class TestAll:
         scene = load_scene("panda", None, (1, 2, 3, 4, 5, 6, 7))
         for experiment in EXPERIMENTS.values():
             assert parsed(experiment.empty_figure(scene))
-        settings = Settings(joints=(1, 2, 3, 4, 5, 6, 7), demonstrator_deg=(0.0, 45.0, 0.0, -90.0, 0.0, 90.0, 45.0))
+        settings = Settings.paper(
+            joints=(1, 2, 3, 4, 5, 6, 7), demonstrator_deg=(0.0, 45.0, 0.0, -90.0, 0.0, 90.0, 45.0)
+        )
         (caption,) = parsed(plots.figure(settings, "", " · a motion of a very long name")).iter("text")
         assert caption.get("textLength") == str(plots.WIDTH) and len(caption.text) <= plots.LONGEST
         assert caption.text.startswith(f"Demonstrator (0°, 45°, 0°, {MINUS}90°, 0°, 90°, 45°) · epipolar")
@@ -378,7 +380,7 @@ class TestAll:
             assert parsed(experiment.empty_figure(load_scene(scene)))
 
     def test_transfers_and_laws_have_styles_of_their_own(self):
-        for names in (list(TRANSFERS), list(fig9.laws_of(Settings())), list(fig10.RUNS)):
+        for names in (list(TRANSFERS), list(fig9.laws_of(Settings.paper())), list(fig10.RUNS)):
             assert len({plots.style_of(name, names) for name in names}) == len(names)
             assert len({(style.dash, style.mark) for style in plots.STYLES}) == len(plots.STYLES)
 

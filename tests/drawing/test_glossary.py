@@ -14,7 +14,7 @@ from viewimit.app.panels.guide.help import help_html
 from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES
 from viewimit.embodiment.in_scene import complete
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.snapshot import AT_REST
 from viewimit.transfer import TRANSFERS
 
@@ -33,7 +33,7 @@ def test_an_entry_has_a_card_and_stands_in_the_help(key):
 
 @pytest.mark.parametrize("key", ENTRIES)
 def test_what_an_entry_shows_can_be_shown_and_undone(key):
-    page = QuietPage(BEST, address="/touch/0.x")
+    page = QuietPage(Settings(), address="/touch/0.x")
     page.tick(1.0)
     link = f'href="/touch/0.x/show/{key}"'
     assert link in page.shown and link in help_html("", "/touch/0.x")
@@ -44,12 +44,12 @@ def test_what_an_entry_shows_can_be_shown_and_undone(key):
     assert page.widget("Preset").value == f"Show me: {ENTRIES[key].symbol}"
     model.player.scrub(0)
     Undo().apply(model, page.now)
-    assert model.session.settings == complete(BEST) and model.preset.settings == BEST
+    assert model.session.settings == complete(Settings()) and model.preset.settings == Settings()
 
 
 @pytest.mark.parametrize("key", [key for key, entry in ENTRIES.items() if entry.scale is not None])
 def test_a_number_that_is_shown_is_a_bad_one(key):
-    entry, page = ENTRIES[key], QuietPage(BEST, address="/touch/0.x")
+    entry, page = ENTRIES[key], QuietPage(Settings(), address="/touch/0.x")
     page.page.touch("show", key)
     page.tick(1.0)
     page.tick_until(lambda: not entry.plays or page.page.model.session.snapshot.status in AT_REST)
@@ -101,6 +101,12 @@ def test_errors_name_entry_and_field(tmp_path, text, said):
     assert str(path) in str(error.value)
 
 
+def test_what_an_entry_leaves_open_is_the_papers(tmp_path):
+    path = tmp_path / "glossary.toml"
+    path.write_text('[E]\nname = "a"\nsymbol = "b"\nsentence = "c"\nshow = { points = 5, servo = "kalman" }\n')
+    assert glossary.load(path)["E"].show == Settings.paper(points=5, servo="kalman")
+
+
 @pytest.mark.parametrize("ground", ["paper", "card"])
 @pytest.mark.parametrize("role", ["ink", "secondary", "recovered", "demonstrator-edge"])
 def test_its_type_has_contrast_in_both_schemes(role, ground):
@@ -121,7 +127,7 @@ def give_back_offered(page):
 
 def test_what_was_there_before_is_given_back_to_the_bit():
     """Whatever was done meanwhile: another entry, motions, another view. And it goes on as it would have."""
-    page, twin = (QuietPage(BEST, address="/touch/0.x") for _ in range(2))
+    page, twin = (QuietPage(Settings(), address="/touch/0.x") for _ in range(2))
     for one in (page, twin):
         for control, value in (("point", "3"), ("large", "1")):
             one.page.touch(control, value)

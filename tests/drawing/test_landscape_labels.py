@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from drawn import INSET, JOINT_LABELS, LABELS, LEARNERS_PATH, LED, LEVEL_NUMBERS, marked, only, parsed, path
 
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.drawing import path_labels
 from viewimit.drawing.labels import CHARACTER, LINE, Labels
 from viewimit.drawing.landscape import LandscapePicture
@@ -18,17 +18,17 @@ from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
 
 SITUATIONS = {
-    "default": Settings(),
-    "paper": Settings(servo="gradient-retuned", start_deg=(25, -45)),
-    "corner": Settings(demonstrator_deg=(85, -5), start_deg=(5, -175)),
-    "beside": Settings(demonstrator_deg=(30, -140), start_deg=(32, -138), transfer="linear"),
-    "low": Settings(demonstrator_deg=(70, -60), start_deg=(90, 0), transfer="projective", servo="trust-region"),
-    "searching": Settings(servo="trust-region", start_deg=(25, -25)),
-    "few": Settings(points=5, start_deg=(25, -45)),
-    "facing": Settings(scene="panda-facing", start_deg=(25, -45)),
-    "iiwa": Settings(scene="iiwa", start_deg=(25, -25)),
-    "other joints": Settings(joints=(1, 2)),
-    "narrow": Settings(joints=(4, 6)),
+    "default": Settings.paper(),
+    "paper": Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
+    "corner": Settings.paper(demonstrator_deg=(85, -5), start_deg=(5, -175)),
+    "beside": Settings.paper(demonstrator_deg=(30, -140), start_deg=(32, -138), transfer="linear"),
+    "low": Settings.paper(demonstrator_deg=(70, -60), start_deg=(90, 0), transfer="projective", servo="trust-region"),
+    "searching": Settings.paper(servo="trust-region", start_deg=(25, -25)),
+    "few": Settings.paper(points=5, start_deg=(25, -45)),
+    "facing": Settings.paper(scene="panda-facing", start_deg=(25, -45)),
+    "iiwa": Settings.paper(scene="iiwa", start_deg=(25, -25)),
+    "other joints": Settings.paper(joints=(1, 2)),
+    "narrow": Settings.paper(joints=(4, 6)),
 }
 
 
@@ -37,7 +37,7 @@ def drawn(settings):
     session = Session(settings)
     session.run(120)
     views, fit = session.snapshot.views, TRANSFERS[settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture = LandscapePicture(made, session.scene, session.snapshot)
     return session, parsed(picture.html + picture.draw_path(session.history, session.cursor))
 
@@ -87,7 +87,7 @@ def test_labels_keep_off_each_other_the_path_the_marks_and_the_inset(name):
 def test_while_the_path_grows_labels_give_way_to_it_and_else_stay_where_they_are(name, least):
     session = Session(SITUATIONS[name])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture = LandscapePicture(made, session.scene, session.snapshot)
     before, stayed = None, 0
     for _ in range(60):
@@ -105,7 +105,7 @@ def test_a_label_moves_only_where_the_path_or_the_learners_own_label_needs_its_p
     """Margins: what is kept free of a path, and by how much a label's place is larger than its letters."""
     session = Session(SITUATIONS[name])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture, plane = LandscapePicture(made, session.scene, session.snapshot), PosturePlane(session.scene)
     before, moved = set(), 0
     for _ in range(60):
@@ -156,10 +156,12 @@ def test_a_label_is_told_of_all_that_it_meets_and_of_nothing_else():
 
 
 def test_a_plot_without_room_for_the_inset_has_none():
-    settings = Settings(transfer="projective")
+    settings = Settings.paper(transfer="projective")
     session = Session(settings)
     views = session.snapshot.views
-    made = landscape(session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world))
+    made = landscape_over(
+        session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world)
+    )
     assert INSET in LandscapePicture(made, session.scene, session.snapshot).html
     narrow = msgspec.structs.replace(session.scene, range_deg=((30.0, 60.0), (-180.0, 0.0)))
     rows = slice(30, 61)
@@ -173,7 +175,7 @@ def test_labels_are_not_placed_anew_when_the_path_crosses_the_lines_that_lead_to
     monkeypatch.setattr(path_labels, "beside", lambda *args: placed.append(0) or start(*args))
     session = Session(SITUATIONS["paper"])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
-    made = landscape(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
+    made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))
     picture = LandscapePicture(made, session.scene, session.snapshot)
     session.run(600)  # it wanders about the marks, where these lines begin
     for _ in range(100):

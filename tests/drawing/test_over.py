@@ -95,7 +95,7 @@ class TestPostures:
 
 
 def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_of_their_own():
-    session = Session(Settings(start_deg=(25, -45)))
+    session = Session(Settings.paper(start_deg=(25, -45)))
     session.run(6)
     assert hrefs(draw_curves(session.history, 2, None, (2, 4))) == []
     for width in (424, 860):

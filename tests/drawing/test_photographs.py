@@ -24,7 +24,7 @@ PICTURES = {view: f"picture of {view}".encode() for view in VIEWS}
 
 @pytest.fixture(scope="module")
 def session():
-    return Session(Settings(points=16))
+    return Session(Settings.paper(points=16))
 
 
 def planes(session, whole, pictures):

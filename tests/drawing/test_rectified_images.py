@@ -14,7 +14,7 @@ from viewimit.views import FourViews
 
 
 def seen(**settings):
-    return Session(Settings(**settings))
+    return Session(Settings.paper(**settings))
 
 
 def drawn(session):

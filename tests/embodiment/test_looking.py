@@ -41,7 +41,7 @@ def observer(eyes):
 
 
 def test_the_demonstrator_is_looked_at_again_only_when_it_or_its_disturbance_has_changed(eyes, observer):
-    settings = Settings(noise_px=0.1)
+    settings = Settings.paper(noise_px=0.1)
     for look in range(3):
         observer.four_views(settings, START, DEMO, look)
     assert eyes.asked.count("demo") == 1 and eyes.asked.count("own") == 3
@@ -55,7 +55,7 @@ def test_the_demonstrator_is_looked_at_again_only_when_it_or_its_disturbance_has
 
 
 def test_every_look_at_the_own_body_has_noise_of_its_own_and_repeats_itself(observer):
-    settings = Settings(noise_px=0.3)
+    settings = Settings.paper(noise_px=0.3)
     first, second, again = (observer.own(settings, START, look)[0] for look in (0, 1, 0))
     np.testing.assert_array_equal(first, again)
     assert not np.allclose(first, second)
@@ -64,7 +64,7 @@ def test_every_look_at_the_own_body_has_noise_of_its_own_and_repeats_itself(obse
 
 @pytest.mark.parametrize("delay", range(MOST_LAG + 1))
 def test_the_first_motion_tells_how_late_images_come_and_later_ones_are_not_asked(eyes, observer, delay):
-    now = Session(Settings(start_deg=(25, -45), delay=delay)).snapshot
+    now = Session(Settings.paper(start_deg=(25, -45), delay=delay)).snapshot
     assert observer.wait(now, START + 0.1) == (delay, delay)
     assert observer.wait(now, START) == (MOST_LAG, None)  # no motion that could show
     asked = len(eyes.asked)
@@ -73,12 +73,14 @@ def test_the_first_motion_tells_how_late_images_come_and_later_ones_are_not_aske
 
 def test_the_noise_is_measured_at_rest():
     for noise_px, frames in ((0.0, 1), (0.5, 1), (0.5, 25)):
-        session = Session(Settings(noise_px=noise_px, frames=frames, points=20, missing=0.1))
+        session = Session(Settings.paper(noise_px=noise_px, frames=frames, points=20, missing=0.1))
         told = session.observation(session.snapshot).noise_px
         assert told == pytest.approx(noise_px / np.sqrt(frames), rel=0.1, abs=1e-9)  # 560 degrees of freedom: 3 %
 
 
 def test_averaged_frames_bring_the_demonstrators_images_nearer_to_the_truth():
-    exact = Session(Settings()).snapshot.views.demo
-    error = [np.abs(Session(Settings(noise_px=1.0, frames=n)).snapshot.views.demo - exact).mean() for n in (1, 100)]
+    exact = Session(Settings.paper()).snapshot.views.demo
+    error = [
+        np.abs(Session(Settings.paper(noise_px=1.0, frames=n)).snapshot.views.demo - exact).mean() for n in (1, 100)
+    ]
     assert error[1] < 0.2 * error[0]

@@ -14,11 +14,11 @@ from viewimit.history import MAX_HISTORY
 from viewimit.rehearsal import rehearse
 from viewimit.script_player import play
 from viewimit.servo import SERVOS
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 FakeRobot = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "fake_robot.py"))["FakeRobot"]
 ROUNDING = 1e-9  # rad
-ONE = msgspec.structs.replace(BEST, frames=1)
+ONE = Settings(frames=1)
 SHOWN_DEG, START_DEG = (45.0, -90.0), (25.0, -45.0)
 WORKSPACE_DEG = ((-50.0, 50.0), (-60.0, 10.0), (20.0, 100.0))  # of the fake robot
 SCENE_WORKSPACE_DEG = ((5.0, 80.0), (-120.0, -20.0))  # of the panda's two joints
@@ -67,8 +67,8 @@ def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_st
     low, high = np.radians(WORKSPACE_DEG).T
     start, shown = np.random.default_rng(seed).uniform(low, high, (2, 3))
     robot = Recorded(np.degrees(shown))
-    asked = changed(servo=servo, max_step_deg=max_step_deg, workspace_deg=WORKSPACE_DEG, seed=seed)
-    session = Session.of(robot, robot, msgspec.structs.replace(asked, start_deg=tuple(np.degrees(start))))
+    asked = {"servo": servo, "max_step_deg": max_step_deg, "workspace_deg": WORKSPACE_DEG, "seed": seed}
+    session = Session.of(robot, robot, frames=1, start_deg=tuple(np.degrees(start)), **asked)
     session.run(60)
     session.scrub(session.cursor // 2)
     session.step()
@@ -98,10 +98,10 @@ def test_in_a_scene_the_same_limits_hold(servo, max_step_deg, seed, noise_px):
 def test_short_motions_arrive_and_claim_so_where_long_ones_do(max_step_deg):
     """The servo sees only the ends of what it asks for, so that a way in pieces changes nothing of what it knows."""
     robot = Recorded()
-    own = Session.of(robot, robot, changed(max_step_deg=max_step_deg))
+    own = Session.of(robot, robot, frames=1, max_step_deg=max_step_deg)
     shown = Session(changed(max_step_deg=max_step_deg, demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
     for session, target in ((own, robot.demonstrator), (shown, np.radians(SHOWN_DEG))):
-        last = session.run(400)
+        last = session.run(400).last
         assert last.status == "converged" and last.target is None
         assert np.degrees(np.abs(last.theta - target)).max() < 0.01
         assert longest(sent(session)) <= np.radians(max_step_deg) + ROUNDING
@@ -114,7 +114,7 @@ def test_with_noise_what_is_claimed_after_short_motions_is_true():
         start_deg, shown_deg = rng.uniform(low, high, (2, 2)).round(3)
         fields = {"max_step_deg": 5.0, "noise_px": 0.25, "seed": seed}
         postures = {"start_deg": tuple(start_deg), "demonstrator_deg": tuple(shown_deg)}
-        last = Session(msgspec.structs.replace(BEST, **fields, **postures)).run(200)
+        last = Session(Settings(**fields, **postures)).run(200).last
         error = np.abs(last.theta - last.theta_demo).max()
         assert last.status == "converged" and error < 3 * last.expected_error
 
@@ -124,7 +124,7 @@ def test_laws_that_rest_do_so_where_they_would_after_longer_motions(servo):
     """What such a law knows at the end of a motion does not depend on in how many pieces the arm was sent there."""
     fields = {"servo": servo, "demonstrator_deg": SHOWN_DEG, "start_deg": START_DEG}
     free, bound = (Session(changed(max_step_deg=step, **fields)) for step in (None, 15.0))  # 15°: as long as a probe
-    there, here = free.run(200), bound.run(200)
+    there, here = free.run(200).last, bound.run(200).last
     assert longest(sent(free)) > np.radians(15.0) >= longest(sent(bound)) - ROUNDING
     assert there.status == here.status == "rests" and here.motion > there.motion
     np.testing.assert_allclose(here.theta, there.theta, atol=1e-8)
@@ -143,7 +143,7 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     """By epipolar lines E is too large wherever it is least, so that it would search in vain."""
     asked = Settings(transfer="epipolar", servo="trust-region", start_deg=(25, -25), restarts=restarts)
     session = Session(asked)
-    last = session.run(200)
+    last = session.run(200).last
     assert last.status == "stalled" and last.servo_state.restarts == restarts
     words = SERVOS["trust-region"].says(last.servo_state, last.status)
     assert ("searches elsewhere" in words) == (restarts > 0)
@@ -162,7 +162,7 @@ def test_a_servo_that_may_not_search_elsewhere_does_not_look_for_hidden_points_t
 
 def test_a_demonstrator_outside_the_workspace_is_approached_and_not_claimed_to_be_reached():
     session = Session(changed(demonstrator_deg=(85, -90), start_deg=START_DEG, workspace_deg=((0, 60), (-130, 0))))
-    last = session.run(200)
+    last = session.run(200).last
     require_inside(sent(session), ((0, 60), (-130, 0)))
     assert last.status != "converged"
 
@@ -192,45 +192,45 @@ def test_a_rehearsal_within_a_workspace_serves_an_imitation_without_one():
     body = rehearse(Session(changed(workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG)), 12, seed=1)
     session = Session(changed(demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
     session.remember(body)
-    last = session.run(40)
+    last = session.run(40).last
     assert last.status == "converged" and last.rehearsal_holds and last.motion <= 4
 
 
 def test_who_goes_back_to_the_past_drives_the_arm_there_in_short_motions():
     robot = Recorded()
-    session = Session.of(robot, robot, changed(max_step_deg=3.0))
+    session = Session.of(robot, robot, frames=1, max_step_deg=3.0)
     session.run(200)
     first, count = session.history[0].commanded, len(robot.sent)
     session.scrub(0)
     assert len(robot.sent) > count + 1
     np.testing.assert_allclose(robot.sent[-1], first, atol=ROUNDING)
-    other = Session.of(robot, robot, changed(max_step_deg=3.0))
+    other = Session.of(robot, robot, frames=1, max_step_deg=3.0)
     other.resume(list(session.history), len(session.history) - 1)
     assert longest(robot.sent) <= np.radians(3.0) + ROUNDING
 
 
 def test_a_demonstrator_that_moves_while_the_arm_is_on_its_way_is_followed_from_there():
     robot = Recorded()
-    session = Session.of(robot, robot, changed(max_step_deg=3.0))
+    session = Session.of(robot, robot, frames=1, max_step_deg=3.0)
     while session.snapshot.target is None:
         assert session.step()
     robot.demonstrator = np.radians((-20.0, -30.0, 60.0))
     session.step()
     assert session.snapshot.target is None
-    last = session.run(200)
+    last = session.run(200).last
     assert last.status == "converged" and np.degrees(np.abs(last.theta - robot.demonstrator)).max() < 0.1
 
 
 def test_points_that_are_out_of_sight_on_the_way_do_not_stop_it():
     """The servo asked for the end of the way, and is not asked before."""
-    bound = changed(max_step_deg=5.0, servo="broyden")
+    bound = {"frames": 1, "max_step_deg": 5.0, "servo": "broyden"}
     robot = Recorded()
-    before = Session.of(robot, robot, bound)
+    before = Session.of(robot, robot, **bound)
     before.run(200)
     on_the_way = [moment.theta for moment in before.history if moment.target is not None]
     robot = Recorded(hidden=lambda theta: any(np.abs(theta - there).max() < 1e-6 for there in on_the_way))
-    session = Session.of(robot, robot, bound)
-    last = session.run(200)
+    session = Session.of(robot, robot, **bound)
+    last = session.run(200).last
     assert any(moment.transfer is None for moment in session.history) and last.status == "rests"
     np.testing.assert_allclose(last.theta, before.snapshot.theta, atol=1e-9)
 
@@ -254,7 +254,7 @@ def test_a_run_in_short_motions_is_repeated_by_its_script():
     play(script, again)
     assert again.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert again.settings == session.settings
-    one, other = again.run(200), session.run(200)
+    one, other = again.run(200).last, session.run(200).last
     assert one.motion == other.motion and one.theta.tobytes() == other.theta.tobytes()
 
 
@@ -279,7 +279,7 @@ def test_a_new_workspace_begins_anew_inside_it():
 def test_a_workspace_that_the_arm_does_not_have_is_refused_before_it_moves(workspace_deg, why):
     robot = Recorded()
     with pytest.raises(ValueError, match=why):
-        Session.of(robot, robot, changed(workspace_deg=workspace_deg))
+        Session.of(robot, robot, frames=1, workspace_deg=workspace_deg)
     assert not robot.sent
 
 
@@ -324,4 +324,4 @@ def test_waypoints_lead_straight_to_the_target_by_as_few_motions_as_that_takes(t
 def test_a_history_that_is_full_ends_on_the_way_too(monkeypatch):
     monkeypatch.setattr("viewimit.session.MAX_HISTORY", 4)
     session = Session(changed(max_step_deg=1.0))
-    assert session.run(MAX_HISTORY).motion == 4 and session.snapshot.status == "stopped"
+    assert session.run(MAX_HISTORY).last.motion == 4 and session.snapshot.status == "stopped"

@@ -11,12 +11,12 @@ from viewimit.analysis.self_assessment import assess
 from viewimit.body_image import BodyImage
 from viewimit.perception.latency import MOST_LAG
 from viewimit.rehearsal import rehearse
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
 
-ONE = msgspec.structs.replace(BEST, frames=1)
+ONE = Settings(frames=1)
 DEMO = np.radians((45.0, -90.0))
 
 
@@ -49,11 +49,21 @@ class Robot:
 
 
 def session(robot, settings=ONE, **options):
-    return Session.of(robot, robot, settings, **options)
+    return Session.of(robot, robot, **options, **msgspec.structs.asdict(settings))
 
 
 def error_deg(last, demo=DEMO):
     return np.degrees(np.abs(last.commanded - demo)).max()
+
+
+def test_a_setting_that_is_changed_leaves_all_others_as_in_the_best_method():
+    robot = Robot(noise_px=0.3)
+    one = Session.of(robot, robot, frames=9)
+    assert (one.settings.transfer, one.settings.servo, one.settings.frames) == ("projective", "trust-region", 9)
+    with pytest.raises(TypeError, match="frame_count"):
+        Session.of(robot, robot, frame_count=9)
+    with pytest.raises(TypeError, match="positional"):
+        Session.of(robot, robot, Settings(frames=9))  # whose fields are given by name
 
 
 def test_it_makes_the_same_run_as_a_session_that_knows_the_scene():
@@ -61,7 +71,7 @@ def test_it_makes_the_same_run_as_a_session_that_knows_the_scene():
         session(Robot()),
         Session(msgspec.structs.replace(ONE, demonstrator_deg=(45, -90), start_deg=(25, -45))),
     )
-    last, known = one.run(60), other.run(60)
+    last, known = one.run(60).last, other.run(60).last
     assert last.status == known.status == "converged" and last.motion == known.motion
     np.testing.assert_allclose(last.theta, known.theta, atol=1e-9)
     assert last.certificate.told.all() and assess(one).certificate is last.certificate
@@ -119,7 +129,7 @@ def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
     assert not one.step()
     robot.demo = np.radians((60.0, -60.0))
     assert one.look() and one.snapshot.status == "moving"
-    assert error_deg(one.run(120), robot.demo) < 0.5 and one.snapshot.status == "converged"
+    assert error_deg(one.run(120).last, robot.demo) < 0.5 and one.snapshot.status == "converged"
 
 
 @pytest.mark.parametrize("servo", ["trust-region", "broyden", "gradient-retuned"])
@@ -130,7 +140,7 @@ def test_a_demonstrator_that_has_moved_is_told_to_the_servo_as_one_that_was_pose
     one.run(6), other.run(6)
     robot.demo = np.radians((60.0, -60.0))
     other.pose(robot.demo)
-    assert one.look() and one.run(10).motion == other.run(10).motion > 6
+    assert one.look() and one.run(10).last.motion == other.run(10).last.motion > 6
     there, here = (np.array([moment.theta for moment in found.history]) for found in (other, one))
     np.testing.assert_allclose(here, there, atol=1e-7)
 
@@ -150,12 +160,12 @@ def test_a_demonstrator_that_keeps_moving_is_followed():
 
 def test_noise_keeps_the_demonstrators_images_and_is_measured_at_rest():
     robot = Robot(noise_px=0.3, points=20)
-    one = session(robot, msgspec.structs.replace(BEST, frames=9))
+    one = session(robot, Settings(frames=9))
     assert one.observer.noise_at_rest(one.settings) == pytest.approx(0.3 / 3, rel=0.25)  # 560 degrees of freedom
     one.run(60)
     assert all(moment.views.demo is one.history[0].views.demo for moment in one.history)
     assert not one.look() and error_deg(one.snapshot) < 1.0
-    assert one.observer.noise_at_rest(msgspec.structs.replace(BEST, frames=1)) == pytest.approx(0.3, rel=0.25)
+    assert one.observer.noise_at_rest(Settings(frames=1)) == pytest.approx(0.3, rel=0.25)
     robot.noise_px = 4.0  # as its maker states it
     one.reset()
     assert one.observer.noise_at_rest(one.settings) == pytest.approx(4 / 3, rel=0.05)
@@ -171,7 +181,7 @@ class WholePixels(Robot):
 
 @pytest.mark.parametrize("frames", [1, 25])
 def test_rounding_is_noise_that_pictures_at_rest_do_not_show_and_that_more_of_them_do_not_lessen(frames):
-    settings = msgspec.structs.replace(BEST, frames=frames)
+    settings = Settings(frames=frames)
     for sigma in (0.0, 0.1):
         one = session(WholePixels(noise_px=sigma), settings)
         assert one.observer.noise_at_rest(one.settings) == pytest.approx(1 / np.sqrt(12), rel=0.1)
@@ -187,7 +197,7 @@ def test_whole_pixels_are_believed_and_the_learner_arrives_as_near_as_they_tell(
         robot = WholePixels(demo, noise_px, points=16)
         robot.start = start
         one = session(robot)
-        last = one.run(40)
+        last = one.run(40).last
         assert all(moment.views.complete for moment in one.history)
         assert last.status == "converged" and error_deg(last, demo) < 2.5
 
@@ -213,7 +223,7 @@ def test_a_point_that_is_misplaced_by_many_pixels_is_not_believed_among_whole_on
 def test_the_first_motion_tells_how_late_pictures_come_and_as_many_are_let_pass(late):
     robot = Robot(late=late)
     one = session(robot)
-    last = one.run(60)
+    last = one.run(60).last
     assert last.lag == late and last.status == "converged" and error_deg(last) < 0.5
     for moment in one.history:
         np.testing.assert_array_equal(moment.views.own, robot.world.own_images(moment.commanded)[0])
@@ -258,19 +268,19 @@ def test_it_rehearses_without_a_demonstrator_and_begins_with_that(tmp_path):
     body.save(tmp_path / "body.npz")
     other = session(Robot(), name="mine")
     other.remember(BodyImage.load(tmp_path / "body.npz"))
-    last = other.run(60)
-    assert last.status == "converged" and last.rehearsal_holds and last.motion < session(Robot()).run(60).motion
+    last = other.run(60).last
+    assert last.status == "converged" and last.rehearsal_holds and last.motion < session(Robot()).run(60).last.motion
     with pytest.raises(ValueError, match="rehearsed with robot mine, here it is yours"):
         session(Robot(), name="yours").remember(body)
 
 
 @pytest.mark.parametrize("servo", ["broyden", "gradient-retuned"])
 def test_other_laws_and_transfers_serve_as_well(servo):
-    one = session(Robot(), Settings(transfer="linear", servo=servo))
+    one = session(Robot(), Settings.paper(transfer="linear", servo=servo))
     one.run(300)
     assert error_deg(one.snapshot) < 3  # METHOD: an affine transfer's bias
     one.change(transfer="projective", servo="trust-region")
-    assert error_deg(one.run(360)) < 0.5
+    assert error_deg(one.run(360).last) < 0.5
 
 
 @pytest.mark.parametrize(
@@ -378,7 +388,7 @@ def test_looks_that_do_not_match_the_first_are_told_so():
 @pytest.mark.parametrize("transfer", TRANSFERS)
 def test_points_that_a_tracker_has_lost_are_not_seen(transfer, place):
     """One in ten, by turns, of either body: a loop that took them for seen fits them, and at 1e5 px claims falsely."""
-    settings = Settings(transfer=transfer, servo="trust-region", frames=1)
+    settings = Settings.paper(transfer=transfer, servo="trust-region", frames=1)
     told, marked = Robot(points=16), Robot(points=16)
 
     def marking(robot, mark):
@@ -392,7 +402,7 @@ def test_points_that_a_tracker_has_lost_are_not_seen(transfer, place):
         return look
 
     told.look, marked.look = marking(told, (np.nan, np.nan)), marking(marked, place)
-    expected, last = session(told, settings).run(60), session(marked, settings).run(60)
+    expected, last = session(told, settings).run(60).last, session(marked, settings).run(60).last
     assert last.status == expected.status
     np.testing.assert_array_equal(last.commanded, expected.commanded)
 
@@ -401,11 +411,11 @@ def test_points_that_a_tracker_has_lost_are_not_seen(transfer, place):
 @pytest.mark.parametrize("own", [np.zeros((10, 4)), np.outer(np.arange(10.0), (1, 2, 1, 3))], ids=["place", "line"])
 def test_a_body_whose_points_are_lost_to_one_place_is_no_evidence(transfer, own):
     """As trackers write what they have lost; E of it would be 0 wherever the arm is."""
-    settings = Settings(transfer=transfer, servo="trust-region")
+    settings = Settings.paper(transfer=transfer, servo="trust-region")
     robot, whole = Robot(), Robot()
-    seen, expected = robot.look, session(whole, settings).run(60)
+    seen, expected = robot.look, session(whole, settings).run(60).last
     robot.look = lambda: seen().with_own(own) if robot.looks == 13 else seen()
-    last = session(robot, settings).run(60)
+    last = session(robot, settings).run(60).last
     assert np.degrees(np.abs(last.commanded - expected.commanded)).max() < 0.5 and last.status == expected.status
     robot.look = lambda: seen().with_own(own)
     held = session(robot, settings)

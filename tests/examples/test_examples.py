@@ -46,7 +46,7 @@ def test_the_fake_robot_arrives_from_anywhere_in_thirty_lines():
         start, demo = rng.uniform(module.FakeRobot.lower + 0.1, module.FakeRobot.upper - 0.1, (2, 3))
         robot = module.FakeRobot(np.degrees(demo))
         robot.start = start
-        last = Session.of(robot, robot).run(60)
+        last = Session.of(robot, robot).run(60).last
         assert last.status == "converged" and error_deg(last, np.degrees(demo)) < 0.1
     code = (EXAMPLES / "fake_robot.py").read_text().partition('"""\n\n')[2].partition("\n\nif __name__")[0]
     lines = [line for line in code.splitlines() if line.strip() and not re.match(r'\s*(#|"""|import|from)', line)]

@@ -15,12 +15,13 @@ from viewimit.experiments.bench.compare_table import Row, read, write
 from viewimit.experiments.bench.compared import compared
 from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
 from viewimit.experiments.bench.success import wilson
+from viewimit.result import RunResult
 from viewimit.servo import SERVOS
 from viewimit.session import Session
 from viewimit.settings import Settings
 
 DOCS = Path(__file__).parents[2] / "docs"
-SETTINGS = Settings(transfer="projective")
+SETTINGS = Settings.paper(transfer="projective")
 
 
 def rows_of(servo, errors, motions=9, status="rests", case="a"):
@@ -33,7 +34,7 @@ def test_every_law_begins_with_the_same_bodies_images_and_noise(case, monkeypatc
 
     def run(self, *_):
         begun.append(self.snapshot)
-        return self.snapshot
+        return RunResult(0, 0.0, np.zeros(2), self.snapshot)
 
     monkeypatch.setattr(Session, "run", run)
     run_draw(SETTINGS, case, list(SERVOS), [3, 1], 5)

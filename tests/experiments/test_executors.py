@@ -139,7 +139,7 @@ CASES = compare.CASES[:1]
 
 
 def rows(by):
-    return compare.run(compare.Settings(transfer="projective"), ["broyden", "kalman"], 6, 2, 30, CASES, by)
+    return compare.run(compare.Settings.paper(transfer="projective"), ["broyden", "kalman"], 6, 2, 30, CASES, by)
 
 
 @pytest.fixture
@@ -170,7 +170,7 @@ def loses_a_worker(dask, processes, lose):
         if not lost:
             lost.append(lose(one))
 
-    settings = compare.Settings(transfer="projective")
+    settings = compare.Settings.paper(transfer="projective")
     by = Study(Cluster(one.scheduler_address))
     found = compare.run(settings, ["broyden", "kalman"], 6, 2, 30, CASES, by, tell)
     assert lost and repr(found) == repr(rows(1))  # every digit, and NaN as NaN

@@ -61,7 +61,7 @@ def test_fig7_progress_grows_to_one_and_its_parts_with_it(seventh):
 
 def test_fig7_needs_two_joints():
     with pytest.raises(ValueError, match="two moving joints"):
-        fig7.run(Settings(joints=(2, 4, 6)))
+        fig7.run(Settings.paper(joints=(2, 4, 6)))
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_fig9_the_law_as_printed_does_not_arrive_the_others_do(ninth):
 
 def test_fig9_a_run_is_the_sessions_own(ninth):
     run = ninth[0].of("broyden")[0]
-    session = Session(Settings(transfer="epipolar", servo="broyden", start_deg=run.start_deg))
+    session = Session(Settings.paper(transfer="epipolar", servo="broyden", start_deg=run.start_deg))
     session.run()
     np.testing.assert_array_equal(run.E, [moment.E for moment in session.history])
     errors = [np.abs(np.degrees(moment.theta) - (45, -90)).max() for moment in session.history]
@@ -95,7 +95,7 @@ def test_fig9_a_run_is_the_sessions_own(ninth):
 
 
 def test_fig9_of_seven_joints_starts_about_the_demonstrator_and_shows_the_settings_own_servo():
-    settings = Settings(joints=tuple(range(1, 8)), points=16, transfer="projective", servo="trust-region")
+    settings = Settings.paper(joints=tuple(range(1, 8)), points=16, transfer="projective", servo="trust-region")
     result = fig9.run(settings, starts=(1, 2), max_motions=25, laws=("trust-region",))
     assert result.laws == ("gradient", "gradient-retuned", "trust-region")
     np.testing.assert_allclose([run.start_deg for run in result.runs], result.starts_deg)
@@ -162,7 +162,7 @@ def test_fig10_freezes_the_transfers_that_it_says(tenth):
 
 def test_fig10_without_points_is_told():
     with pytest.raises(ValueError, match="too few points"):
-        fig10.run(Settings(missing=1.0), max_motions=2)
+        fig10.run(Settings.paper(missing=1.0), max_motions=2)
 
 
 OTHERS = ({"transfer": "linear"}, {"scene": "iiwa"}, {"points": 16}, {"noise_px": 0.1}, {"demonstrator_deg": (40, -90)})
@@ -170,7 +170,7 @@ OTHERS = ({"transfer": "linear"}, {"scene": "iiwa"}, {"points": 16}, {"noise_px"
 
 def test_other_settings_are_judged_by_what_the_paper_claims_in_general():
     def of(**changes):
-        made = Claims(Settings(**{"transfer": "epipolar", **changes}))
+        made = Claims(Settings.paper(**{"transfer": "epipolar", **changes}))
         return [made.limit(what) for what in ("minimum", "minima", "near", "joints")]
 
     assert of() == of(demonstrator_deg=(45, -90), servo="gradient", seed=3, start_deg=(1, -1)) == [4, 1, 3, 1]
@@ -178,7 +178,7 @@ def test_other_settings_are_judged_by_what_the_paper_claims_in_general():
 
 
 def test_what_is_not_judged_says_why():
-    elsewhere, recorded = Claims(Settings(points=16)), Claims(Settings(), "it is recorded")
+    elsewhere, recorded = Claims(Settings.paper(points=16)), Claims(Settings.paper(), "it is recorded")
     for made in (elsewhere, recorded):
         made.judge("Fig. 10: image", "overlap", "3 px", "image", 3.0, "≤ {:g} px")
         made.judge("Fig. 10: joints", "–", "3°", "joints", 3.0, "≤ {:g}°")
@@ -189,7 +189,7 @@ def test_what_is_not_judged_says_why():
 
 
 def test_a_toed_in_head_misses_what_the_paper_claims():
-    settings = Settings(scene="panda-verged", rectify="off")
+    settings = Settings.paper(scene="panda-verged", rectify="off")
     found = by_name(fig7.run(settings, step_deg=3.0, study=(1, 1)))
     assert found["Fig. 7: smallest E"].holds is False
     assert found["Fig. 7: smallest E"].tolerance == "4° of demonstrator"
@@ -212,13 +212,13 @@ def test_the_table_says_what_passes_and_what_misses_and_the_verdict_counts_it():
 
 
 def test_every_named_motion_is_a_motion_of_the_scene():
-    session = Session()
+    session = Session(Settings.paper())
     for make in motion.MOTIONS.values():
         motion.require_motion(make(session.world, session.snapshot.theta_demo), session.scene)
 
 
 def test_fig7_takes_a_coarser_grid_over_larger_ranges():
-    assert fig7.grid_step_deg(Session()) == 1.0
-    wide = Session(Settings(joints=(1, 3)))
+    assert fig7.grid_step_deg(Session(Settings.paper())) == 1.0
+    wide = Session(Settings.paper(joints=(1, 3)))
     low, high = np.transpose(wide.scene.range_deg)
     assert np.prod((high - low) / fig7.grid_step_deg(wide)) == pytest.approx(90 * 180)

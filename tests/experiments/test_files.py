@@ -20,9 +20,9 @@ from viewimit.experiments.paper.claims import verdict
 from viewimit.settings import Settings
 
 COARSE = {
-    "fig7": lambda: fig7.run(Settings(), step_deg=15.0, study=(2, 2)),
-    "fig9": lambda: fig9.run(Settings(), starts=(1, 1), max_motions=20),
-    "fig10": lambda: fig10.run(Settings(), max_motions=30),
+    "fig7": lambda: fig7.run(Settings.paper(), step_deg=15.0, study=(2, 2)),
+    "fig9": lambda: fig9.run(Settings.paper(), starts=(1, 1), max_motions=20),
+    "fig10": lambda: fig10.run(Settings.paper(), max_motions=30),
 }
 TABLES = {
     "fig7": {"surface", "minima", "convexity", "demonstrators"},
@@ -152,7 +152,7 @@ def test_fig8_is_drawn_from_its_surfaces(tmp_path):
     E = rng.uniform(1, 200, (6, 12))
     surfaces = {name: fig8.Surface(Landscape(axes, E * (k + 1)), 2.0, axes[0][:2]) for k, name in enumerate("abcdef")}
     usable, sag = rng.integers(5, 17, (6, 12)), np.zeros((6, 12, 2))
-    settings = Settings(demonstrator_deg=(45, -90), camera="rendered")
+    settings = Settings.paper(demonstrator_deg=(45, -90), camera="rendered")
     found = fig8.Fig8(settings, (2, 4), np.array([45.0, -90]), usable, sag, surfaces)
     written = files.write("fig8", ON_PICTURES["fig8"], found, tmp_path)
     assert {path.name for path in written} >= {
@@ -172,8 +172,8 @@ def test_fig8_is_drawn_from_its_surfaces(tmp_path):
 
 
 OTHERS = {
-    "noise": Settings(scene="iiwa", demonstrator_deg=(80, -110), transfer="linear", noise_px=0.5),
-    "missing": Settings(demonstrator_deg=(90, 0), missing=0.2, points=16),
+    "noise": Settings.paper(scene="iiwa", demonstrator_deg=(80, -110), transfer="linear", noise_px=0.5),
+    "missing": Settings.paper(demonstrator_deg=(90, 0), missing=0.2, points=16),
 }
 
 

@@ -1,16 +1,15 @@
 """Following: a path of one speed, errors against where the demonstrator then is, and what is asked of the best."""
 
-import msgspec
 import numpy as np
 import pytest
 
 from viewimit.experiments.bench import following
 from viewimit.experiments.bench.following import Case, path, run
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
-NOISY = Case("noise", msgspec.structs.replace(BEST, noise_px=0.5), 1.0)
-SETTINGS = [Settings(), Settings(joints=(2, 4, 6), points=16), Settings(scene="iiwa")]
+NOISY = Case("noise", Settings(noise_px=0.5), 1.0)
+SETTINGS = [Settings.paper(), Settings.paper(joints=(2, 4, 6), points=16), Settings.paper(scene="iiwa")]
 
 
 @pytest.mark.parametrize("settings", SETTINGS)
@@ -24,7 +23,7 @@ def test_the_fastest_joint_of_a_path_has_its_speed_and_none_leaves_its_limits(se
 
 def test_one_degree_a_step_is_followed_closely_and_the_papers_law_is_left_behind():
     """At most 0.3° rms is asked; a learner that only reacts is a step, 1°, behind."""
-    cases = [Case("best", BEST, 1.0), Case("paper", following.PAPER, 1.0)]
+    cases = [Case("best", Settings(), 1.0), Case("paper", following.PAPER, 1.0)]
     best, paper = run(cases=cases, runs=1, seed=1, workers=1)
     assert best.rms_deg < 0.3
     assert paper.rms_deg > 3

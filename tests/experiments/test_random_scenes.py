@@ -7,7 +7,7 @@ from viewimit.evaluation import conflict
 from viewimit.experiments.bench import random_scenes
 from viewimit.experiments.bench.random_scenes import draw, resize, write
 from viewimit.experiments.bench.scenes import ROWS, Run, outcome, run
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import projective
@@ -55,11 +55,13 @@ def test_at_the_true_posture_the_projective_transfer_leaves_nothing_in_any_of_th
 @pytest.mark.parametrize("scenes", [8, pytest.param(12, marks=pytest.mark.slow)])
 def test_every_start_of_a_seeded_set_of_scenes_arrives_also_with_any_head_if_images_are_rectified(scenes):
     """Of 1,000 runs a row 98 and 97 % are claimed; the median is 7 motions, 95 % take up to 11."""
-    parallel, rectified = run(BEST, scenes=scenes, pairs=2, seed=4, max_motions=60, rows=(ROWS[0], ROWS[2]), workers=1)
+    parallel, rectified = run(
+        Settings(), scenes=scenes, pairs=2, seed=4, max_motions=60, rows=(ROWS[0], ROWS[2]), workers=1
+    )
     for found in (parallel, rectified):
         assert found.runs == found.claimed.count == found.ended[1.0].count == 2 * scenes
         assert found.beyond.count == found.falsely.count == 0 and found.motions_median <= 8 and found.motions_95 <= 14
-    (raw,) = run(BEST, scenes=8, pairs=1, seed=4, max_motions=60, rows=ROWS[1:2], workers=1)
+    (raw,) = run(Settings(), scenes=8, pairs=1, seed=4, max_motions=60, rows=ROWS[1:2], workers=1)
     assert raw.ended[1.0].count < 4
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from waiting import wait_until
 
-from viewimit.analysis.landscape import landscape
+from viewimit.analysis.landscape import landscape_over
 from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
 from viewimit.commands.json_output import rounded
@@ -32,16 +32,18 @@ def panda():
 @pytest.mark.parametrize("scene", ["panda", "iiwa", "panda-toed"])
 def test_the_transfers_own_minimum_is_the_smallest_of_a_search_of_everything(scene, transfer):
     for start, demonstrator in success.random_pairs(load_scene(scene), 2, 5):
-        session = Session(Settings(scene=scene, transfer=transfer, start_deg=start, demonstrator_deg=demonstrator))
+        session = Session(
+            Settings.paper(scene=scene, transfer=transfer, start_deg=start, demonstrator_deg=demonstrator)
+        )
         views, (low, high) = session.snapshot.views, np.degrees([session.scene.lower, session.scene.upper])
         seen = session.world, session.snapshot.fit, views.demo, views.visible[:, :2]
-        around = np.degrees(landscape(*seen).minimum)[:, None] + np.arange(-30, 31) * 0.05
+        around = np.degrees(landscape_over(*seen).minimum)[:, None] + np.arange(-30, 31) * 0.05
         axes = tuple(np.radians(np.unique(np.clip(a, *limits))) for a, limits in zip(around, zip(low, high)))
-        np.testing.assert_allclose(success.own_minimum(session), landscape(*seen, axes).minimum, atol=1e-9)
+        np.testing.assert_allclose(success.own_minimum(session), landscape_over(*seen, axes).minimum, atol=1e-9)
 
 
 def test_there_is_no_own_minimum_where_nothing_is_seen():
-    session = Session(Settings(missing=0.9))
+    session = Session(Settings.paper(missing=0.9))
     assert session.snapshot.usable.sum() < 5
     assert np.isnan(success.own_minimum(session)).all()
 
@@ -87,7 +89,7 @@ def test_every_transfer_and_servo_gets_the_same_pairs(panda, monkeypatch):
 
     monkeypatch.setattr(Session, "begin", spy)
     pairs = success.random_pairs(panda, 3, 1)
-    success.run(Settings(servo="gradient"), pairs, list(TRANSFERS), ["broyden", "gradient-retuned"], 0, workers=1)
+    success.run(Settings.paper(servo="gradient"), pairs, list(TRANSFERS), ["broyden", "gradient-retuned"], 0, workers=1)
     for transfer in TRANSFERS:
         for servo in ("broyden", "gradient-retuned"):
             assert began[transfer, servo] == pairs
@@ -96,7 +98,7 @@ def test_every_transfer_and_servo_gets_the_same_pairs(panda, monkeypatch):
 def test_the_result_does_not_depend_on_the_number_of_processes(panda):
     def made(seed, workers):
         pairs = success.random_pairs(panda, 3, seed)
-        return success.run(Settings(), pairs, list(TRANSFERS), ["gradient-retuned", "broyden"], 12, workers)
+        return success.run(Settings.paper(), pairs, list(TRANSFERS), ["gradient-retuned", "broyden"], 12, workers)
 
     alone = made(0, 1)
     assert alone == made(0, 2)
@@ -105,7 +107,7 @@ def test_the_result_does_not_depend_on_the_number_of_processes(panda):
     assert [(result.transfer, result.servo) for result in alone] == order
     for result in alone:  # a run of its own is what the table has of it
         only = success.run(
-            Settings(), success.random_pairs(panda, 3, 0), [result.transfer], [result.servo], 12, workers=1
+            Settings.paper(), success.random_pairs(panda, 3, 0), [result.transfer], [result.servo], 12, workers=1
         )
         assert only == [result]
 
@@ -113,10 +115,10 @@ def test_the_result_does_not_depend_on_the_number_of_processes(panda):
 def test_a_run_is_that_of_a_session_and_its_target_the_least_E(panda):
     optimize = pytest.importorskip("scipy.optimize")
     start, demonstrator = (55.0, -60.0), (30.0, -100.0)
-    settings = Settings(transfer="epipolar", start_deg=start, demonstrator_deg=demonstrator)
+    settings = Settings.paper(transfer="epipolar", start_deg=start, demonstrator_deg=demonstrator)
     (run,) = success.run_pair(settings, ["gradient-retuned"], 150)
     session = Session(
-        Settings(transfer="epipolar", servo="gradient-retuned", start_deg=start, demonstrator_deg=demonstrator)
+        Settings.paper(transfer="epipolar", servo="gradient-retuned", start_deg=start, demonstrator_deg=demonstrator)
     )
     for _ in range(150):
         assert session.step()
@@ -155,7 +157,7 @@ def test_a_claim_is_false_beyond_a_degree_of_the_transfers_own_minimum(status, c
     monkeypatch.setitem(SERVOS, "broyden", Rests(status))
     starts = [(45.6, -90.0), (46.3, -90.0), (48.3, -90.0), (44.2, -90.0), (70.0, -90.0)]
     pairs = [(start, (45.0, -90.0)) for start in starts]
-    (result,) = success.run(Settings(), pairs, ["linear"], ["broyden"], 10, workers=1)
+    (result,) = success.run(Settings.paper(), pairs, ["linear"], ["broyden"], 10, workers=1)
     assert 0.4 < result.bias_deg_median == result.bias_deg_95 < 0.8
     assert (result.claimed.count, result.claimed_falsely.count, result.claimed_falsely.runs) == (claimed, falsely, 5)
     for shares in (result.ended, result.came):
@@ -194,7 +196,7 @@ def test_shares_are_counted_at_the_end_and_at_the_nearest_by_target():
 def test_the_papers_law_hardly_arrives_where_broyden_does(panda):
     """METHOD: with the printed constants at most 4 % come within 3° in 3000 motions; broyden takes 6 to 10."""
     pairs = success.grid_pairs(panda, (3, 4))
-    literal, broyden = success.run(Settings(), pairs, ["linear"], ["gradient", "broyden"], 250)
+    literal, broyden = success.run(Settings.paper(), pairs, ["linear"], ["gradient", "broyden"], 250)
     assert literal.came["demonstrator"][3.0].low <= 0.04 and literal.came["demonstrator"][3.0].count <= 1
     assert literal.claimed.count == 0 and literal.motions_median == 250
     assert broyden.ended["own_minimum"][1.0].count == 12 and broyden.claimed.count == 0
@@ -209,7 +211,7 @@ def busy():
         "from viewimit.simulation.scene import load_scene\n"
         "from viewimit.settings import Settings\n"
         "pairs = success.random_pairs(load_scene('panda'), 5000, 0)\n"
-        "success.run(Settings(), pairs, ['linear'], ['gradient'], 100, 2,\n"
+        "success.run(Settings.paper(), pairs, ['linear'], ['gradient'], 100, 2,\n"
         "            tell=lambda share: print(share, flush=True))\n"
     )
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
@@ -250,14 +252,14 @@ def test_the_command_runs_what_it_is_asked_for(capsys):
     (row,) = json.loads(capsys.readouterr().out)["success"]
     iiwa = load_scene("iiwa")
     pairs = success.grid_pairs(iiwa, (2, 2))
-    (expected,) = success.run(Settings(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, workers=1)
+    (expected,) = success.run(Settings.paper(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, workers=1)
     assert (row["transfer"], row["servo"], row["runs"], row["motions_95"]) == ("linear", "broyden", 4, 4)
     assert row["came"]["own_minimum"]["3.0"]["low"] == rounded(expected.came["own_minimum"][3.0].low)
     assert row["bias_deg_median"] == rounded(expected.bias_deg_median)
     assert main([*words, "--runs", "3", "--seed", "8"]) == 0
     (row,) = json.loads(capsys.readouterr().out)["success"]
     pairs = success.random_pairs(iiwa, 3, 8)
-    (expected,) = success.run(Settings(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, workers=1)
+    (expected,) = success.run(Settings.paper(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, workers=1)
     assert row["bias_deg_median"] == rounded(expected.bias_deg_median) and "seed 8" in row["pairs"]
     with pytest.raises(SystemExit):
         main([*words, "--grid", "2,2", "--runs", "3"])

@@ -29,7 +29,7 @@ from viewimit.export.formulas import can_typeset, draw_formulas
 from viewimit.export.panels import draw_panels
 from viewimit.export.perspective import Eye, default_eye, draw_space
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.viewer.furniture import bases_of
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -37,7 +37,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 @pytest.fixture(scope="module")
 def session():
-    session = Session(BEST)
+    session = Session(Settings())
     session.run(3)
     return session
 
@@ -115,7 +115,7 @@ def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, mo
     monkeypatch.setattr(saving, "can_render", lambda: render)
     monkeypatch.setattr(saving, "can_typeset", lambda: typeset)
     monkeypatch.setattr("viewimit.export.formulas.can_typeset", lambda: typeset)
-    page = QuietPage(BEST)
+    page = QuietPage(Settings())
     page.tick(1.0)
     assert (html.escape(said) in page.shown) and (bool(said) == ("viewimit[plot]" in page.shown))
     page.page.put(choose_picture("Equations"))
@@ -125,7 +125,7 @@ def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, mo
 
 
 def test_the_page_hands_out_a_replay_and_every_picture():
-    page, got = QuietPage(BEST), {}
+    page, got = QuietPage(Settings()), {}
     page.client.send_file_download = lambda name, data, **_: got.update({name: data})
     page.page.put(Step())
     page.tick(1.0)
@@ -210,7 +210,7 @@ def test_a_lesson_hands_out_its_figures():
 
 
 def test_a_copy_of_a_session_does_not_follow_it():
-    session = Session(BEST)
+    session = Session(Settings())
     session.run(2)
     copied, script = session.copy(), session.script
     session.step()

@@ -23,7 +23,7 @@ from viewimit.export.panels import MOST_MOMENTS, farthest_off, kept_motions
 from viewimit.export.weaving import Woven, weave
 from viewimit.script import Posed
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.viewer.appearance import Appearance
 
 replace = msgspec.structs.replace
@@ -52,7 +52,7 @@ def images(replay, k, point):
 @pytest.fixture(scope="module")
 def session():
     """A run in toed-in cameras, whose demonstrator moves in the end."""
-    session = Session(replace(BEST, scene="panda-toed", start_deg=(25, -45), frames=1))
+    session = Session(Settings(scene="panda-toed", start_deg=(25, -45), frames=1))
     session.run(20)
     session.pose(np.radians((50, -80)))
     session.step()
@@ -114,7 +114,7 @@ def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
     path = tmp_path / "someones-folder" / "my-arm.urdf"
     path.parent.mkdir()
     path.write_text(ARM)
-    session = Session(replace(BEST, scene=str(path), start_deg=(20, 30), demonstrator_deg=(40, 40), points=10))
+    session = Session(Settings(scene=str(path), start_deg=(20, 30), demonstrator_deg=(40, 40), points=10))
     session.run(4)
     replay = viewimit.replay(session)
     cited = cite(session)
@@ -129,10 +129,10 @@ def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
 @pytest.mark.parametrize(
     "settings, motions, status",
     [
-        (Settings(servo="gradient-retuned", start_deg=(25, -45)), 100, "stalled"),
-        (Settings(points=16, missing=0.75, transfer="linear"), 3, "stopped"),
+        (Settings.paper(servo="gradient-retuned", start_deg=(25, -45)), 100, "stalled"),
+        (Settings.paper(points=16, missing=0.75, transfer="linear"), 3, "stopped"),
         (
-            replace(BEST, joints=(1, 2, 3, 4, 5, 6, 7), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30)),
+            Settings(joints=(1, 2, 3, 4, 5, 6, 7), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30)),
             3,
             "",
         ),
@@ -147,7 +147,7 @@ def test_long_failed_and_many_jointed_runs_are_small(settings, motions, status):
 
 
 def test_a_run_of_a_hundred_motions_with_many_points_stays_small():
-    session = Session(Settings(points=16, servo="gradient-retuned", start_deg=(25, -45)))
+    session = Session(Settings.paper(points=16, servo="gradient-retuned", start_deg=(25, -45)))
     session.run(100, patience=3)
     replay = viewimit.replay(session)
     assert len(session.history) == 101 and len(told(replay)["panels"]["points"]) == 16

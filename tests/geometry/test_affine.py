@@ -143,3 +143,11 @@ def test_extreme_eigenvalues_agree_with_lapack():
         # a root is as exact as the polynomial's rounding, 1e-15 trace⁴, divided by its slope there
         slope = np.abs(np.prod(np.delete(expected, k, 1) - expected[:, k : k + 1], axis=1))
         assert np.all(np.abs(found - expected[:, k]) < 1e-15 * trace**4 / slope + 1e-12)
+
+
+def test_opencvs_arrays_are_fitted_as_points():
+    p, q = np.random.default_rng(4).uniform(0, 600, (2, 9, 2))
+    for found, expected in zip(fit_affine_fundamental(p[:, None], q[:, None]), fit_affine_fundamental(p, q)):
+        np.testing.assert_array_equal(found, expected)
+    with pytest.raises(ValueError, match="got 4"):
+        fit_affine_fundamental(p[:4, None], q[:4, None])

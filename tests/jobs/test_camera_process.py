@@ -187,7 +187,7 @@ from viewimit.settings import Settings
 
 if __name__ == "__main__":
     camera = CameraProcess()
-    session = Session(Settings(camera="rendered"), SessionEyes(camera))
+    session = Session(Settings.paper(camera="rendered"), SessionEyes(camera))
     session.step()
     camera.stop()
     print(session.snapshot.motion, *sorted({"pybullet", "cv2"} & set(sys.modules)))
@@ -205,12 +205,14 @@ def test_the_server_itself_loads_neither_pybullet_nor_opencv(tmp_path):
 def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
     pytest.importorskip("pybullet"), pytest.importorskip("cv2")
     from viewimit.session import Session
-    from viewimit.settings import BEST, Settings
+    from viewimit.settings import Settings
 
-    pictured = {name: getattr(BEST, name) for name in ("transfer", "servo")} | {"camera": "rendered"}
-    alone = Session(Settings(**pictured))
+    pictured = {name: getattr(Settings(), name) for name in ("transfer", "servo")} | {"camera": "rendered"}
+    alone = Session(Settings.paper(**pictured))
     camera = CameraProcess()
-    beside = [Session(Settings(**pictured, start_deg=start), SessionEyes(camera)) for start in ((25, -25), (60, -120))]
+    beside = [
+        Session(Settings.paper(**pictured, start_deg=start), SessionEyes(camera)) for start in ((25, -25), (60, -120))
+    ]
     for _ in range(3):
         alone.step()
         for session in beside:

@@ -25,8 +25,8 @@ from waiting import wait_until
 from viewimit.experiments.paper import fig9
 from viewimit.settings import Settings
 
-SHORT = Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 20})
-LONG = Request("fig9", Settings(), {"starts": (9, 9)})
+SHORT = Request("fig9", Settings.paper(), {"starts": (1, 1), "max_motions": 20})
+LONG = Request("fig9", Settings.paper(), {"starts": (9, 9)})
 PATIENCE = 180.0  # s, on a busy machine, for processes that let all others go first
 LEAST_PRIORITY = 19  # no process can be more polite
 
@@ -85,14 +85,14 @@ def running_pid(told):
 
 def test_a_run_tells_its_share_its_figure_its_verdict_and_its_files(worker):
     told = Told()
-    worker.ask(1, Request("fig9", Settings(), {"starts": (1, 1), "max_motions": 500}), told)
+    worker.ask(1, Request("fig9", Settings.paper(), {"starts": (1, 1), "max_motions": 500}), told)
     last = told.wait_for("done", "failed")
     assert told.states == ["waiting", "running", "writing", "done"]
     shares = [run.share for run in told]
     assert shares == sorted(shares) and len({share for share in shares if 0 < share < 1}) > 3 and shares[-1] == 1
     partial = {run.figure for run in told if run.state == "running" and run.figure}
     assert partial and last.figure not in partial and "0 of 1" in min(partial, key=len)
-    again = fig9.run(Settings(), starts=(1, 1), max_motions=500)
+    again = fig9.run(Settings.paper(), starts=(1, 1), max_motions=500)
     assert list(last.claims) == list(again.claims) != []
     assert not any(run.claims for run in told if run.state == "running")
     with zipfile.ZipFile(io.BytesIO(last.archive)) as archive:
@@ -121,8 +121,8 @@ def test_cancel_ends_the_process_within_two_seconds(worker, tmp_path):
 
 def test_what_an_experiment_refuses_is_told_to_its_page_alone(worker, capfd):
     told, other = Told(), Told()
-    worker.ask(1, Request("fig10", Settings(missing=0.9)), told)
-    worker.ask(2, Request("fig9", Settings(), {"speed": 3}), other)
+    worker.ask(1, Request("fig10", Settings.paper(missing=0.9)), told)
+    worker.ask(2, Request("fig9", Settings.paper(), {"speed": 3}), other)
     assert "too few points" in told.wait_for("failed", "done").problem
     assert re.match(r"TypeError: .*'speed'", other.wait_for("failed", "done").problem)
     assert "too few points" not in "".join(run.problem for run in other)

@@ -64,7 +64,7 @@ def test_it_is_walked_from_begin_to_end():
 def test_what_is_told_of_the_early_geometry_is_what_happens(course, step, start):
     go_to(course, step)
     world, run = course.session.world, course.stage.made["carried"].early.run
-    session = Session(Settings(demonstrator_deg=(45, -90), start_deg=start))
+    session = Session(Settings.paper(demonstrator_deg=(45, -90), start_deg=start))
     np.testing.assert_array_equal(np.degrees(session.snapshot.theta).round(9), start)
     demo = hands_of(course, run.theta_demo, world.T_world_demo, world.demo_cameras)
     own = hands_of(course, run.theta, world.T_world_own, world.own_cameras)
@@ -104,7 +104,7 @@ def test_the_wrong_geometry_overlaps_as_well_as_the_right_one_while_hands_are_a_
 @pytest.mark.parametrize(("start", "drawn"), [((45, -90), LIKE), ((30, -70), ELSEWHERE), ((25, -25), OTHER)])
 def test_which_answer_is_right_is_computed(course, start, drawn):
     go_to(course, "frozen")
-    session = Session(Settings(demonstrator_deg=(45, -90), start_deg=start, transfer="projective"))
+    session = Session(Settings.paper(demonstrator_deg=(45, -90), start_deg=start, transfer="projective"))
     made = WORKS["carried"].make(Task(course.step, session.world, session.snapshot, session.settings, {}, 1))
     stage = course.stage
     object.__setattr__(stage, "made", {"carried": made})
@@ -138,7 +138,7 @@ def test_while_it_is_computed_the_step_says_so_and_marks_no_answer():
 
 
 def test_too_few_points_are_told():
-    few = msgspec.structs.replace(Settings(), missing=0.9, start_deg=(30.0, -70.0))
+    few = msgspec.structs.replace(Settings.paper(), missing=0.9, start_deg=(30.0, -70.0))
     session = Session(few)
     with pytest.raises(ValueError, match="too few points"):
         WORKS["carried"].make(Task(None, session.world, session.snapshot, session.settings, {}, 1))

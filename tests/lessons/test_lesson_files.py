@@ -7,7 +7,11 @@ import re
 import pytest
 from viewimit.app.lessons.figures import FIGURES
 from viewimit.app.lessons.source import MOST_BYTES, load, own, shipped
+from viewimit.app.lessons.step_session import StepSession
 from viewimit.app.lessons.trial import faults_in_session
+
+from viewimit.embodiment.in_scene import complete
+from viewimit.settings import Settings
 
 GOOD = """\
 title = "Mine"
@@ -217,3 +221,9 @@ def test_a_fault_ends_the_command_before_anything_is_served(ask, tmp_path):
 @pytest.mark.parametrize("name", shipped())
 def test_a_shipped_lesson_stands_the_trial_of_others(name):
     assert list(faults_in_session(shipped()[name])) == []
+
+
+def test_what_a_lesson_leaves_open_is_the_papers():
+    at_work, step = StepSession(), shipped()["tour"].step[0]
+    at_work.begin(step, {"points": 16}, {}, None, 1)
+    assert at_work.session.settings == complete(Settings.paper(points=16))

@@ -15,7 +15,7 @@ from viewimit.app.panels.guide.lesson import LessonPanel
 from viewimit.app.sessions.autosave import SavedPage, SavedSession
 from walking import answer
 
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 
 ADDRESS = "/touch/0.x"
 FIRST = next(iter(shipped()))
@@ -24,7 +24,7 @@ FIRST = next(iter(shipped()))
 @pytest.fixture
 def page():
     """One that has been used: its learner has moved, a point is chosen, and it is not offered anything any more."""
-    page = QuietPage(BEST, address=ADDRESS)
+    page = QuietPage(Settings(), address=ADDRESS)
     touch(page, "leave")
     for _ in range(3):
         page.page.put(BUTTONS["step"])
@@ -79,7 +79,7 @@ def test_what_was_answered_is_kept_and_gone_on_with(page):
     touch(page, f"begin,{FIRST}", "choose,1", "next", "choose,0")
     memory = page.page.memory()
     head = msgspec.msgpack.decode(msgspec.msgpack.encode(memory.head), type=SavedPage)
-    later = QuietPage(BEST, resumed=SavedSession(head, memory.history), address=ADDRESS)
+    later = QuietPage(Settings(), resumed=SavedSession(head, memory.history), address=ADDRESS)
     later.tick(1.0)
     assert course(later).progress == course(page).progress and course(later).progress.at == 1
     assert later.page.panel(LessonPanel).html == page.page.panel(LessonPanel).html
@@ -97,7 +97,7 @@ def test_a_lesson_that_is_over_begins_anew(page):
 
 
 def test_another_tab_knows_nothing_of_it(page):
-    other = QuietPage(BEST, address=ADDRESS)
+    other = QuietPage(Settings(), address=ADDRESS)
     touch(other, "leave")
     before, lesson = kept(other), other.page.panel(LessonPanel)
     touch(page, f"begin,{FIRST}", "choose,1", "next")
@@ -110,14 +110,14 @@ def test_another_tab_knows_nothing_of_it(page):
 
 def test_a_lesson_is_offered_once_and_any_answer_ends_that():
     for reply in (lambda page: touch(page, "leave"), lambda page: page.page.put(LetGo())):
-        page = QuietPage(BEST, address=ADDRESS)
+        page = QuietPage(Settings(), address=ADDRESS)
         page.tick(1.0)
         assert OFFER in page.shown and "New here?" in page.shown
         reply(page)
         page.tick(1.0)
         assert OFFER not in page.shown
         memory = page.page.memory()
-        again = QuietPage(BEST, resumed=memory, address=ADDRESS)
+        again = QuietPage(Settings(), resumed=memory, address=ADDRESS)
         again.tick(1.0)
         assert OFFER not in again.shown and LESSONS in again.shown
 

@@ -12,7 +12,7 @@ from viewimit.app.lessons.sliders import draw_sliders
 from viewimit.app.lessons.works.minimum import TIMES
 from walking import course_at, told, works_kept
 
-from viewimit.analysis.landscape import conflict_at, grid_axes, landscape
+from viewimit.analysis.landscape import conflict_at, grid_axes, landscape_over
 from viewimit.analysis.minima import descend
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -36,7 +36,7 @@ def by_descent(world, theta_demo, name):
     demo, visible = world.demo_images(theta_demo)
     fit = TRANSFERS[name]
     axes = grid_axes(world, 3.0)
-    start = landscape(world, fit, demo, visible, axes).minimum
+    start = landscape_over(world, fit, demo, visible, axes).minimum
     bounds = np.array([[axis.min(), axis.max()] for axis in axes])
     ends, _ = descend(lambda at: conflict_at(world, fit, demo, visible, at)[0], start[None], bounds, np.radians(3))
     return float(np.degrees(np.abs(ends[0] - theta_demo).max()))

@@ -66,7 +66,7 @@ def test_the_images_show_what_would_be_seen_there(course):
     """Points and arrows as a session sees them whose learner stands there."""
     for k, angle in enumerate((60.0, -120.0)):
         course.turn(k, angle)
-    course.session.begin(Settings(demonstrator_deg=(45.0, -90.0), start_deg=(60.0, -120.0)))
+    course.session.begin(Settings.paper(demonstrator_deg=(45.0, -90.0), start_deg=(60.0, -120.0)))
     there, seen = course.session.snapshot, course.stage.guessed
     np.testing.assert_allclose(seen.views.own, there.views.own)
     assert seen.E == pytest.approx(there.E)

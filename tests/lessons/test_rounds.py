@@ -20,7 +20,7 @@ from viewimit.assets import ROOT
 from walking import at_once
 
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -108,9 +108,9 @@ def test_the_rounds_are_what_sessions_of_their_own_come_to(few):
     for k, (yours, pages) in enumerate(zip(made.yours, made.pages, strict=True)):
         scene = Session(msgspec.structs.replace(SETTINGS, **fields), Staging(head=head).open_eyes)
         start = deal_start(scene.scene, scene.snapshot.theta_demo, [1, k])
-        for run, transfer, servo in ((yours, "linear", "broyden"), (pages, BEST.transfer, BEST.servo)):
+        for run, transfer, servo in ((yours, "linear", "broyden"), (pages, Settings().transfer, Settings().servo)):
             changes = {**fields, "transfer": transfer, "servo": servo, "start_deg": start}
-            last = Session(msgspec.structs.replace(SETTINGS, **changes), Staging(head=head).open_eyes).run(6, 3)
+            last = Session(msgspec.structs.replace(SETTINGS, **changes), Staging(head=head).open_eyes).run(6, 3).last
             assert (run.off_deg, run.motions) == (np.degrees(np.abs(last.theta - last.theta_demo)).max(), last.motion)
     assert page.given.outcomes[0].numbers == (
         sum(run.off_deg <= 1 for run in made.yours),
@@ -154,7 +154,10 @@ def test_results_are_kept_by_scene_and_choice_and_go_with_the_session(few):
 
 def test_the_words_name_the_page_s_own_choice():
     names = [
-        value.text for field in STEP.ask.fields for value in field.values if value.value == getattr(BEST, field.name)
+        value.text
+        for field in STEP.ask.fields
+        for value in field.values
+        if value.value == getattr(Settings(), field.name)
     ]
     assert all(name in STEP.after for name in names) and len(names) == 2
 

@@ -383,7 +383,7 @@ def test_two_tabs_are_two_sessions(browser, server, session):
 
 
 def test_a_reloaded_tab_goes_on_where_it_was(session):
-    page, alone = session, Session(Settings())
+    page, alone = session, Session(Settings.paper())
     for _ in range(3):
         alone.step()
         press(page, "ArrowRight")
@@ -395,7 +395,7 @@ def test_a_reloaded_tab_goes_on_where_it_was(session):
 
 def test_a_link_of_an_own_scene_opens_on_a_server_that_knows_nothing_of_it_and_survives_a_reload(browser, server):
     scene = 'title = "Eyes apart"\nextends = "panda"\n[head]\nbaseline = 0.8\n'
-    there, usual = Session(Settings(scene=scene)), Session()
+    there, usual = Session(Settings.paper(scene=scene)), Session(Settings.paper())
     for one in (there, usual):
         one.run(5)
     page = open_page(browser, f"{server}/?s={written(Linked(script=there.script))}")

@@ -6,7 +6,7 @@ from quiet_page import QuietPage
 from viewimit.app.control.commands.session import Scrub, Step
 from viewimit.app.panels.status import StatusPanel
 
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 
 
 def numbers(page):
@@ -21,7 +21,7 @@ def numbers(page):
 
 
 def test_of_a_step_and_of_one_taken_back():
-    page = QuietPage(BEST)
+    page = QuietPage(Settings())
     page.tick(1.0)
     told = []
     for command in (Step(), Step(), Scrub(0)):

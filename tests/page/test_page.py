@@ -210,7 +210,7 @@ def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera,
 
 
 def test_a_page_on_points_takes_its_turns_at_once():
-    visit = Visit(Camera(), settings=Settings())
+    visit = Visit(Camera(), settings=Settings.paper())
     visit.act("step")
     visit.tick()
     assert visit.session.snapshot.motion == 1 and not visit.page.busy
@@ -246,7 +246,7 @@ class Counter(Panel):
 
 def test_a_panel_is_one_class_and_one_line_and_is_shown_only_when_what_it_shows_changes(monkeypatch):
     monkeypatch.setattr("viewimit.app.page.PANELS", [*PANELS, Counter])
-    visit = Visit(Camera(), settings=Settings())
+    visit = Visit(Camera(), settings=Settings.paper())
     visit.tick(40)
     visit.act("step")
     visit.tick(40)
@@ -254,7 +254,7 @@ def test_a_panel_is_one_class_and_one_line_and_is_shown_only_when_what_it_shows_
 
 
 def test_what_is_refused_is_said_and_the_widgets_are_written_again():
-    visit = Visit(Camera(), settings=Settings())
+    visit = Visit(Camera(), settings=Settings.paper())
     visit.tick(10)
     before = visit.page.model.state(visit.now)
     visit.put("joint0", 1e9)

@@ -4,14 +4,14 @@ import numpy as np
 from quiet_page import QuietPage
 from viewimit.app.control.commands.session import Step
 
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.viewer.furniture import PLATE, corners, on_plate
 
 
 def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():
-    page = QuietPage(BEST)
+    page = QuietPage(Settings())
     assert "then rectified" not in page.shown and page.widget("Rectify").value is True
     page.choose("Preset", "Toed-in cameras")
     page.page.put(Step())

@@ -9,7 +9,7 @@ from viewimit.app.control.motions import NAMES
 from viewimit.app.control.presets import PRESETS
 
 from viewimit.equations import with_minus
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 HYPHEN = re.compile(r"(?<![\w)\]])-[\d.]")
 
@@ -29,7 +29,7 @@ def hyphens(page):
 
 @pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.camera == "points"], ids=lambda p: p.name)
 def test_every_number_has_a_real_minus(preset):
-    page = QuietPage(BEST)
+    page = QuietPage(Settings())
     page.choose("Preset", preset.name)
     page.click("Begin duel")
     page.click("Compare all transfers")
@@ -41,7 +41,7 @@ def test_every_number_has_a_real_minus(preset):
 
 
 def test_messages_have_it_too():
-    page = QuietPage(Settings())
+    page = QuietPage(Settings.paper())
     page.page.model.say("joint 4 at -200° is outside its limits -180° … 0°, see run-5 of 2026-01-02", 1e9)
     page.tick(1.0)
     assert "joint 4 at −200° is outside its limits −180° … 0°, see run-5 of 2026-01-02" in page.shown
@@ -49,7 +49,7 @@ def test_messages_have_it_too():
 
 
 def test_history_shows_which_of_how_many():
-    page = QuietPage(BEST)
+    page = QuietPage(Settings())
     page.tick(1.0)
     assert "0 of 0" in page.shown
     page.click("Play")
@@ -63,7 +63,7 @@ def test_history_shows_which_of_how_many():
 
 
 def test_a_motions_time_is_in_seconds():
-    page = QuietPage(BEST)
+    page = QuietPage(Settings())
     slider = page.widget("Time s")
     page.tick(1.0)
     assert (slider.min, slider.max, slider.step) == (0, 5.95, 0.05)

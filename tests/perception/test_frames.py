@@ -12,7 +12,7 @@ SEEN = np.ones((200, 2), bool)
 
 
 def looks(count, seed=3, **disturbed):
-    return spoil_frames(Settings(**disturbed).amounts(ImageDisturbance), TRUE, SEEN, [seed], count)
+    return spoil_frames(Settings.paper(**disturbed).amounts(ImageDisturbance), TRUE, SEEN, [seed], count)
 
 
 @pytest.mark.parametrize("count", [2, 5, 25])

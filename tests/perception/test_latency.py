@@ -6,7 +6,7 @@ import pytest
 from viewimit.disturbances import ImageDisturbance, spoil
 from viewimit.perception.latency import MOST_LAG, lag_of
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
 SEEN = np.ones((10, 2), bool)
@@ -15,7 +15,7 @@ SEEN = np.ones((10, 2), bool)
 def late(by, moved_px=5.0, **disturbed):
     def look(k):
         true = BEFORE + (moved_px if k >= by else 0.0)
-        return spoil(Settings(**disturbed).amounts(ImageDisturbance), true, SEEN, [1, k])
+        return spoil(Settings.paper(**disturbed).amounts(ImageDisturbance), true, SEEN, [1, k])
 
     return look
 
@@ -32,7 +32,7 @@ def test_a_motion_that_does_not_show_tells_nothing():
     assert lag_of((BEFORE, SEEN & False), late(0), 0.0) is None
 
 
-@pytest.mark.parametrize("settings", [Settings(), BEST])
+@pytest.mark.parametrize("settings", [Settings.paper(), Settings()])
 @pytest.mark.parametrize("delay", [1, MOST_LAG])
 def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
     runs = []
@@ -47,7 +47,7 @@ def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
 
 
 def test_what_was_found_of_one_camera_is_not_believed_of_another():
-    session = Session(BEST)
+    session = Session(Settings())
     session.step()
     assert session.snapshot.lag == 0
     session.change(delay=2)

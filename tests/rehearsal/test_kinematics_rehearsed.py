@@ -13,14 +13,14 @@ SEVEN = (1, 2, 3, 4, 5, 6, 7)
 @pytest.mark.parametrize("postures", [10, 12])
 def test_seven_joints_are_imitated_at_once_and_then_checked_one_by_one(postures):
     for seed in range(3):
-        settings = Settings(transfer="projective", servo="trust-region", joints=SEVEN, points=16)
+        settings = Settings.paper(transfer="projective", servo="trust-region", joints=SEVEN, points=16)
         session = Session(settings)
         rehearse(session, postures, seed, within_deg=60.0)
         session.reset()
         lower, upper = session.embodiment.lower, session.embodiment.upper
         aside = np.random.default_rng(seed).uniform(-0.5, 0.5, 7)
         session.pose(np.clip(session.snapshot.theta + aside, lower, upper))
-        last = session.run(60)
+        last = session.run(60).last
         assert last.status == "converged" and error_deg(last) < 0.01 and last.motion <= 7 + 2
 
 
@@ -28,22 +28,22 @@ def test_two_joints_need_five_postures():
     """Three to know how the joints turn the points, two more that are far apart."""
     motions = []
     for seed in range(8):
-        session = Session(Settings(transfer="projective", servo="trust-region"))
+        session = Session(Settings.paper(transfer="projective", servo="trust-region"))
         rehearse(session, 5, seed)
         session.reset()
         lower, upper = session.embodiment.lower, session.embodiment.upper
         session.pose(np.random.default_rng(seed).uniform(lower, upper))
-        last = session.run(60)
+        last = session.run(60).last
         assert last.status == "converged" and error_deg(last) < 0.01
         motions.append(last.motion)
     assert np.median(motions) <= 3
 
 
 def test_a_head_that_has_moved_is_noticed_though_kinematics_foretold_everything():
-    session = Session(Settings(transfer="projective", servo="trust-region"))
+    session = Session(Settings.paper(transfer="projective", servo="trust-region"))
     body = rehearse(session, 12, 0)
-    moved = Session(Settings(transfer="projective", servo="trust-region", scene="panda-verged"))
+    moved = Session(Settings.paper(transfer="projective", servo="trust-region", scene="panda-verged"))
     moved.remember(body)
     moved.pose((moved.embodiment.lower + moved.embodiment.upper) / 2)
-    last = moved.run(60)
+    last = moved.run(60).last
     assert not last.servo_state.rehearsed and error_deg(last) < 0.5

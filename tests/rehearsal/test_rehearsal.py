@@ -10,11 +10,11 @@ from viewimit.body_image import FEWEST
 from viewimit.rehearsal import rehearse
 from viewimit.servo.trust_state import FIRST_RADIUS
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import Scene
 
-SETTINGS = msgspec.structs.replace(BEST, demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -45.0))
+SETTINGS = Settings(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -45.0))
 
 
 def begun(start_deg, demonstrator_deg):
@@ -46,7 +46,7 @@ def test_from_random_starts_it_imitates_in_few_motions_without_probes():
     limits, motions = np.transpose(session.scene.range_deg), []
     for _ in range(16):
         session.begin(begun(*rng.uniform(*limits, (2, 2)).tolist()))
-        last = session.run(60)
+        last = session.run(60).last
         assert last.status == "converged" and error_deg(last) < 0.5 and last.rehearsal_holds
         motions.append(last.motion)
     assert np.median(motions) <= 3.5 and max(motions) <= 7
@@ -55,7 +55,7 @@ def test_from_random_starts_it_imitates_in_few_motions_without_probes():
 def test_it_goes_on_to_imitate_where_the_rehearsal_ends():
     session = Session(SETTINGS)
     rehearse(session, 12, seed=0)
-    last = session.run(60)
+    last = session.run(60).last
     assert last.status == "converged" and error_deg(last) < 0.5 and last.motion <= 12 + 7
 
 
@@ -73,7 +73,7 @@ def test_where_points_have_moved_it_notices_and_probes():
     elsewhere = Session(SETTINGS, with_points_moved(0.05))
     session = Session(SETTINGS)
     session.remember(rehearse(elsewhere, 12, seed=0))
-    last = session.run(60)
+    last = session.run(60).last
     assert last.status == "converged" and error_deg(last) < 0.5 and last.rehearsal_holds is False
     assert [moment.probe for moment in session.history[1:3]] == [True, True]
     alone = Session(SETTINGS)
@@ -115,7 +115,7 @@ def test_a_session_that_is_kept_goes_on_with_its_rehearsal_to_the_last_bit():
         session.step()
     other = Session(SETTINGS)
     other.resume(codec.decode(codec.encode(list(session.history))), session.cursor)
-    assert_same(session.run(60), other.run(60))
+    assert_same(session.run(60).last, other.run(60).last)
     session.undo()
     assert session.snapshot.body is not None
 
@@ -124,5 +124,5 @@ def test_another_servo_imitates_as_if_nothing_had_been_rehearsed():
     alone, rehearsed = (Session(msgspec.structs.replace(SETTINGS, servo="broyden")) for _ in range(2))
     rehearse(rehearsed, 4, seed=0)
     rehearsed.reset()
-    assert [m.E for m in (alone.run(30), rehearsed.run(30))][0] == rehearsed.snapshot.E
+    assert [m.E for m in (alone.run(30).last, rehearsed.run(30).last)][0] == rehearsed.snapshot.E
     assert len(alone.history) == len(rehearsed.history)

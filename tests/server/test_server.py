@@ -24,7 +24,7 @@ def test_a_taken_port_is_named_with_the_next_free_one():
 
 def test_bad_settings_fail_before_a_port_is_taken():
     with pytest.raises(ValueError, match="no scene 'moon'"):
-        serve(port=0, options=ServerOptions(Settings(scene="moon")))
+        serve(port=0, options=ServerOptions(Settings.paper(scene="moon")))
 
 
 def test_a_class_is_served_by_more_than_one_process_where_that_can_be(monkeypatch):

@@ -333,7 +333,7 @@ def test_a_stop_takes_ten_seconds_at_most(tmp_path):
 
 @pytest.mark.browser
 def test_pages_of_two_workers_run_and_come_back_after_a_reload(browser):
-    server, alone = Server("--workers", "2"), Session(Settings())
+    server, alone = Server("--workers", "2"), Session(Settings.paper())
     alone.step()
     pages = [open_page(browser, server.url, "small") for _ in range(2)]
     for page in pages:

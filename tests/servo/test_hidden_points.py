@@ -1,21 +1,20 @@
 """Where surfaces hide points, another set at every posture: what is known of them leads on."""
 
-import msgspec
 import numpy as np
 from sameness import error_deg
 
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 
 def session_with(seed, **settings):
     """20 points anywhere on the arms, hidden a little beyond the rim; enough in sight at the start."""
     rng = np.random.default_rng(seed)
-    low, high = np.transpose(load_scene(BEST.scene).range_deg)
+    low, high = np.transpose(load_scene(Settings().scene).range_deg)
     demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
-    chosen = msgspec.structs.replace(BEST, demonstrator_deg=demo, start_deg=start, **settings)
+    chosen = Settings(demonstrator_deg=demo, start_deg=start, **settings)
 
     def eyes(camera, scene, points):
         return SurfaceEyes(scene, *surface_points(scene.robot, range(8), 20, rng), -0.3)
@@ -28,7 +27,7 @@ def session_with(seed, **settings):
 def test_points_that_tell_too_little_send_the_learner_to_where_others_are_seen():
     """The five points in sight at first fit a posture that is far off: E is next to 0 there."""
     session = session_with([900, 10])
-    last = session.run(60)
+    last = session.run(60).last
     led_astray = [moment for moment in session.history if moment.E < 1e-6 and error_deg(moment) > 100]
     assert led_astray and last.status == "converged" and error_deg(last) < 0.1
     assert last.usable.sum() > led_astray[-1].usable.sum()
@@ -42,5 +41,5 @@ def test_where_too_few_own_points_are_seen_a_servo_that_predicts_goes_on_and_oth
     other = session.copy()
     other.change(servo="broyden")
     assert not other.step() and other.snapshot.status == "stopped"
-    last = session.run(80)
+    last = session.run(80).last
     assert last.status == "converged" and error_deg(last) < 0.1

@@ -18,7 +18,7 @@ NOISE_PX = 0.05
 @pytest.fixture(scope="module")
 def visits():
     """Of the default learner, with noise: a probe of each joint, and three postures more."""
-    session = Session(Settings())
+    session = Session(Settings.paper())
     rng, begin = np.random.default_rng(0), session.snapshot.theta
     told = np.vstack([np.zeros(2), [0.26, 0], [0.26, -0.26], rng.uniform(-0.3, 0.3, (3, 2))])
     found = []

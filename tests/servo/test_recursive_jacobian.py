@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from linear_world import LinearWorld
 
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.servo import SERVOS, GaussNewton, Kalman, Observation
 from viewimit.servo.image_model import ImageModel
 from viewimit.servo.recursive_jacobian import RecursiveJacobian
@@ -167,14 +167,14 @@ def test_it_ends_at_the_transfers_own_minimum_and_claims_nothing(name):
     """At (45, -90) the linear transfer's least E is 0.6° aside of the demonstrator."""
     ends = []
     for start in ((25, -45), (60, -120), (80, -60)):
-        session = Session(Settings(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=start))
-        last = session.run(60)
+        session = Session(Settings.paper(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=start))
+        last = session.run(60).last
         assert last.status == "rests" and last.motion <= 20 and last.certificate is None
         ends.append(last.theta)
     world, demo, seen = session.world, last.views.demo, last.views.visible[:, :2]
     near = tuple(np.radians(np.arange(-2, 2.001, 0.05)) + at for at in last.theta_demo)
     assert len(grid_axes(world)) == 2
-    least = landscape(world, TRANSFERS["linear"], demo, seen, near).minimum
+    least = landscape_over(world, TRANSFERS["linear"], demo, seen, near).minimum
     off = np.degrees(np.abs(np.array(ends) - least)).max(1)  # a Jacobian of some motions ago may end it early
     assert (off < 1).all() and (off < 0.2).sum() >= 2
     assert SERVOS[name].says(last.servo_state, "rests") == "next step under 0.1°"
@@ -182,7 +182,7 @@ def test_it_ends_at_the_transfers_own_minimum_and_claims_nothing(name):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_its_equations_carry_the_numbers_of_the_moment(name):
-    session = Session(Settings(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=(25, -45)))
+    session = Session(Settings.paper(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=(25, -45)))
     for _ in range(4):
         before = session.snapshot
         session.step()

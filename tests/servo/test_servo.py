@@ -7,7 +7,7 @@ import pytest
 from linear_world import LinearWorld
 
 from viewimit import looking
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
 from viewimit.session import Session
@@ -159,7 +159,7 @@ def hide_truth(session):
 @pytest.mark.parametrize("transfer", TRANSFERS)
 @pytest.mark.parametrize("servo", SERVOS)
 def test_no_servo_sees_the_demonstrators_posture(servo, transfer):
-    settings = Settings(servo=servo, transfer=transfer, noise_px=0.2, start_deg=(70, -140))
+    settings = Settings.paper(servo=servo, transfer=transfer, noise_px=0.2, start_deg=(70, -140))
     plain, poisoned = Session(settings), Session(settings)
     hide_truth(poisoned)
     for _ in range(12):
@@ -187,7 +187,7 @@ class Recorder:
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("servo", SERVOS)
 def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
-    settings = Settings(servo=servo, transfer="linear", points=16, missing=0.1, seed=seed)
+    settings = Settings.paper(servo=servo, transfer="linear", points=16, missing=0.1, seed=seed)
     plain = Session(settings)
     for _ in range(12):
         plain.step()
@@ -210,7 +210,7 @@ def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
 def test_a_servo_is_told_displacements_since_the_start_not_postures(servo, monkeypatch):
     recorder, start = Recorder(SERVOS[servo]), np.radians((70, -140))
     monkeypatch.setitem(SERVOS, servo, recorder)
-    session = Session(Settings(servo=servo, start_deg=(70, -140)))
+    session = Session(Settings.paper(servo=servo, start_deg=(70, -140)))
     for _ in range(5):
         session.step()
     for moment, (seen, _) in zip(session.history, recorder.answers):
@@ -224,7 +224,7 @@ def test_a_servo_is_told_displacements_since_the_start_not_postures(servo, monke
 def test_joint_limits_are_kept_by_the_servo_itself(servo, start, monkeypatch):
     recorder = Recorder(SERVOS[servo])
     monkeypatch.setitem(SERVOS, servo, recorder)
-    session = Session(Settings(servo=servo, transfer="linear", start_deg=start, demonstrator_deg=(2, -175)))
+    session = Session(Settings.paper(servo=servo, transfer="linear", start_deg=start, demonstrator_deg=(2, -175)))
     for _ in range(60):
         session.step()
     assert len(recorder.answers) == 60
@@ -236,9 +236,9 @@ def test_joint_limits_are_kept_by_the_servo_itself(servo, start, monkeypatch):
 def lowest(world, transfer, theta_demo):
     """The transfer's own minimum, rad: of the 1° grid, then of a 0.02° grid about it."""
     demo, seen = world.demo_images(theta_demo)
-    coarse = landscape(world, TRANSFERS[transfer], demo, seen, grid_axes(world)).minimum
+    coarse = landscape_over(world, TRANSFERS[transfer], demo, seen, grid_axes(world)).minimum
     near = tuple(c + np.radians(np.arange(-1, 1.001, 0.02)) for c in coarse)
-    return landscape(world, TRANSFERS[transfer], demo, seen, near).minimum
+    return landscape_over(world, TRANSFERS[transfer], demo, seen, near).minimum
 
 
 @pytest.mark.parametrize("grid", [(4, 5), pytest.param((10, 13), marks=pytest.mark.slow)], ids=str)
@@ -248,7 +248,7 @@ def test_broyden_reaches_the_minimum_of_the_linear_transfer_from_a_grid_of_start
     offsets, motions = [], []
     for first in np.linspace(0, 90, grid[0]):
         for second in np.linspace(-180, 0, grid[1]):
-            session = Session(Settings(transfer="linear", demonstrator_deg=(45, -90), start_deg=(first, second)))
+            session = Session(Settings.paper(transfer="linear", demonstrator_deg=(45, -90), start_deg=(first, second)))
             session.run(100)
             offsets.append(np.abs(np.degrees(session.snapshot.theta) - target).max())
             motions.append(session.snapshot.motion)

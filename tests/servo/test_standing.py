@@ -1,6 +1,5 @@
 """Arms that do not stand where they are sent: images tell where they do, and claims hold."""
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -8,7 +7,7 @@ from viewimit.servo import SERVOS
 from viewimit.servo.images.standing import contradicts, standing
 from viewimit.servo.visit import Visit
 from viewimit.session import Session
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 
 JOINTS, POINTS = 2, 8
 J = np.random.default_rng(3).normal(0, 200, (POINTS, 4, JOINTS))  # px/rad
@@ -55,7 +54,7 @@ def test_the_same_image_is_the_same_posture_and_another_is_where_its_images_say(
 def run(k, **disturbed):
     """From anywhere to anywhere."""
     demo, start = np.random.default_rng([7, k]).uniform((0, -180), (90, 0), (2, 2)).tolist()
-    session = Session(msgspec.structs.replace(BEST, demonstrator_deg=demo, start_deg=start, seed=k, **disturbed))
+    session = Session(Settings(demonstrator_deg=demo, start_deg=start, seed=k, **disturbed))
     session.run(300)
     return session.snapshot
 

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 from linear_world import LinearWorld
@@ -15,7 +14,6 @@ from viewimit.servo.certificate import EQUAL
 from viewimit.servo.trust_motions import aside, farthest
 from viewimit.servo.trust_region import TrustRegion
 from viewimit.servo.visit import Visit
-from viewimit.settings import BEST
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import linear_combination, projective
@@ -87,10 +85,10 @@ def test_random_starts_and_demonstrators_over_the_whole_range(scene, runs):
 
 def test_seven_joints_take_a_probe_each_a_check_each_and_no_motion_that_leads_nowhere():
     joints = (1, 2, 3, 4, 5, 6, 7)
-    session = Session(Settings(transfer="projective", servo="trust-region", joints=joints, points=16))
+    session = Session(Settings.paper(transfer="projective", servo="trust-region", joints=joints, points=16))
     lower, upper = session.embodiment.lower, session.embodiment.upper
     session.pose(np.clip(session.snapshot.theta + np.random.default_rng(1).uniform(-0.5, 0.5, 7), lower, upper))
-    last = session.run(60)
+    last = session.run(60).last
     motions = np.abs(np.diff([moment.theta for moment in session.history], axis=0)).max(1)
     assert last.status == "converged" and last.motion <= 7 + 7 + 2 and motions.min() > np.radians(0.01)
 
@@ -256,8 +254,8 @@ def test_a_promise_made_where_nothing_was_told_is_not_judged():
 
 @pytest.mark.filterwarnings("error")
 def test_where_too_few_points_are_foretold_for_any_E_nothing_is_certified():
-    settings = msgspec.structs.replace(
-        BEST, scene="panda-toed", missing=0.05, outliers=0.1, noise_px=0.1, frames=1, quantum_deg=0.3, seed=272,
+    settings = Settings(
+        scene="panda-toed", missing=0.05, outliers=0.1, noise_px=0.1, frames=1, quantum_deg=0.3, seed=272,
         demonstrator_deg=(30.372212534, -179.358611514), start_deg=(77.507350992, -35.308881809),
     )  # fmt: skip
     session = Session(settings)

@@ -7,7 +7,7 @@ from viewimit.app.sessions.saved import SavedPage, SavedSession
 from viewimit.session import Session
 from viewimit.settings import Settings
 
-BEGUN = Settings(servo="trust-region", noise_px=0.2)
+BEGUN = Settings.paper(servo="trust-region", noise_px=0.2)
 
 
 @cache

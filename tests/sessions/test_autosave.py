@@ -14,7 +14,7 @@ from viewimit.history import RECENT, STRIDE
 from viewimit.session import Session
 from viewimit.settings import Settings
 
-KEY, BEGUN = "key", Settings()
+KEY, BEGUN = "key", Settings.paper()
 
 
 class Refusing(SqliteStore):
@@ -140,7 +140,7 @@ def test_the_page_says_so_as_long_as_it_holds(autosave, store):
     assert "not saved" not in page.shown and "Moving" in page.shown
 
 
-RESTLESS = Settings(servo="gradient-retuned", transfer="linear", noise_px=0.2)
+RESTLESS = Settings.paper(servo="gradient-retuned", transfer="linear", noise_px=0.2)
 
 
 class CountingStore:

@@ -29,10 +29,12 @@ def run(session: Session, passes: int, seed: int) -> None:
 @pytest.mark.parametrize("transfer", TRANSFERS)
 @pytest.mark.parametrize("servo", SERVOS)
 def test_a_resumed_session_goes_on_as_if_nothing_had_been(transfer, servo):
-    settings = Settings(transfer=transfer, servo=servo, noise_px=0.2, missing=0.02, frames=3, gain_error=0.05, delay=1)
+    settings = Settings.paper(
+        transfer=transfer, servo=servo, noise_px=0.2, missing=0.02, frames=3, gain_error=0.05, delay=1
+    )
     kept = Session(settings)
     run(kept, 20, seed=1)
-    resumed = Session()
+    resumed = Session(Settings.paper())
     resumed.resume(decode(encode(kept.history)), kept.cursor)
     for session in (kept, resumed):
         run(session, 12, seed=2)
@@ -41,7 +43,7 @@ def test_a_resumed_session_goes_on_as_if_nothing_had_been(transfer, servo):
 
 
 def test_moments_that_stand_for_others_are_kept_once():
-    settings = Settings(servo="gradient-retuned", start_deg=(25, -45))
+    settings = Settings.paper(servo="gradient-retuned", start_deg=(25, -45))
     whole, thinned = Session(settings), Session(settings, dense=STRIDE)
     for _ in range(EARLY + 3 * STRIDE):
         whole.step()
@@ -54,9 +56,9 @@ def test_moments_that_stand_for_others_are_kept_once():
 
 
 def test_a_resumed_session_can_go_back_and_on_from_there():
-    kept = Session(Settings(noise_px=0.1))
+    kept = Session(Settings.paper(noise_px=0.1))
     run(kept, 15, seed=1)
-    resumed = Session()
+    resumed = Session(Settings.paper())
     resumed.resume(decode(encode(kept.history)), 4)
     kept.scrub(4)
     for session in (kept, resumed):
@@ -65,7 +67,7 @@ def test_a_resumed_session_can_go_back_and_on_from_there():
 
 
 def test_what_snapshots_share_is_kept_once():
-    session = Session(Settings(transfer="projective", servo="trust-region", noise_px=0.2))
+    session = Session(Settings.paper(transfer="projective", servo="trust-region", noise_px=0.2))
     run(session, 60, seed=1)
     assert len(encode(session.history)) < 3_000 * len(session.history)
     restored = decode(encode(session.history))
@@ -97,6 +99,6 @@ def test_what_was_not_encoded_here_is_refused(data):
 
 
 def test_what_is_not_known_is_not_kept():
-    odd = dataclasses.replace(Session().snapshot, servo_state=lambda: None)
+    odd = dataclasses.replace(Session(Settings.paper()).snapshot, servo_state=lambda: None)
     with pytest.raises(TypeError, match="cannot keep a function"):
         encode([odd])

@@ -146,6 +146,13 @@ def test_moments_that_no_session_has_are_refused(parts, change):
         saved.decoded(changed_moments(parts, change), BEGUN)
 
 
+@pytest.mark.parametrize("name", ["transfer", "servo"])
+def test_moments_of_methods_that_only_their_author_has_are_refused(parts, name):
+    change = lambda listed: of_kind(listed, "settings").update({name: "own"})
+    with pytest.raises(ValueError, match="a transfer or a servo that only its author has"):
+        saved.decoded(changed_moments(parts, change), BEGUN)
+
+
 T = TypeVar("T")
 
 
@@ -233,7 +240,7 @@ def test_a_redis_knows_other_writers_by_their_bytes(redis_url, key):
 
 
 def test_a_page_refuses_moments_of_another_arm(kept):
-    seven = Session(Settings(joints=tuple(range(1, 8))))
+    seven = Session(Settings.paper(joints=tuple(range(1, 8))))
     others = tuple(moment.with_fields(settings=BEGUN) for moment in seven.history)
     with pytest.raises(CannotResume, match="not of this scene"):
         QuietPage(BEGUN, resumed=SavedSession(msgspec.structs.replace(kept.head, cursor=0), others))

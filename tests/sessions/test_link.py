@@ -17,7 +17,7 @@ from viewimit.rehearsal import begin_rehearsal
 from viewimit.script import Began, Changed, Posed, Rehearsed, Script, Stepped
 from viewimit.script_player import play
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 BY_POINTS = [preset for preset in PRESETS if preset.settings.camera == "points"]
@@ -37,16 +37,16 @@ def test_a_link_leads_to_the_same_moment(preset):
     linked = Linked(script=session.script, preset=preset.name, chosen=2, show={"rays": True})
     text = written(linked)
     assert len(text) < 600 and re.fullmatch(r"[\w-]+", text, re.ASCII)
-    found = read(text, Settings())
+    found = read(text, Settings.paper())
     assert found == linked
-    other = Session()
+    other = Session(Settings.paper())
     play(found.script, other)
     assert other.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert other.snapshot.E == session.snapshot.E and other.settings == session.settings
 
 
 def test_the_longest_that_is_usual_is_short_enough():
-    session = Session(BEST)
+    session = Session(Settings())
     begin_rehearsal(session, 20, seed=3)
     for k in range(40):
         session.step()
@@ -58,7 +58,7 @@ def test_too_much_is_said_to_be_too_much():
     rng = random.Random(1)
     deeds = tuple(Posed((rng.random(), rng.random())) for _ in range(link.MOST_DEEDS))
     with pytest.raises(ValueError, match="too much was done for a link"):
-        written(Linked(script=Script(BEST, deeds)))
+        written(Linked(script=Script(Settings(), deeds)))
 
 
 BYTES = st.binary(max_size=300).map(lambda data: link.FORM + base64.urlsafe_b64encode(data).decode())
@@ -67,7 +67,7 @@ BYTES = st.binary(max_size=300).map(lambda data: link.FORM + base64.urlsafe_b64e
 @given(st.text(max_size=300) | BYTES)
 def test_what_is_no_link_is_refused(text):
     with pytest.raises(ValueError, match="the link"):
-        read(text, Settings())
+        read(text, Settings.paper())
 
 
 def script(settings=None, *deeds) -> dict:
@@ -93,6 +93,8 @@ def layout(count: int) -> str:
         (script(None, ["r", [[0.0, 0.0]] * 201]), "rehearses"),
         (script(None, ["c", {"servo": "magic"}]), "damaged"),
         (script(None, ["c", {"nothing": 1}]), "damaged"),
+        (script({"transfer": "own"}), "only its author has"),
+        (script(None, ["c", {"servo": "own"}]), "only its author has"),
         (script({"frames": 1000}), "averages"),
         (script({"body_points": [[2, 0.0, 0.0, 0.001 * k] for k in range(65)]}), "places"),
         (script({"noise_px": float("nan")}), "damaged"),
@@ -119,7 +121,7 @@ def layout(count: int) -> str:
 )
 def test_hostile_links_are_refused_in_a_line(fields, says):
     with pytest.raises(ValueError, match=says) as refused:
-        read(packed(fields), Settings())
+        read(packed(fields), Settings.paper())
     assert "\n" not in str(refused.value) and len(str(refused.value)) < 250
 
 
@@ -127,15 +129,15 @@ def test_a_small_link_that_unpacks_to_much_is_refused():
     text = link.FORM + base64.urlsafe_b64encode(zstandard.compress(bytes(1 << 24))).decode().rstrip("=")
     assert len(text) < link.MOST_CHARS
     with pytest.raises(ValueError, match="damaged"):
-        read(text, Settings())
+        read(text, Settings.paper())
 
 
 def test_a_link_of_the_servers_own_scene_is_followed():
-    begun = Settings(scene="mine.toml")
+    begun = Settings.paper(scene="mine.toml")
     text = written(Linked(script=Script(begun, (Stepped(1), Changed({"noise_px": 0.5}), Rehearsed(((0.1, 0.2),) * 4)))))
     assert read(text, begun).script.settings == begun
     with pytest.raises(ValueError, match="not here"):
-        read(text, Settings())
+        read(text, Settings.paper())
 
 
 OWN = {
@@ -150,8 +152,8 @@ def test_a_link_of_ones_own_scene_opens_where_nobody_knows_it(name, tmp_path):
     """Its file is gone by then, and what was done in it, with others between, is done again to the last bit."""
     path = tmp_path / "mine.toml"
     path.write_text(OWN[name])
-    session = Session(Settings(scene="panda-toed"))
-    session.begin(Settings(scene=str(path)))
+    session = Session(Settings.paper(scene="panda-toed"))
+    session.begin(Settings.paper(scene=str(path)))
     session.run(3)
     session.change(scene="panda")
     session.step()
@@ -159,11 +161,11 @@ def test_a_link_of_ones_own_scene_opens_where_nobody_knows_it(name, tmp_path):
     session.run(4)
     linked = Linked(script=session.script)
     text = written(linked)
-    assert read(text, Settings(scene=str(path))) == linked  # where it is shown, it stays the file
+    assert read(text, Settings.paper(scene=str(path))) == linked  # where it is shown, it stays the file
     assert files_named(text) == [] and len(text) < 1_100  # with an origin, few enough for a QR code
     path.unlink()
-    other = Session()
-    play(read(text, Settings(scene="iiwa")).script, other)
+    other = Session(Settings.paper())
+    play(read(text, Settings.paper(scene="iiwa")).script, other)
     assert other.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert other.snapshot.E == session.snapshot.E and other.world.scene == session.world.scene
     assert written(Linked(script=other.script)) == text  # and is passed on
@@ -178,17 +180,17 @@ def test_scenes_that_no_link_can_hold_go_by_their_names(tmp_path):
     lines = "\n".join(f"points.{n} = {rows(n)}" for n in range(40, 45))
     (tmp_path / "long.toml").write_text(f'extends = "panda"\n{lines}\n')
     for name in ("own.toml", "many.toml", "long.toml"):
-        begun = Settings(scene=str(tmp_path / name))
+        begun = Settings.paper(scene=str(tmp_path / name))
         text = written(Linked(script=Script(begun)))
         assert files_named(text) == [name] and read(text, begun).script.settings == begun
         with pytest.raises(ValueError, match="not here"):
-            read(text, Settings())
+            read(text, Settings.paper())
     assert load_scene(tmp_path / "long.toml").points["44"]  # nothing is wrong with it
-    assert files_named(written(Linked(script=Script(Settings(robot="/x/arm.urdf"))))) == ["arm.urdf"]
+    assert files_named(written(Linked(script=Script(Settings.paper(robot="/x/arm.urdf"))))) == ["arm.urdf"]
 
 
 def test_a_link_tells_no_folder_of_the_server():
-    begun = Settings(scene="/home/ada/my arms/arm.urdf", robot="C:\\arms\\arm 2.urdf")
+    begun = Settings.paper(scene="/home/ada/my arms/arm.urdf", robot="C:\\arms\\arm 2.urdf")
     deeds = (
         Changed({"scene": "panda", "robot": "iiwa"}),
         Changed({"scene": begun.scene, "robot": begun.robot}),

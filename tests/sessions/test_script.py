@@ -10,11 +10,11 @@ from viewimit.rehearsal import begin_rehearsal
 from viewimit.script import MOST_DEEDS, Deed, Log, Posed, Script, Stepped
 from viewimit.script_player import do, play
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.snapshot import Snapshot
 
 replace = msgspec.structs.replace
-LOSSY = Settings(points=16, missing=0.3, transfer="linear", start_deg=(25, -45))
+LOSSY = Settings.paper(points=16, missing=0.3, transfer="linear", start_deg=(25, -45))
 
 
 def same(one: Snapshot, other: Snapshot) -> None:
@@ -29,7 +29,7 @@ def same(one: Snapshot, other: Snapshot) -> None:
 def again(session: Session) -> Session:
     """Another session, by what is written of the first one's script."""
     script = msgspec.msgpack.decode(msgspec.msgpack.encode(session.script), type=Script)
-    other = Session(Settings(servo="gradient"))
+    other = Session(Settings.paper(servo="gradient"))
     play(script, other)
     return other
 
@@ -54,7 +54,7 @@ DEEDS = st.lists(
 
 
 @settings(max_examples=40, deadline=None)
-@given(DEEDS, st.sampled_from([Settings(), BEST, LOSSY]))
+@given(DEEDS, st.sampled_from([Settings.paper(), Settings(), LOSSY]))
 def test_whatever_is_done_is_done_again_to_the_last_bit(deeds, begun):
     session = Session(begun)
     for kind, value in deeds:
@@ -88,7 +88,9 @@ def test_settings_tell_of_postures_to_the_last_bit(seed):
     """However many digits these were given with, and at limits that have no end in degrees, too."""
     rng = np.random.default_rng(seed)
     low, high = np.array([[0.0, -180.0], [90.0, 0.0]])
-    session = Session(Settings(start_deg=rng.uniform(low, high), demonstrator_deg=rng.uniform(low, high), noise_px=0.5))
+    session = Session(
+        Settings.paper(start_deg=rng.uniform(low, high), demonstrator_deg=rng.uniform(low, high), noise_px=0.5)
+    )
     same(session.snapshot, Session(session.settings).snapshot)
     session.pose(np.radians(rng.uniform(low, high)))
     posed = session.snapshot.theta_demo
@@ -128,7 +130,7 @@ def test_an_arm_held_that_goes_on_by_what_its_servo_knows_is_led_on(servo):
 
 
 def test_motions_in_a_row_are_said_in_one_word():
-    session = Session(BEST)
+    session = Session(Settings())
     session.run(40)
     session.step()  # at rest
     motions = session.snapshot.motion
@@ -138,7 +140,7 @@ def test_motions_in_a_row_are_said_in_one_word():
 
 
 def test_what_came_after_a_moment_that_is_changed_is_forgotten():
-    session = Session(BEST)
+    session = Session(Settings())
     for _ in range(4):
         session.step()
     session.pose((0.5, -1.0))
@@ -150,11 +152,11 @@ def test_what_came_after_a_moment_that_is_changed_is_forgotten():
 
 
 def test_what_no_script_can_say_is_said_to_be_unknown_until_it_is_undone():
-    session = Session(BEST)
+    session = Session(Settings())
     begin_rehearsal(session, 4, seed=1)
     for _ in range(4):
         session.step()
-    other = Session(BEST)
+    other = Session(Settings())
     other.step()
     other.remember(session.snapshot.body)
     with pytest.raises(ValueError, match="cannot be said"):
@@ -168,7 +170,7 @@ def test_what_no_script_can_say_is_said_to_be_unknown_until_it_is_undone():
 
 
 def test_more_than_is_remembered_is_lost_and_no_memory_grows():
-    log = Log(Script(Settings()))
+    log = Log(Script(Settings.paper()))
     for k in range(MOST_DEEDS + 10):
         log.note(k // 10, Posed((0.1 * (k % 10), -1.0)))
     assert sum(map(len, log.deeds.values())) == MOST_DEEDS
@@ -179,6 +181,6 @@ def test_more_than_is_remembered_is_lost_and_no_memory_grows():
 
 def test_a_script_that_cannot_be_played_says_why():
     with pytest.raises(ValueError, match="servo"):
-        do(Session(), msgspec.convert(["c", {"servo": "magic"}], type=Deed))
+        do(Session(Settings.paper()), msgspec.convert(["c", {"servo": "magic"}], type=Deed))
     with pytest.raises(ValueError, match="demonstrator"):
-        do(Session(), Posed((9.0, 9.0)))
+        do(Session(Settings.paper()), Posed((9.0, 9.0)))

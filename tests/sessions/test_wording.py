@@ -6,7 +6,6 @@ import shlex
 import subprocess
 import sys
 
-import msgspec
 import numpy as np
 import pytest
 from viewimit.app.control.presets import PRESETS
@@ -16,7 +15,7 @@ from viewimit.commands.json_output import plain
 from viewimit.commands.options import settings_from
 from viewimit.rehearsal import begin_rehearsal
 from viewimit.session import Session
-from viewimit.settings import BEST, DISTURBANCES, SAFETY, Settings
+from viewimit.settings import DISTURBANCES, SAFETY, Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.wording import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
 
@@ -39,8 +38,18 @@ def test_every_preset_after_some_motions_is_said_in_python(settings):
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
 
 
+def test_a_method_is_said_by_its_name():
+    said = {}
+    for settings in (Settings.paper(servo="kalman"), Settings(frames=9)):
+        lines = as_python(Session(settings).script)
+        said[settings.servo] = next(line for line in lines.splitlines() if line.startswith("session ="))
+    assert said["kalman"].startswith("session = Session(Settings.paper(") and "servo='kalman'" in said["kalman"]
+    assert said["trust-region"].startswith("session = Session(Settings(") and "frames=9" in said["trust-region"]
+    assert not any("transfer" in words for words in said.values())
+
+
 def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
-    session = Session(BEST)
+    session = Session(Settings())
     session.step()
     session.pose((0.5, -1.0))
     session.change(noise_px=0.25)
@@ -57,7 +66,7 @@ def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
 
 
 def test_a_rehearsal_is_said():
-    session = Session(BEST)
+    session = Session(Settings())
     begin_rehearsal(session, 5, seed=2)
     session.run(12)
     session.reset()
@@ -67,14 +76,12 @@ def test_a_rehearsal_is_said():
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
 
 
-BY_HAND = msgspec.structs.replace(BEST, body_points=tuple(load_scene("panda").points["16"][2:14]))
-BOUND = msgspec.structs.replace(
-    BEST, max_step_deg=6.5, restarts=0, workspace_deg=((5, 80), (-120.5, -20)), start_deg=(25, -45)
-)
-LOSSY = Settings(points=16, missing=0.15, start_deg=(25.1, -45), transfer="linear", seed=3)
+BY_HAND = Settings(body_points=tuple(load_scene("panda").points["16"][2:14]))
+BOUND = Settings(max_step_deg=6.5, restarts=0, workspace_deg=((5, 80), (-120.5, -20)), start_deg=(25, -45))
+LOSSY = Settings.paper(points=16, missing=0.15, start_deg=(25.1, -45), transfer="linear", seed=3)
 
 
-@pytest.mark.parametrize("settings", [Settings(), BEST, LOSSY, SEEN_BY_POINTS[5], BOUND])
+@pytest.mark.parametrize("settings", [Settings.paper(), Settings(), LOSSY, SEEN_BY_POINTS[5], BOUND])
 def test_the_command_prints_the_same_posture(settings):
     session = Session(settings)
     session.run(4)
@@ -89,7 +96,7 @@ def test_the_command_prints_the_same_posture(settings):
     )
 
 
-@pytest.mark.parametrize("settings", [Settings(), BEST, LOSSY, SEEN_BY_POINTS[5]])
+@pytest.mark.parametrize("settings", [Settings.paper(), Settings(), LOSSY, SEEN_BY_POINTS[5]])
 def test_a_figure_is_reproduced_with_the_same_settings(settings):
     parser = argparse.ArgumentParser()
     reproduce.add_options(parser)
@@ -105,20 +112,20 @@ def test_a_figure_is_reproduced_with_the_same_settings(settings):
 
 
 def test_what_a_command_cannot_say_is_told():
-    session = Session(BEST)
+    session = Session(Settings())
     session.step()
     session.pose((0.5, -1.0))
     with pytest.raises(ValueError, match="by hand"):
         as_command(session.script)
     with pytest.raises(ValueError, match="late"):
-        as_command(Session(Settings(delay=2)).script)
+        as_command(Session(Settings.paper(delay=2)).script)
     placed = Session(BY_HAND)
     with pytest.raises(ValueError, match="by hand"):
         as_command(placed.script)
 
 
 def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refused():
-    named = as_command(Session(Settings(seed=8)).script)
+    named = as_command(Session(Settings.paper(seed=8)).script)
     assert "--seed=8" in named
     told = {
         "scene",

@@ -9,7 +9,7 @@ import pytest
 from urdfs import LIMIT, arm, gripper, joint, link, write
 
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 from viewimit.simulation.camera import Cameras
 from viewimit.simulation.derived import body_points
 from viewimit.simulation.derived.motion import image_jacobian, resting, turning_range
@@ -113,8 +113,10 @@ def urdf(request, tmp_path):
 
 
 def test_the_default_method_arrives_and_says_so(urdf):
-    session = Session(Settings(**{name: getattr(BEST, name) for name in ("transfer", "servo")}, scene=str(urdf)))
-    last = session.run(100)
+    session = Session(
+        Settings.paper(**{name: getattr(Settings(), name) for name in ("transfer", "servo")}, scene=str(urdf))
+    )
+    last = session.run(100).last
     assert last.status == "converged" and np.degrees(np.abs(last.theta - last.theta_demo).max()) < 0.5
     assert np.degrees(np.abs(session.history[0].theta - last.theta_demo).max()) > 10  # it had somewhere to go
 
@@ -356,6 +358,6 @@ def test_public_robots_are_imitated_from_their_urdf_alone(name):
         pytest.skip("no pybullet_data")
     path = Path(spec.origin).parent / name
     assert len(Robot.from_urdf(path).joints) == COLLECTION[name]
-    session = Session(Settings(scene=str(path), transfer="projective", servo="trust-region"))
-    last = session.run(100)
+    session = Session(Settings.paper(scene=str(path), transfer="projective", servo="trust-region"))
+    last = session.run(100).last
     assert last.status == "converged" and np.degrees(np.abs(last.theta - last.theta_demo).max()) < 0.5

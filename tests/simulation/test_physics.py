@@ -11,7 +11,7 @@ pytest.importorskip("cv2")
 
 from viewimit.geometry.rigid import look_rotation, rigid_transform  # noqa: E402
 from viewimit.session import Session  # noqa: E402
-from viewimit.settings import BEST, Settings  # noqa: E402
+from viewimit.settings import Settings  # noqa: E402
 from viewimit.simulation.camera import Camera  # noqa: E402
 from viewimit.simulation.eyes.rendered import RenderedEyes  # noqa: E402
 from viewimit.simulation.lens import Lens  # noqa: E402
@@ -115,7 +115,7 @@ def test_an_arm_sags_and_obeys_and_repeats_itself(arm):
 
 
 def test_nothing_but_detections_reaches_a_session():
-    session = Session(Settings(camera="rendered", transfer="projective", servo="trust-region"))
+    session = Session(Settings.paper(camera="rendered", transfer="projective", servo="trust-region"))
     now = session.snapshot
     found = session.eyes.detections
     np.testing.assert_array_equal(now.views.visible, np.stack([found[view].found for view in VIEWS], -1))
@@ -145,4 +145,4 @@ def test_what_is_missing_is_said(ask, monkeypatch, package, extra):
     monkeypatch.setattr("viewimit.simulation.eyes.has_wheel", lambda: True)
     status, _, err = ask("imitate", "--camera", "rendered")
     assert status == 2 and f"pip install 'viewimit[{extra}]'" in err
-    assert Session(BEST).snapshot.transfer is not None
+    assert Session(Settings()).snapshot.transfer is not None

@@ -139,7 +139,7 @@ def test_the_scenes_own_layout_is_taken_where_it_has_none_of_ten(ask_json, ask, 
     layouts = "".join(f"{count} = {json.dumps(panda.points[count])}\n" for count in ("20", "16"))
     path.write_text(f"{others}[points]\n{layouts}")
     assert (panda.layout_near(10), load_scene(path).layout_near(10)) == (10, 16)
-    session = Session(Settings(scene=str(path)))
+    session = Session(Settings.paper(scene=str(path)))
     assert session.settings.points == 16 == len(session.world.body)
     session.change(transfer="linear")
     assert session.settings.points == 16

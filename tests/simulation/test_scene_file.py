@@ -13,7 +13,7 @@ def test_the_saved_scene_of_an_own_urdf_names_no_folder_and_runs_wherever_that_i
     files = []
     hand = joint("twist", "lower", "hand", xyz="0 0 0.3"), link("hand", "0.05 0.1 0.1")
     urdf = write(tmp_path / "secret", *arm(*hand), name="my arm.urdf")
-    model, queue = quiet_model(Settings(scene=f"{urdf}#tip=lower"), send=lambda *file: files.append(file))
+    model, queue = quiet_model(Settings.paper(scene=f"{urdf}#tip=lower"), send=lambda *file: files.append(file))
     visitor = Hands(model, queue)
     visitor.act("edit points")
     PlacePoint(2, (0.04, 0.0, 0.1)).apply(model, 0.0)

@@ -54,11 +54,14 @@ def test_what_a_shipped_scene_says_is_not_left_standing():
 def test_settings_with_a_scene_in_full_repeat_those_with_its_file(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(MINE)
-    by_file, in_full = Session(Settings(scene=str(path))), Session(Settings(scene=scene_text(load_scene(path))))
+    by_file, in_full = (
+        Session(Settings.paper(scene=str(path))),
+        Session(Settings.paper(scene=scene_text(load_scene(path)))),
+    )
     for session in (by_file, in_full):
         session.run(5)
     assert in_full.snapshot.theta.tobytes() == by_file.snapshot.theta.tobytes()
-    assert in_full.snapshot.E == by_file.snapshot.E != Session().run(5).E
+    assert in_full.snapshot.E == by_file.snapshot.E != Session(Settings.paper()).run(5).E
     names: dict = {"print": lambda *what: None}
     exec(as_python(in_full.script), names)
     assert names["session"].snapshot.theta.tobytes() == by_file.snapshot.theta.tobytes()
@@ -74,7 +77,7 @@ def test_it_is_called_by_its_title():
     ]  # fmt: skip
     assert file_name("/x/mine.toml") == "mine.toml"
     assert file_name(MINE) == MINE  # which is no path, whatever stands in it
-    assert "· Eyes <wider> a/part, 10 points" in described(Settings(scene=MINE))
+    assert "· Eyes <wider> a/part, 10 points" in described(Settings.paper(scene=MINE))
 
 
 def test_a_robot_of_ones_own_cannot_be_told(tmp_path):

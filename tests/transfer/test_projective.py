@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.analysis.landscape import landscape
+from viewimit.analysis.landscape import landscape_over
 from viewimit.evaluation import conflict
 from viewimit.geometry.rigid import rotation_from_rpy
 from viewimit.simulation.camera import StereoHead
@@ -45,7 +45,7 @@ def test_with_parallel_axes_it_is_exact_up_to_its_prior(seed):
 def test_at_the_true_posture_of_the_scene_nothing_is_left():
     world = World(load_scene("panda"))
     demo, _ = world.demo_images(np.radians([45, -90]))
-    found = landscape(world, projective.fit, demo, np.ones((10, 2), bool))
+    found = landscape_over(world, projective.fit, demo, np.ones((10, 2), bool))
     np.testing.assert_allclose(np.degrees(found.minimum), [45, -90], atol=1e-9)
     assert found.E.min() < 1e-6
     assert found.E.max() == pytest.approx(226, abs=1)  # a prototype's figure, with four steps and another prior

@@ -10,9 +10,9 @@ from viewimit.app.sessions.codec import decode, encode
 from viewimit.rectifying import POOLED
 from viewimit.servo import TrustRegion
 from viewimit.session import Session
-from viewimit.settings import BEST, Settings
+from viewimit.settings import Settings
 
-TOED = msgspec.structs.replace(BEST, scene="panda-toed", start_deg=(25, -45))
+TOED = Settings(scene="panda-toed", start_deg=(25, -45))
 
 
 def error_deg(moment):
@@ -24,15 +24,15 @@ def postures(session):
 
 
 def test_with_toed_in_unlike_cameras_the_best_pair_arrives_and_without_rectification_it_does_not():
-    last = Session(TOED).run(40)
+    last = Session(TOED).run(40).last
     assert last.status == "converged" and error_deg(last) < 0.5 and last.rectification is not None
-    assert error_deg(Session(msgspec.structs.replace(TOED, rectify="off")).run(40)) > 3
+    assert error_deg(Session(msgspec.structs.replace(TOED, rectify="off")).run(40).last) > 3
 
 
 @pytest.mark.parametrize("scene", ["panda", "panda-facing", "panda-flat", "iiwa"])
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])
 def test_with_parallel_axes_a_run_is_to_the_last_bit_that_without(scene, noise_px):
-    asked = Settings(scene=scene, noise_px=noise_px)
+    asked = Settings.paper(scene=scene, noise_px=noise_px)
     auto, off = (Session(msgspec.structs.replace(asked, rectify=how)) for how in ("auto", "off"))
     auto.run(15)
     off.run(15)
@@ -49,7 +49,7 @@ def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
 
 def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
-    now = session.run(6)
+    now = session.run(6).last
     seen, conflict, others = session.observation(now), session.predicted_conflict(now), now.rectification.others
     assert seen.heads == len(others) == 7
     for head, other in enumerate(others, 1):
@@ -57,7 +57,7 @@ def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
         of_other = now.with_fields(rectification=other).transfer.residual(now.views.used)
         np.testing.assert_array_equal(e, of_other)
         assert 0 < np.abs(e - conflict(now.views.own)).max() < 2.0
-    last = session.run()
+    last = session.run().last
     seen, conflict = session.observation(last), session.predicted_conflict(last)
     of_heads = [
         TrustRegion().step(last.servo_state, replace(seen, heads=heads), conflict)[0].certificate.expected
@@ -98,7 +98,7 @@ def test_it_can_be_switched_off_and_on_where_the_learner_stands():
 
 def test_a_frozen_transfer_of_rectified_images_carries_points_over_and_comes_back():
     session = Session(TOED)
-    last = session.run(40)
+    last = session.run(40).last
     seen = last.views
     again = decode(encode([last]))[0].frozen.recover(seen.demo_left, seen.demo_right)
     np.testing.assert_array_equal(again, last.frozen.recover(seen.demo_left, seen.demo_right))

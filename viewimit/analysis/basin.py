@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..session import Session
 from ..settings import Settings
 from ..simulation.scene import Scene
-from .landscape import grid_axes, landscape
+from .landscape import grid_axes, landscape_over
 
 STARTS = 4, 5  # of the two joints
 MOST_MOTIONS = 300
@@ -65,7 +65,7 @@ def find_basin(
     found = Basin(spread_starts(session.scene, counts), ())
     for start in found.starts:
         session.begin(msgspec.structs.replace(settings, start_deg=tuple(np.degrees(start).tolist())))
-        last = session.run(MOST_MOTIONS, patience=1)
+        last = session.run(MOST_MOTIONS, patience=1).last
         place = place_of(last.theta, last.theta_demo, lowest)
         ending = Ending(start, last.theta, place, last.status == "converged")
         found = Basin(found.starts, (*found.endings, ending))
@@ -76,7 +76,7 @@ def find_basin(
 def smallest_E(session: Session) -> NDArray:
     """(2,) rad, of the transfer around the demonstrator as now seen; NaN if too few points are."""
     views, world = session.snapshot.views, session.world
-    return landscape(world, session.snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world)).minimum
+    return landscape_over(world, session.snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world)).minimum
 
 
 def place_of(theta: NDArray, theta_demo: NDArray, lowest: NDArray) -> Place:

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from ..geometry.pairs import INTO, SOURCE
 from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 
 ASIDE = 0.5  # px, of the differences
 NEAR = ASIDE * np.concatenate([np.eye(4), -np.eye(4), np.zeros((1, 4))])  # each coordinate aside, and the point itself
@@ -48,7 +47,7 @@ def construct(snapshot: Snapshot, point: int) -> Construction | None:
     slope = (found[:4] - found[4:8]) / (2 * ASIDE)  # of [l r], of x and y in L and R
     spread = (slope.T @ slope).tolist()
     ellipses = [_ellipse(spread[x][x], spread[x][x + 1], spread[x + 1][x + 1]) for x in (0, 2)]
-    crossing = TRANSFERS[snapshot.settings.transfer].crosses_lines
+    crossing = snapshot.method.crosses_lines
     lines = snapshot.epipolar_lines(point) if crossing else None
     return Construction(
         recovered=found[8].reshape(2, 2),

@@ -1,4 +1,4 @@
-"""E over a grid of the learner's postures: what Figs. 7 and 8 of the paper show.
+"""E over a grid of the learner's postures: what Figs. 7 and 8 of the paper show. `landscape(session)` is one call.
 
 It asks for the learner's images at every posture, of the simulated world or of a session's eyes, so it is for people,
 not for a servo.
@@ -6,6 +6,7 @@ not for a servo.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -13,11 +14,13 @@ from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
 from ..geometry.batches import keep_freed_memory
+from ..session import Session
 from ..simulation.robot import Angles
 from ..simulation.world import World
 from ..views import FourViews
 
 BLOCK = 55_000  # points of postures evaluated together: their arrays stay in the processor's cache
+STEP_DEG = {"points": 1.0, "rendered": 10.0}  # of the grid, by camera; two pictures take a tenth of a second
 SEEN = 10 * BLOCK  # points of postures seen together: their images stay below `KEPT_BYTES`
 
 
@@ -104,6 +107,21 @@ class Looks(Protocol):
 
 
 def landscape(
+    session: Session, step_deg: float | None = None, by: str | None = None, with_condition: bool = False
+) -> Landscape:
+    """E over the scene's range of its two moving joints, with the demonstrator as the session now sees it.
+
+    step_deg: of the grid, by default 1°, with rendered pictures 10°. by: the name of another transfer than the
+    session's. with_condition: whether the transfer's condition is found as well. What spoils images spoils the
+    demonstrator's alone. Raises ValueError for another number of joints, a step that is none, and without a scene.
+    """
+    now, step = session.snapshot, STEP_DEG[session.settings.camera] if step_deg is None else step_deg
+    fit = partial(now.fit, by=by)
+    demo, seen = now.views.demo, now.views.visible[:, :2]
+    return landscape_over(session.eyes, fit, demo, seen, grid_axes(session.world, step), with_condition)
+
+
+def landscape_over(
     world: World | Looks,
     fit: Callable,
     demo: NDArray,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..simulation.world import World
 from ..snapshot import Snapshot
-from .landscape import Landscape, conflict_at, grid_axes, landscape
+from .landscape import Landscape, conflict_at, grid_axes, landscape_over
 from .minima import Minima, local_minima
 
 
@@ -28,7 +28,7 @@ def study(world: World, snapshot: Snapshot, transfer: str) -> Studied:
     """Around the demonstrator as the learner has seen it; two joints must move. Takes about 0.1 s."""
     views, fit = snapshot.views, partial(snapshot.fit, by=transfer)
     demo, visible = views.demo, views.visible[:, :2]
-    found = landscape(world, fit, demo, visible, grid_axes(world))
+    found = landscape_over(world, fit, demo, visible, grid_axes(world))
     minima = local_minima(found, lambda theta: conflict_at(world, fit, demo, visible, theta)[0])
     bias = np.degrees(minima.theta[0] - snapshot.theta_demo) if len(minima) else np.full(2, np.nan)
     return Studied(transfer, found, minima, found.basin_fraction(), bias)

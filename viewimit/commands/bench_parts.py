@@ -24,7 +24,7 @@ from ..experiments.bench import (
 from ..experiments.executors.study import Study
 from ..quoting import printable
 from ..servo import SERVOS
-from ..settings import BEST, CAMERAS, Settings
+from ..settings import CAMERAS, Settings
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene
 from ..transfer import TRANSFERS
@@ -56,7 +56,7 @@ def _success(args: argparse.Namespace, scene: Scene, study: Study) -> tuple[list
         what = f"{len(pairs)} random starts and demonstrators over the whole range, seed {args.seed}"
     if args.rehearsed:
         what += f", {args.rehearsed} postures rehearsed"
-    settings = Settings(scene=args.scene, points=args.points)
+    settings = Settings.paper(scene=args.scene, points=args.points)
     results = []
     for transfers, servos in _asked(args):
         name = f"success, {', '.join(transfers)}"
@@ -112,9 +112,9 @@ def _scenes(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
 
 
 def _claims(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[dict], str]:
-    cases = _cases(args)
+    best, cases = Settings(), _cases(args)
     found = _with_bar("claims", lambda tell: claims.run(cases, args.runs, args.seed, study, tell, args.rehearsed))
-    heading = f"{args.runs} random runs a case of {BEST.transfer} and {BEST.servo} in {BEST.scene}, seed {args.seed}"
+    heading = f"{args.runs} random runs a case of {best.transfer} and {best.servo} in {best.scene}, seed {args.seed}"
     if args.rehearsed:
         heading += f", {args.rehearsed} postures rehearsed"
     return [asdict(outcome) for outcome in found], f"{heading}\n{tables.claims_table(found)}"
@@ -128,7 +128,8 @@ def _compare(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[dic
         heading = f"{args.path}"
     else:
         servos = [name for name in SERVOS if args.servo in (None, name) or name == compared.PAPER_LAW]
-        settings, cases = Settings(scene=args.scene, points=args.points, transfer=_best(args).transfer), _cases(args)
+        transfer, cases = _best(args).transfer, _cases(args)
+        settings = Settings.paper(scene=args.scene, points=args.points, transfer=transfer)
         rows = _with_bar(
             "compare",
             lambda tell: compare.run(settings, servos, args.runs, args.seed, args.max_motions, cases, study, tell),
@@ -154,7 +155,7 @@ def _pictures(args: argparse.Namespace, scene: Scene, study: Study) -> tuple[dic
     outcomes = []
     for transfer in [args.transfer] if args.transfer else TRANSFERS:
         for servo in [args.servo] if args.servo else _quick():
-            settings = Settings(scene=args.scene, points=args.points, transfer=transfer, servo=servo)
+            settings = Settings.paper(scene=args.scene, points=args.points, transfer=transfer, servo=servo)
             cases = [robustness.Case(f"{transfer}, {servo}, {camera}", {"camera": camera}) for camera in CAMERAS]
             outcomes += _with_bar(
                 f"{transfer}, {servo}",
@@ -169,7 +170,7 @@ def _robots(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
     """A line each, as soon as it is known."""
     with naming("FOLDER"):
         paths = robots.urdfs(args.path)
-    settings = msgspec.structs.replace(BEST, transfer=_best(args).transfer, servo=_best(args).servo)
+    settings = msgspec.structs.replace(_best(args), frames=Settings().frames)
     found = []
     for one in robots.run(settings, paths, args.runs, args.seed, args.max_motions):
         found.append(one)
@@ -196,7 +197,8 @@ def _cases(args: argparse.Namespace) -> list:
 
 def _best(args: argparse.Namespace) -> Settings:
     """A frame at each posture, as the cases of a table set their own."""
-    return Settings(transfer=args.transfer or BEST.transfer, servo=args.servo or BEST.servo)
+    asked = {"transfer": args.transfer, "servo": args.servo}
+    return Settings(frames=1, **{name: value for name, value in asked.items() if value})
 
 
 def _with_bar(name: str, work: Callable):

@@ -57,7 +57,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     for body in BODIES:
         parser.add_argument(f"--{body}", metavar="NAME", help="whose points to take of files with several individuals")
     parser.add_argument(
-        "--transfer", choices=TRANSFERS, default=Settings().transfer, help="(%(default)s)", metavar="NAME"
+        "--transfer", choices=TRANSFERS, default=Settings.paper().transfer, help="(%(default)s)", metavar="NAME"
     )
     parser.add_argument(
         "--min-confidence",

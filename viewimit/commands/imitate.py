@@ -5,15 +5,16 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment, assess
 from ..body_image import BodyImage
 from ..history import MAX_HISTORY
 from ..quoting import MOST_NAME, printable
+from ..result import RunResult
 from ..servo import SERVOS
 from ..session import Session
-from ..settings import BEST
-from ..snapshot import Snapshot
+from ..settings import Settings
 from . import BadInput, history_file
 from .json_output import print_json
 from .options import (
@@ -36,10 +37,10 @@ PAGES = (".html", ".htm")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser, BEST)
+    add_setting_options(parser, Settings())
     add_undistort_option(parser)
     add_camera_option(parser)
-    add_run_options(parser, BEST)
+    add_run_options(parser, Settings())
     add_safety_options(parser)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
@@ -59,16 +60,16 @@ def run(args: argparse.Namespace) -> int:
             history_file.require_format(args.out, PAGES)
             if args.body and args.out.exists() and args.body.exists() and args.out.samefile(args.body):
                 raise ValueError(f"{args.out} is the rehearsal that --body reads: name another file")
-    settings = settings_from(args, BEST)
+    settings = settings_from(args, Settings())
     session = Session(settings)
     if args.body:
         _remember(session, args.body)
-    session.run(args.max_motions)
+    ended = session.run(args.max_motions)
     if args.out:
         with naming("--out"):
             size = _write(args.out, session)
         print(f"written to {args.out}{size}", file=sys.stderr)
-    result = outcome(session)
+    result = outcome(session, ended)
     if args.json:
         print_json(args, result, settings)
     else:
@@ -78,6 +79,7 @@ def run(args: argparse.Namespace) -> int:
                 "rehearsal     foretold too little: it has probed anew; rehearse again, more postures if nothing moved"
             )
         print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
+        print(f"travel        {result['travel_deg']:.1f}°; joint by joint {_each(ended.joint_travel_deg)}")
         expected = result["expected_error_deg"]
         reckoned = f"; it expects {_at_least(expected, 0.1, '.2g', '°')}" if np.isfinite(expected or np.inf) else ""
         print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g', '°')} at most{reckoned}")
@@ -90,8 +92,7 @@ def run(args: argparse.Namespace) -> int:
         print(f"E             {_at_least(result['E'], 0.001, '.4g', ' px²')}")
     if result["converged"]:
         return DONE
-    why = "too few points are seen in all four images" if session.snapshot.transfer is None else _why(session.snapshot)
-    print(f"viewimit imitate: not converged after {result['motions']} motions: {why}", file=sys.stderr)
+    print(f"viewimit imitate: not converged after {result['motions']} motions: {ended.message}", file=sys.stderr)
     return MISSED
 
 
@@ -101,7 +102,7 @@ def _write(path: Path, session: Session) -> str:
         from ..export.replay import replay  # it loads all that draws
 
         return f", {replay(session).save(path) / 1e6:.2f} MB"
-    history_file.write(path, session.history, session.scene.moving_joints)
+    history_file.write(path, session.history)
     return ""
 
 
@@ -119,20 +120,8 @@ def _remember(session: Session, path: Path) -> None:
             raise ValueError(f"{path}: {error}") from None
 
 
-WHY = {
-    "ready": "no motion was made",
-    "moving": "no more motions",
-    "stopped": "no more motions",
-    "stalled": "stalled",
-    "rests": "it rests, without evidence of having arrived",
-    "untold": "some joint is not told",
-}
-
-
-def _why(last: Snapshot) -> str:
-    """Why it has not converged; of a servo that stalled, in its own words as well."""
-    says = SERVOS[last.settings.servo].says(last.servo_state, last.status) if last.status == "stalled" else ""
-    return f"{WHY[last.status]}: {says}" if says else WHY[last.status]
+def _each(angles_deg: NDArray) -> str:
+    return ", ".join(f"{angle:.1f}°" for angle in angles_deg)
 
 
 def _at_least(value: float, least: float, form: str, unit: str) -> str:
@@ -149,9 +138,9 @@ def _told(known: Assessment | None, joint: int) -> bool | None:
     return False if joint in known.untold else None
 
 
-def outcome(session: Session) -> dict:
+def outcome(session: Session, ended: RunResult) -> dict:
     """`converged`, `expected_error_deg` and `told` are the learner's own claims; `error_deg`, of the worst joint, is
-    true."""
+    true; `travel_deg` sums the joint that moved most in each motion, or one joint's motions."""
     last, known = session.snapshot, assess(session)
     expected = None if known is None else known.certificate.expected
     return {
@@ -165,12 +154,14 @@ def outcome(session: Session) -> dict:
                 "deg": np.degrees(last.theta[k]),
                 "expected_error_deg": None if expected is None else np.degrees(expected[k]),
                 "told": _told(known, k),
+                "travel_deg": ended.joint_travel_deg[k],
             }
             for k, joint in enumerate(session.scene.moving_joints)
         ],
         "exchanged": last.exchanged,
         "E": last.E,
         "motions": last.motion,
+        "travel_deg": ended.travel_deg,
         **({} if last.body is None else {"rehearsed": len(last.body), "rehearsal_holds": last.rehearsal_holds}),
         "converged": last.status == "converged",
         "status": last.status,

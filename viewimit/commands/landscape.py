@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..analysis.landscape import grid_axes, landscape
+from ..analysis.landscape import conflict_at, landscape
 from ..session import Session
 from . import landscape_file
 from .json_output import print_json
@@ -23,8 +23,6 @@ from .options import (
     settings_from,
 )
 
-STEP_DEG = {"points": 1.0, "rendered": 10.0}  # of the grid; two pictures take a tenth of a second
-
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_setting_options(parser)
@@ -40,12 +38,10 @@ def run(args: argparse.Namespace) -> int:
             landscape_file.require_format(args.out)
     settings = settings_from(args)
     session = Session(settings)
-    now, eyes = session.snapshot, session.eyes
-    demo, seen = now.views.demo, now.views.visible[:, :2]
     with naming("--scene, --joints"):
-        axes = grid_axes(session.world, args.step_deg or STEP_DEG[session.settings.camera])
-    found = landscape(eyes, now.fit, demo, seen, axes)
-    there = landscape(eyes, now.fit, demo, seen, (now.theta_demo[:1], now.theta_demo[1:]))
+        found = landscape(session, args.step_deg)
+    now = session.snapshot
+    (there,) = conflict_at(session.eyes, now.fit, now.views.demo, now.views.visible[:, :2], now.theta_demo[:, None])
     if args.out:
         with naming("--out"):
             landscape_file.write(args.out, found, session.scene, now)
@@ -57,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
         "grid": found.E.shape,
         "minimum_deg": np.degrees(found.minimum),
         "E_min": np.nan if nowhere else np.nanmin(found.E),
-        "E_at_demonstrator": there.E[0, 0],
+        "E_at_demonstrator": there[0],
         "E_max": np.nan if nowhere else np.nanmax(found.E),
         "local_minima": np.degrees(found.local_minima()),
         "basin_fraction": found.basin_fraction(),

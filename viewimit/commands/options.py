@@ -16,7 +16,7 @@ from ..embodiment.motion_limits import within, workspace
 from ..geometry.distortion import Radial
 from ..quoting import MOST_NAME, printable
 from ..servo import SERVOS
-from ..settings import CAMERAS, DISTURBANCES, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
+from ..settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
 from ..simulation.eyes import require_eyes
 from ..simulation.robots import robot_names
 from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ..simulation.derived.scene import Derived  # it loads trimesh
 
 DONE, MISSED = 0, 1
-PAPER = Settings()
+PAPER = Settings.paper()
 ALL = "all"
 SHOWN_IN = {
     "l": "the demonstrator, by the left camera",
@@ -229,6 +229,8 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     for name, value in given.items():
         if value is not None:
             with naming(option(name)):
+                if value == OWN:
+                    raise ValueError(f"no {name} {OWN!r}: only a session in Python is given one")
                 settings = msgspec.structs.replace(settings, **{name: value})
     chosen = settings.scene if args.scene is None else args.scene
     with naming(asked):

@@ -13,7 +13,7 @@ from ..geometry.affine import MIN_POINTS
 from ..quoting import printable
 from ..rehearsal import POSTURES, rehearse
 from ..session import Session
-from ..settings import BEST
+from ..settings import Settings
 from ..wording import as_imitation
 from . import BadInput
 from .json_output import print_json
@@ -37,8 +37,8 @@ ASIDE = 3  # more than joints, of which each is turned by itself once
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_scene_options(parser, BEST)
-    add_image_options(parser, ImageDisturbance, BEST)
+    add_scene_options(parser, Settings())
+    add_image_options(parser, ImageDisturbance, Settings())
     add_undistort_option(parser)
     add_camera_option(parser)
     add_arm_options(parser)
@@ -55,7 +55,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if args.out.suffix.lower() != ".npz":
         raise BadInput(f"--out: {args.out}: unknown extension {args.out.suffix!r}; there is .npz")
-    settings = settings_from(args, BEST)
+    settings = settings_from(args, Settings())
     session = Session(settings)
     joints = len(session.scene.moving_joints)
     if args.postures < joints + ASIDE:

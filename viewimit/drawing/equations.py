@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from ..equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Moment
+from ..servo import Moment
 from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 from ..transfer.rectified import RectifiedTransfer
 from . import svg
 
@@ -27,7 +26,7 @@ def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equatio
     if snapshot.transfer is not None:
         point = _shown_point(snapshot, chosen)
         demo, own, name = snapshot.views.demo[point], snapshot.views.own[point], svg.point_name(point)
-        method, fitted = TRANSFERS[snapshot.settings.transfer], snapshot.transfer
+        method, fitted = snapshot.method, snapshot.transfer
         if isinstance(fitted, RectifiedTransfer):
             demo, own = map(fitted.rectification.apply, (demo, own))
             recovery, fitted = (_rectification(fitted.rectification),), fitted.between
@@ -59,7 +58,7 @@ def _conflict(snapshot: Snapshot) -> Equation:
     if snapshot.transfer is None:
         note = "too few points are seen in all images"
         return Equation("(6)", "", f"{_CONFLICT}={HOLE}", (MISSING,), note)
-    own_equation = TRANSFERS[snapshot.settings.transfer].conflict_equation
+    own_equation = snapshot.method.conflict_equation
     if own_equation is not None:
         return own_equation(snapshot.E)
     e = snapshot.e[snapshot.usable]
@@ -108,7 +107,7 @@ def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
         moved=snapshot.moved,
         status=snapshot.status,
     )
-    return SERVOS[snapshot.settings.servo].equations(snapshot.servo_state, moment)
+    return snapshot.servo.equations(snapshot.servo_state, moment)
 
 
 def _cards(*equations: Equation) -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 import msgspec
 
 from ..assets import ROOT
-from ..settings import Settings
+from ..settings import PAPER_FIELDS, Settings
 from . import svg
 from .equations import mathml
 from .over.links import link, sink
@@ -37,8 +37,8 @@ class Scale(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """name: a few words; symbol: as the page has it; formula: LaTeX; good, bad: in words, from where on; show: settings
-    in which it is bad, or is seen at all; plays: whether that takes motions; scale: of a number that the page knows at
-    every moment."""
+    in which it is bad, or is seen at all, the rest as the paper's; plays: whether that takes motions; scale: of a
+    number that the page knows at every moment."""
 
     name: str
     symbol: str
@@ -59,6 +59,8 @@ def load(path: Path = FILE) -> dict[str, Entry]:
         raise ValueError(f"{path}: {error}") from None
     entries = {}
     for key, fields in read.items():
+        if isinstance(fields.get("show"), dict):
+            fields = {**fields, "show": {**PAPER_FIELDS, **fields["show"]}}
         try:
             entries[key] = msgspec.convert(fields, Entry)
         except msgspec.ValidationError as error:

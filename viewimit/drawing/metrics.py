@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
 from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 from . import svg
 from .glossary import ask, key_of
 from .theme import OBSERVED, RECOVERED
@@ -63,7 +62,7 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)
-    name = TRANSFERS[snapshot.settings.transfer].condition_name
+    name = snapshot.method.condition_name
     few = used < MIN_POINTS
     columns = (
         ("", "E", _short(snapshot.E), " px²" if known else ""),

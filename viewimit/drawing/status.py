@@ -13,10 +13,9 @@ from ..analysis.self_assessment import Assessment
 from ..equations import with_minus
 from ..geometry.affine import MIN_POINTS
 from ..history import MAX_HISTORY
-from ..servo import SERVOS, Certificate
+from ..servo import Certificate
 from ..servo.surroundings import UNTOLD
 from ..snapshot import AT_REST, Snapshot
-from ..transfer import TRANSFERS
 from ..transfer.transfer import FLAT, FLATNESS
 from . import svg
 from .glossary import ask, glossary
@@ -190,7 +189,7 @@ def _exchanged(snapshot: Snapshot) -> str:
 def _ill_conditioned(snapshot: Snapshot) -> str:
     """What speaks against the transfer, "" if nothing does."""
     assert snapshot.transfer is not None
-    condition, method = float(snapshot.transfer.condition), TRANSFERS[snapshot.settings.transfer]
+    condition, method = float(snapshot.transfer.condition), snapshot.method
     if snapshot.flatness >= RED > condition:
         return f"{FLATNESS} {svg.number(snapshot.flatness, 0)}: {FLAT}."
     if condition < AMBER:
@@ -242,7 +241,7 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 def _says(snapshot: Snapshot) -> str:
     """The servo's own words, "" without any."""
     state = snapshot.servo_state
-    return "" if state is None else SERVOS[snapshot.settings.servo].says(state, snapshot.status)
+    return "" if state is None else snapshot.servo.says(state, snapshot.status)
 
 
 def _motions(count: int) -> str:

@@ -34,7 +34,7 @@ class Citation:
 def cite(session: Session, motion: int | None = None) -> Citation:
     """A session up to a motion, None for its last that is kept."""
     motion = session.history[-1].motion if motion is None else motion
-    settings = session.history[motion].settings
+    moment = session.history[motion]
     command = python = None
     try:
         script = session.log.script(motion).renamed(file_name)
@@ -42,7 +42,8 @@ def cite(session: Session, motion: int | None = None) -> Citation:
         command = as_command(script)
     except ValueError:  # some of it cannot be said in words
         pass
-    return Citation(title_of(settings), conditions_of(settings), software(), command, python)
+    title = f"{moment.method.title}, {moment.servo.title}"
+    return Citation(title, conditions_of(moment.settings), software(), command, python)
 
 
 def cite_both(one: Session, other: Session) -> Citation:

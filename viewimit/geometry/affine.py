@@ -23,17 +23,25 @@ NEARLY_EQUAL = 1e-5  # of the cofactors of f, relative to the trace³: below, LA
 def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray]:
     """Eqs. (1)-(3): the hyperplane nearest to the matches in the 4-space of [p; q].
 
-    p, q: (..., N, 2) px → f: (..., 4), unit norm, sign arbitrary; f33: (...) px.
+    p, q: (..., N, 2) px, or OpenCV's (N, 1, 2) → f: (..., 4), unit norm, sign arbitrary; f33: (...) px.
     Eq. (2) prints 1/n for 1/N, and the u_0 of Eq. (3) is the centroid.
     Raises ValueError with fewer than 5 points, its kind LinAlgError with a coordinate that is not finite.
     """
-    p, q = np.broadcast_arrays(np.asarray(p, float), np.asarray(q, float))
+    p, q = np.broadcast_arrays(image_points(np.asarray(p, float)), image_points(np.asarray(q, float)))
     require_points(p.shape[-2])
     mean_p, p = centred(p)
     mean_q, q = centred(q)
     _, f = smallest_eigenpair(scatter(p, p), scatter(p, q), scatter(q, q))
     f = np.moveaxis(f, 0, -1).reshape(p.shape[:-2] + (4,))
     return f, -(f[..., :2] * mean_p + f[..., 2:] * mean_q).sum(-1)
+
+
+def image_points(points: NDArray) -> NDArray:
+    """OpenCV's arrays of points, (N, 1, 2), as (N, 2); all other arrays as they are.
+
+    As a batch, (N, 1, 2) would be N postures of one point each, of which no geometry can be fitted.
+    """
+    return points[:, 0] if points.ndim == 3 and points.shape[1:] == (1, 2) else points
 
 
 def require_points(count: int) -> None:

@@ -13,7 +13,6 @@ from ..geometry.rectification import AFFINE_FREEDOM, Rectification, affine_squar
 from ..rectifying import pooled
 from ..servo.observation import Conflict, Weighting
 from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 from ..transfer.noise import noise_weight
 from ..transfer.transfer import Residuals, TransferMethod
 from ..views import FourViews
@@ -189,7 +188,7 @@ class PredictedConflict:
     @cached_property
     def _of_demo(self) -> DemoResiduals | None:
         """None if the transfer has no such residuals, or the head's geometry is unknown."""
-        method = TRANSFERS[self._now.settings.transfer]
+        method = self._now.method
         if method.near is None or self.head is None:
             return None
         return DemoResiduals(method, self.head, self._noise_px)
@@ -229,7 +228,7 @@ class HalfSeenConflict:
     def __init__(self, whole: PredictedConflict, now: Snapshot, demo: NDArray, noise_px: float):
         self._whole, self._demo, self._visible = whole, demo, now.views.visible
         head = now.rectification or level(*np.split(np.concatenate(now.views.matches), 2, axis=1))
-        method = TRANSFERS[now.settings.transfer]
+        method = now.method
         self._by_head = [DemoResiduals(method, one, noise_px) for one in (head, *head.others)]
 
     def __call__(

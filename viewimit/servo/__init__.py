@@ -7,8 +7,12 @@ retarget(state, observation) -> state when E has changed by itself, because the 
 servo predicts, NaN for points that it knows nothing of; by: the name of another transfer than the chosen one;
 weighting: a `Weighting`, the own images about which e is weighted by its noise. Asking needs no motion.
 
-A new one is a file with a `Servo`, and a line here: its title, limits, equations and how it is stored come with it.
+A new one is an object with `start` and `step`, given to `Session(settings, servo=…)`. As a file with a whole `Servo`,
+and a line here, it has a name for all commands and the page: title, limits, equations and how it is stored come with
+it.
 """
+
+from collections import UserDict
 
 from .broyden import Broyden
 from .certificate import Certificate
@@ -16,17 +20,27 @@ from .gauss_newton import GaussNewton
 from .gradient import RETUNED_LAW, Gradient
 from .kalman import Kalman
 from .observation import Conflict, Observation, Weighting
-from .servo import Moment, Servo, ServoState
+from .servo import MinimalServo, Moment, Servo, ServoState, completed_servo
 from .trust_region import TrustRegion
 
-SERVOS: dict[str, Servo] = {
-    "gradient": Gradient(),
-    "gradient-retuned": RETUNED_LAW,
-    "broyden": Broyden(),
-    "kalman": Kalman(),
-    "gauss-newton": GaussNewton(),
-    "trust-region": TrustRegion(),
-}
+
+class Servos(UserDict[str, Servo]):
+    """By name. What is set is completed; TypeError for what lacks `start` or `step`."""
+
+    def __setitem__(self, name: str, given: MinimalServo) -> None:
+        super().__setitem__(name, completed_servo(given))
+
+
+SERVOS = Servos(
+    {
+        "gradient": Gradient(),
+        "gradient-retuned": RETUNED_LAW,
+        "broyden": Broyden(),
+        "kalman": Kalman(),
+        "gauss-newton": GaussNewton(),
+        "trust-region": TrustRegion(),
+    }
+)
 
 __all__ = [
     "SERVOS",
@@ -36,10 +50,13 @@ __all__ = [
     "GaussNewton",
     "Gradient",
     "Kalman",
+    "MinimalServo",
     "Moment",
     "Observation",
     "Servo",
     "ServoState",
+    "Servos",
     "TrustRegion",
     "Weighting",
+    "completed_servo",
 ]

@@ -1,4 +1,7 @@
-"""What a servo is: from what the learner saw to its next displacement, and what is said of that."""
+"""What a servo is: from what the learner saw to its next displacement, and what is said of that.
+
+A law needs `start` and `step` alone (`MinimalServo`); `completed_servo` gives all else a default.
+"""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -7,6 +10,8 @@ from numpy.typing import NDArray
 
 from ..equations import Equation
 from .observation import Conflict, Observation
+
+NEEDED = {"start": "start(seen)", "step": "step(state, seen, conflict)"}  # of a servo, by name
 
 
 class ServoState(Protocol):
@@ -87,3 +92,79 @@ class Servo(Protocol):
     def says(self, state: Any, status: str) -> str:
         """What it does, or why it rests, in a few words; "" if there is nothing to add to the status."""
         ...
+
+
+class MinimalServo(Protocol):
+    """What a servo of one's own must have. Other members of `Servo`, if it has them, replace the defaults.
+
+    A state may be any object; its `status` and `probe`, if it has them, are those of a `ServoState`.
+    """
+
+    def start(self, seen: Observation) -> Any:
+        """The state before the first motion."""
+        ...
+
+    def step(self, state: Any, seen: Observation, conflict: Conflict) -> tuple[Any, NDArray]:
+        """The state after this look, and the motion to make: (m,) rad, all 0 to rest."""
+        ...
+
+
+def completed_servo(given: MinimalServo) -> Servo:
+    """A whole `Servo` as it is; of another, one with defaults. Raises TypeError for what lacks `start` or `step`."""
+    if isinstance(given, type):
+        raise TypeError(f"the servo {given.__name__} is a class; make one, {given.__name__}(…)")
+    missing = [said for name, said in NEEDED.items() if not callable(getattr(given, name, None))]
+    if missing:
+        raise TypeError(f"the servo {given!r} has no {' and no '.join(missing)}: see viewimit.servo.MinimalServo")
+    members = (name for name in vars(Servo) if not name.startswith("_"))
+    return given if all(hasattr(given, name) for name in members) else _CompletedServo(given)  # type: ignore[return-value]
+
+
+@dataclass(frozen=True)
+class _CompletedServo:
+    """law: with `start` and `step`, and whatever else it has."""
+
+    law: Any
+
+    @property
+    def title(self) -> str:
+        return getattr(self.law, "title", type(self.law).__name__)
+
+    @property
+    def assumes(self) -> str:
+        return getattr(self.law, "assumes", "")
+
+    @property
+    def fails(self) -> str:
+        return getattr(self.law, "fails", "")
+
+    @property
+    def slow(self) -> bool:
+        return getattr(self.law, "slow", False)
+
+    @property
+    def predicts(self) -> bool:
+        return getattr(self.law, "predicts", False)
+
+    @property
+    def stored(self) -> tuple[type, ...]:
+        return getattr(self.law, "stored", ())
+
+    def start(self, seen: Observation) -> Any:
+        return self.law.start(seen)
+
+    def step(self, state: Any, seen: Observation, conflict: Conflict) -> tuple[Any, NDArray]:
+        return self.law.step(state, seen, conflict)
+
+    def retarget(self, state: Any, seen: Observation) -> Any:
+        """Start afresh by default: what it remembers of E is of another demonstrator."""
+        own = getattr(self.law, "retarget", None)
+        return self.law.start(seen) if own is None else own(state, seen)
+
+    def equations(self, state: Any | None, moment: Moment) -> tuple[Equation, ...]:
+        own = getattr(self.law, "equations", None)
+        return () if own is None else own(state, moment)
+
+    def says(self, state: Any, status: str) -> str:
+        own = getattr(self.law, "says", None)
+        return "" if own is None else own(state, status)

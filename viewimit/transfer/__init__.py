@@ -2,18 +2,40 @@
 
 `TRANSFERS[name](views)` fits one to `FourViews` of points that are all seen; leading axes are a batch of postures.
 `.recover(l, r)` of what it returns gives (..., N, 4) px, and `.condition` says how far its linear system amplifies
-errors. A new one is a file with a `TransferMethod`, and a line here: its title, limits, equations and how it is stored
-come with it.
+errors. A new one is a function of `FourViews`, given to `Session(settings, transfer=…)`. As a file with a
+`TransferMethod`, and a line here, it has a name for all commands and the page: title, limits, equations and how it is
+stored come with it.
 """
 
+from collections import UserDict
+
 from . import epipolar, linear_combination, projective, rank3
+from .function import Recovers, TransferFunction, transfer_method
 from .transfer import FittedTransfer, TransferMethod
 
-TRANSFERS: dict[str, TransferMethod] = {
-    "epipolar": epipolar.METHOD,
-    "linear": linear_combination.METHOD,
-    "rank3": rank3.METHOD,
-    "projective": projective.METHOD,
-}
 
-__all__ = ["TRANSFERS", "FittedTransfer", "TransferMethod"]
+class Transfers(UserDict[str, TransferMethod]):
+    """By name. A function that is set becomes a `TransferMethod`; TypeError for anything else."""
+
+    def __setitem__(self, name: str, given: TransferMethod | TransferFunction) -> None:
+        super().__setitem__(name, transfer_method(given))
+
+
+TRANSFERS = Transfers(
+    {
+        "epipolar": epipolar.METHOD,
+        "linear": linear_combination.METHOD,
+        "rank3": rank3.METHOD,
+        "projective": projective.METHOD,
+    }
+)
+
+__all__ = [
+    "TRANSFERS",
+    "FittedTransfer",
+    "Recovers",
+    "TransferFunction",
+    "TransferMethod",
+    "Transfers",
+    "transfer_method",
+]

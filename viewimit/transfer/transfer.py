@@ -53,13 +53,14 @@ class Residuals(Protocol):
     def residual(self, views: FourViews) -> NDArray: ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TransferMethod:
     """One way to recover points, with all that anybody says about it. Called with `FourViews` it is `fit`.
 
-    title: in dropdowns; assumes, fails: a sentence each. fit: views of points that are all seen, (..., N, 4) px with
-    N ≥ 5 → a `FittedTransfer`. stored: the dataclasses that a fitted one is made of, nested ones too; they are stored
-    by their fields, which are arrays, scalars, strings, tuples or such dataclasses.
+    fit: views of points that are all seen, (..., N, 4) px with N ≥ 5 → a `FittedTransfer`; all else has a default.
+    title: in dropdowns, by default the name of fit; assumes, fails: a sentence each. stored: the dataclasses that a
+    fitted one is made of, nested ones too; they are stored by their fields, which are arrays, scalars, strings, tuples
+    or such dataclasses.
     equations(fitted, demo, own, name): how one point, (4,) px in [l, r] and (4,) px in [L, R], is recovered; no batch.
     crosses_lines: whether a point is recovered where its epipolar lines cross.
     condition_name: what `condition` is; ill: what it means where it is too large.
@@ -70,12 +71,12 @@ class TransferMethod:
     one image alone of some points.
     """
 
-    title: str
-    assumes: str
-    fails: str
     fit: Callable[[FourViews], FittedTransfer]
-    stored: tuple[type, ...]
-    equations: Callable[[Any, NDArray, NDArray, str], tuple[Equation, ...]]
+    title: str = ""
+    assumes: str = ""
+    fails: str = ""
+    stored: tuple[type, ...] = ()
+    equations: Callable[[Any, NDArray, NDArray, str], tuple[Equation, ...]] = lambda fitted, demo, own, name: ()
     crosses_lines: bool = False
     condition_name: str = FLATNESS
     ill: str = FLAT
@@ -83,11 +84,20 @@ class TransferMethod:
     near: Callable[[FourViews, Rectification, float], Residuals] | None = None
     half_seen: Callable[[FourViews, Rectification], Residuals] | None = None
 
+    def __post_init__(self) -> None:
+        if not self.title:
+            object.__setattr__(self, "title", name_of(self.fit))
+
     def __call__(self, views: FourViews) -> FittedTransfer:
         """`fit`. Raises ValueError for coordinates that are not finite."""
         if not (np.isfinite(views.demo).all() and np.isfinite(views.own).all()):
             raise ValueError("a transfer needs points that are seen in all four views: take FourViews.used")
         return self.fit(views)
+
+
+def name_of(function: Callable) -> str:
+    """What it is called in code."""
+    return getattr(function, "__name__", type(function).__name__)
 
 
 class Transfer(FittedTransfer):

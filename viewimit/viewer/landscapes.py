@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..analysis.landscape import Landscape, conflict_at, grid_axes, landscape
+from ..analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
 from ..analysis.observability import joint_uncertainty
 from ..disturbances import ArmDisturbance
 from ..drawing.landscape import LandscapePicture
@@ -47,7 +47,7 @@ def compute(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> Lan
     if len(world.scene.moving_joints) != 2:
         return None
     views = snapshot.views
-    return landscape(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world, step_deg))
+    return landscape_over(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world, step_deg))
 
 
 def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> MadeLandscape:

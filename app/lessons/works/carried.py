@@ -67,7 +67,7 @@ def _carried(task: Task) -> Carried:
     """Raises ValueError if too few points are seen to fit a geometry."""
     session = task.session()
     first = session.snapshot
-    last = session.run(MOST_MOTIONS, patience=1)
+    last = session.run(MOST_MOTIONS, patience=1).last
     if first.transfer is None or last.transfer is None:
         raise ValueError("too few points are seen in all four images to fit a geometry")
     motion = hand_circle(session.world, last.theta_demo, FRAMES)

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.landscape import grid_axes, landscape
+from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.session import Session
 from viewimit.simulation.world import World
 from viewimit.snapshot import Snapshot
@@ -60,12 +60,12 @@ def smallest(world: World, moment: Snapshot, fit: Callable) -> NDArray:
     seen = fit, views.demo, views.visible[:, :2]
     axes, step = grid_axes(world, COARSE_DEG), np.radians(COARSE_DEG)
     lower, upper = world.scene.lower, world.scene.upper
-    lowest = landscape(world, *seen, axes).minimum
+    lowest = landscape_over(world, *seen, axes).minimum
     for _ in range(ROUNDS):
         if np.isnan(lowest).any():
             break
         near = np.clip(lowest[:, None] + AROUND * step * np.linspace(-1, 1, FINER), lower[:, None], upper[:, None])
-        lowest = landscape(world, *seen, (near[0], near[1])).minimum
+        lowest = landscape_over(world, *seen, (near[0], near[1])).minimum
         step *= 2 * AROUND / (FINER - 1)
     return lowest
 

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+from viewimit.analysis.landscape import Landscape, grid_axes, landscape_over
 from viewimit.geometry.rectification import Rectification
 from viewimit.session import Session
 
@@ -42,10 +42,10 @@ def _mendings(task: Task) -> Mapping[str, Mending]:
 def _mending(session: Session) -> Mending:
     world, moment = session.world, session.snapshot
     demo, visible = moment.views.demo, moment.views.visible[:, :2]
-    found = landscape(world, moment.fit, demo, visible, grid_axes(world, GRID_DEG))
+    found = landscape_over(world, moment.fit, demo, visible, grid_axes(world, GRID_DEG))
     about = np.radians(np.arange(-GRID_DEG, GRID_DEG + FINE_DEG / 2, FINE_DEG))
     near = [np.clip(middle + about, axis[0], axis[-1]) for middle, axis in zip(found.minimum, found.axes)]
-    least = landscape(world, moment.fit, demo, visible, (near[0], near[1])).minimum
+    least = landscape_over(world, moment.fit, demo, visible, (near[0], near[1])).minimum
     return Mending(found, least, moment.rectification)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewimit.settings import BEST
+from viewimit.settings import Settings
 
 from ..dealing import deal_start
 from .work import Task, Work
@@ -47,12 +47,12 @@ def _rounds(task: Task) -> Rounds:
     session, theta_demo = task.session(), task.snapshot.theta_demo
     start = deal_start(session.scene, theta_demo, [task.seed, len(made.yours)])
     yours = _run(task, start_deg=start, **task.selected)
-    pages = _run(task, start_deg=start, transfer=BEST.transfer, servo=BEST.servo)
+    pages = _run(task, start_deg=start, transfer=Settings().transfer, servo=Settings().servo)
     return Rounds((*made.yours, yours), (*made.pages, pages))
 
 
 def _run(task: Task, **changes) -> Run:
-    last = task.session(**changes).run(MOST_MOTIONS, IN_VAIN)
+    last = task.session(**changes).run(MOST_MOTIONS, IN_VAIN).last
     return Run(float(np.degrees(np.abs(last.theta - last.theta_demo)).max()), last.motion)
 
 

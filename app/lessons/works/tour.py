@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from viewimit.analysis.landscape import Landscape, grid_axes, landscape
+from viewimit.analysis.landscape import Landscape, grid_axes, landscape_over
 
 from ..stage import Race
 from .work import Task, Work
@@ -15,7 +15,7 @@ def _landscape(task: Task) -> Landscape | None:
     if len(task.world.scene.moving_joints) != 2:
         return None
     views = task.snapshot.views
-    return landscape(task.world, task.snapshot.fit, views.demo, views.visible[:, :2], grid_axes(task.world))
+    return landscape_over(task.world, task.snapshot.fit, views.demo, views.visible[:, :2], grid_axes(task.world))
 
 
 def _races(task: Task) -> tuple[Race, ...]:

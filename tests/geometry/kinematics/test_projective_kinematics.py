@@ -119,7 +119,7 @@ def test_spread_by_noise_is_as_its_covariance_has_it():
 
 @pytest.mark.parametrize("scene", ["panda", "panda-toed", "panda-verged", "iiwa"])
 def test_the_simulated_robots_are_foretold_over_their_whole_range(scene):
-    session = Session(Settings(scene=scene))
+    session = Session(Settings.paper(scene=scene))
     lower, upper = session.embodiment.lower, session.embodiment.upper
     look = lambda theta: session.observer.four_views(session.settings, theta, session.snapshot.theta_demo, 0).own
     begin = (lower + upper) / 2

@@ -12,7 +12,6 @@ from ...analysis.construction import Construction
 from ...geometry.pairs import INTO, SOURCE
 from ...simulation.appearance import Bodies
 from ...snapshot import Snapshot
-from ...transfer import TRANSFERS
 from ...views import VIEWS
 from .. import svg
 from ..glossary import ask
@@ -55,7 +54,7 @@ def draw_images(
     images = images.reshape(-1, 4, 2).transpose(1, 0, 2)  # (l r L R, N, 2)
     points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
-    crossed = TRANSFERS[snapshot.settings.transfer].crosses_lines
+    crossed = snapshot.method.crosses_lines
     lines = _epipolar_lines(snapshot, shown, chosen if crossed else None, stage)
     built = dict.fromkeys("lrLR", "")
     if construction is not None and chosen is not None:

@@ -8,12 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-import msgspec
 import numpy as np
 
 from ...rehearsal import rehearse
 from ...session import Session
-from ...settings import BEST
+from ...settings import Settings
 from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
 from ..executors.study import Study, each
@@ -135,11 +134,11 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     """With the default transfer and servo."""
     rng = np.random.default_rng(seed)
     marked = None if case.symmetric is None else draw(rng, case.symmetric)
-    scene = BEST.scene if marked is None else marked.scene
+    scene = Settings().scene if marked is None else marked.scene
     low, high = np.transpose(load_scene(scene).range_deg)
     demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
     noise = {"noise_px": case.noise_px, "frames": case.frames, "seed": int(rng.integers(2**32))}
-    settings = msgspec.structs.replace(BEST, scene=scene, demonstrator_deg=demo, start_deg=start, **noise)
+    settings = Settings.best(scene=scene, demonstrator_deg=demo, start_deg=start, **noise)
     for _ in range(TRIES):
         session = Session(settings, lambda camera, scene, points: _eyes(case, marked, scene, points, rng))
         if session.snapshot.transfer is not None:
@@ -147,7 +146,7 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     if rehearsed:
         rehearse(session, rehearsed, seed[-1])
         session.reset()
-    last = session.run(MOST_MOTIONS, PATIENCE)
+    last = session.run(MOST_MOTIONS, PATIENCE).last
     error = np.degrees(np.abs(last.theta - last.theta_demo).max())
     expected = np.nan if last.expected_error is None else np.degrees(last.expected_error)
     ended = last.motion < MOST_MOTIONS

@@ -56,7 +56,7 @@ def run_draw(settings: Settings, case: Case, servos: Sequence[str], seed: list[i
         endings = []
         for servo in servos:
             session.begin(msgspec.structs.replace(begun, servo=servo))
-            last = session.run(max_motions, PATIENCE)
+            last = session.run(max_motions, PATIENCE).last
             error = np.degrees(np.abs(last.theta - last.theta_demo).max())
             expected = np.nan if last.expected_error is None else np.degrees(last.expected_error)
             endings.append(Ending(last.motion, last.status, float(error), float(expected), float(last.E)))

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...session import Session
-from ...settings import BEST, Settings
+from ...settings import Settings
 from ..executors.study import Study, each
 
 SWING_DEG, TURNS = 25.0, (1.0, 0.7)  # of the path, each joint; rounds a joint, repeated for more joints
 STEPS, SETTLING, MOST_BEFORE = 150, 10, 200
-PAPER = Settings(servo="gradient")
+PAPER = Settings.paper(servo="gradient")
 
 
 @dataclass(frozen=True)
@@ -26,13 +26,10 @@ class Case:
 
 
 CASES = (
-    *(Case(f"{rate:g}° a step", BEST, rate) for rate in (0.5, 1.0, 3.0)),
-    *(
-        Case(f"1° a step, noise {noise} px", msgspec.structs.replace(BEST, noise_px=noise), 1.0)
-        for noise in (0.25, 0.5)
-    ),
-    Case("1° a step, noise 0.25 px, 1 frame", msgspec.structs.replace(BEST, noise_px=0.25, frames=1), 1.0),
-    Case("1° a step, epipolar, broyden", Settings(), 1.0),
+    *(Case(f"{rate:g}° a step", Settings(), rate) for rate in (0.5, 1.0, 3.0)),
+    *(Case(f"1° a step, noise {noise} px", Settings(noise_px=noise), 1.0) for noise in (0.25, 0.5)),
+    Case("1° a step, noise 0.25 px, 1 frame", Settings(noise_px=0.25, frames=1), 1.0),
+    Case("1° a step, epipolar, broyden", Settings.paper(), 1.0),
     Case("1° a step, epipolar, gradient", PAPER, 1.0),
 )
 

@@ -78,7 +78,7 @@ def run_one(settings: Settings, path: Path, runs: int, seed: int, max_motions: i
             settings, scene=str(path), points=points, start_deg=start, demonstrator_deg=demonstrator
         )
         session = Session(asked)
-        last = session.run(max_motions)
+        last = session.run(max_motions).last
         errors.append(float(np.degrees(np.max(np.abs(last.theta - last.theta_demo)))))
         motions.append(last.motion)
         claimed += last.status == "converged"

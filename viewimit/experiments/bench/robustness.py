@@ -115,7 +115,7 @@ def run_once(settings: Settings, case: Case, seed: list[int], max_motions: int) 
         session.begin(msgspec.structs.replace(settings, start_deg=rest_deg))
         rehearse(session, case.rehearsed, noise_seed, None if offset_deg is None else DEMO_DEG + offset_deg)
     session.begin(msgspec.structs.replace(settings, seed=noise_seed, **postures))
-    last = session.run(max_motions, PATIENCE)
+    last = session.run(max_motions, PATIENCE).last
     error = np.degrees(np.abs(last.theta - last.theta_demo)).max()
     expected = np.degrees(last.expected_error or 0.0)
     return float(error), float(expected), last.motion, last.status == "converged"

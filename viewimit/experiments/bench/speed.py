@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.landscape import grid_axes, landscape
+from ...analysis.landscape import grid_axes, landscape_over
 from ...evaluation import conflict
 from ...servo import SERVOS
 from ...session import Session
@@ -96,7 +96,7 @@ def run(
     def over_grid(transfer: str, world: World = world, with_condition: bool = False):
         images, _ = world.demo_images(theta)
         seen = np.ones((len(images), 2), bool)
-        return landscape(world, TRANSFERS[transfer], images, seen, with_condition=with_condition)
+        return landscape_over(world, TRANSFERS[transfer], images, seen, with_condition=with_condition)
 
     links = range(len(world.scene.posture_deg) + 1)
     many = World(world.scene, body=surface_points(world.scene.robot, links, MANY, rng)[0])
@@ -177,7 +177,7 @@ def _fit_s(fit: Callable, demo: NDArray, own: NDArray) -> dict[int, float]:
 
 def _motion_s(scene: str, points: int, transfer: str, servo: str) -> float:
     """Of motions from the scene's start, again and again when the servo rests. NaN if it does not move there."""
-    session = Session(Settings(scene=scene, points=points, transfer=transfer, servo=servo))
+    session = Session(Settings.paper(scene=scene, points=points, transfer=transfer, servo=servo))
     times: list[float] = []
     while len(times) < MOTIONS:
         began = time.process_time()

@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape
+from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over
 from ...rehearsal import rehearse
 from ...session import Session
 from ...settings import Settings
@@ -147,7 +147,7 @@ def run_pair(
     for servo in servos:
         if rehearsed or servo != session.settings.servo:  # else it has just begun
             session.begin(msgspec.structs.replace(settings, servo=servo))
-        last = session.run(max_motions, patience=1)
+        last = session.run(max_motions, patience=1).last
         visited = np.array([snapshot.theta for snapshot in session.history])
         errors = {name: _error_deg(visited, target) for name, target in targets.items()}
         ended, nearest = ({name: float(pick(e)) for name, e in errors.items()} for pick in (lambda e: e[-1], np.min))
@@ -161,7 +161,7 @@ def own_minimum(session: Session) -> NDArray:
     On a grid of FINE_DEG: the local minima of a coarse one are looked at by finer ones. NaN if too few points are seen.
     """
     views, fit, world = session.snapshot.views, session.snapshot.fit, session.world
-    over = lambda axes: landscape(world, fit, views.demo, views.visible[:, :2], axes)
+    over = lambda axes: landscape_over(world, fit, views.demo, views.visible[:, :2], axes)
     degrees, axes, images = _grids(world)
     places = Landscape(axes, *conflict_of_images(fit, views.demo, views.visible[:, :2], *images)).local_minima()
     if not len(places):

@@ -8,7 +8,7 @@ from ...disturbances import SightDisturbance
 from ...equations import with_minus
 from ...settings import Settings, disturbances
 
-PAPER = Settings()  # the scene and transfer that the paper's own figures stand beside
+PAPER = Settings.paper()  # the scene and transfer that the paper's own figures stand beside
 PAPER_DEMONSTRATOR_DEG = (45.0, -90.0)
 
 

@@ -68,7 +68,7 @@ def run(
     """
     session = Session(settings)
     first = session.snapshot
-    last = session.run(max_motions, patience=1, each=lambda now: tell(SEEN_SHARE * now.motion / max_motions, None))
+    last = session.run(max_motions, patience=1, each=lambda now: tell(SEEN_SHARE * now.motion / max_motions, None)).last
     there = session.observe(last.theta_demo, last)
     recorded = not isinstance(motion, str)
     played = MOTIONS[motion](session.world, last.theta_demo) if isinstance(motion, str) else motion

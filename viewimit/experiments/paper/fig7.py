@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.convexity import Convexity, convexity
-from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape
+from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
 from ...analysis.minima import Conflict, Minima, local_minima
 from ...session import Session
 from ...settings import Settings, given
@@ -109,7 +109,7 @@ def conflict_of(session: Session, transfer: str) -> Conflict:
 
 def over_grid(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> Landscape:
     views, fit = session.snapshot.views, partial(session.snapshot.fit, by=transfer)
-    return landscape(session.world, fit, views.demo, views.visible[:, :2], axes)
+    return landscape_over(session.world, fit, views.demo, views.visible[:, :2], axes)
 
 
 def _surface(session: Session, transfer: str, axes: tuple[NDArray, NDArray]) -> Surface:

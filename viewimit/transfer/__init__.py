@@ -16,4 +16,11 @@ TRANSFERS: dict[str, TransferMethod] = {
     "projective": projective.METHOD,
 }
 
-__all__ = ["TRANSFERS", "FittedTransfer", "TransferMethod"]
+PROJECTIVE_FROM = 8  # points: 32 coordinates for its 19 parameters
+
+__all__ = ["PROJECTIVE_FROM", "TRANSFERS", "FittedTransfer", "TransferMethod", "default_transfer"]
+
+
+def default_transfer(points: int) -> str:
+    """Name of the transfer for so many points: projective from PROJECTIVE_FROM on, epipolar below."""
+    return "projective" if points >= PROJECTIVE_FROM else "epipolar"

@@ -113,11 +113,10 @@ def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
     return found
 
 
-def add_rectify_option(parser: argparse.ArgumentParser) -> None:
+def add_rectify_option(parser: argparse.ArgumentParser, when: str = "where those are not parallel") -> None:
+    """when: what auto means."""
     parser.add_argument(
-        "--rectify",
-        choices=RECTIFY,
-        help="images by what their matches tell of the cameras: where those are not parallel, or never (auto)",
+        "--rectify", choices=RECTIFY, help=f"images by what their matches tell of the cameras: {when}, or never (auto)"
     )
 
 

@@ -1,4 +1,4 @@
-"""Tracks of stereo rigs: what is drawn is what a rig sees, and `evaluate` does on average no worse than either choice."""
+"""Tracks of stereo rigs: what is drawn is what a rig sees, and `evaluate` leaves images as predictions are best."""
 
 import numpy as np
 import pytest

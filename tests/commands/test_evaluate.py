@@ -157,3 +157,14 @@ def test_without_six_usable_points_there_is_no_leave_one_out_error_which_is_said
     path = write(tmp_path / "points.csv", arms(5))
     assert "leave-one-out error: none, as no frame has 6 points" in ask("evaluate", path)[1]
     assert ask_json("evaluate", path)[1]["leave_one_out"] is None
+
+
+def test_of_arms_in_different_postures_the_matches_decide_which_is_said(ask, tmp_path):
+    world, rng = World(load_scene("panda-toed"), 16), np.random.default_rng(4)
+    low, high = world.scene.lower, world.scene.upper
+    seen = [world.look(low + 0.1 * k, high - 0.1 * k) for k in range(4)]
+    demo, own = (np.array([getattr(views, body) for views in seen]) for body in ("demo", "own"))
+    noise = 0.2 * rng.standard_normal((2, *demo.shape))
+    views = FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
+    _, out, _ = ask("evaluate", write(tmp_path / "points.csv", views))
+    assert "images rectified, as their matches ask; errors this large are of arms in different postures\n" in out

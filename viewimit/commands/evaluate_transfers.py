@@ -42,12 +42,11 @@ def verdict(found: dict | None, rectified: bool) -> str | None:
     """Whether images are rectified, and why. None if that was not asked, or there is nothing to rectify."""
     if found is None or found["rectified_px"] is None:
         return "images rectified: their matches ask for it" if rectified else None
-    ratio = found["rectified_ratio"]
+    how, ratio = "rectified" if rectified else "left as they are", found["rectified_ratio"]
     if ratio is None:
-        what = "rectified: their matches ask for it" if rectified else "left as they are: their matches ask for no more"
-        return f"images {what}; no transfer fits, so its errors tell nothing"
+        return f"images {how}, as their matches ask; errors this large are of arms in different postures"
     what = f"{JUDGE} is {ratio:.2g} times as far off if rectified, {found['rectified_ratio_bound']:.2g} at most"
-    return f"images {'rectified' if rectified else 'left as they are'}: {what}; less than {GAIN:g} asks for it"
+    return f"images {how}: {what}; less than {GAIN:g} asks for it"
 
 
 def _of(count: int, whole: int) -> str:

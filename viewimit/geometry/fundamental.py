@@ -52,7 +52,16 @@ def fit_fundamental_with_prior(left: NDArray, right: NDArray) -> NDArray:
     l, r = homogeneous(left) @ T_left.T, homogeneous(right) @ T_right.T
     matches = np.concatenate([l[:, :2], r[:, :2]], 1)
     a, b, c, d = np.linalg.eigh(matches.T @ matches)[1][:, 0]  # the nearest affine geometry, Eq. (2)
-    F = np.array([[0, 0, c], [0, 0, d], [a, b, 0]])
+    affine = np.array([[0, 0, c], [0, 0, d], [a, b, 0]])
+    rows = (r[:, :, None] * l[:, None, :]).reshape(-1, 9)
+    eight_point = _of_rank_2(np.linalg.eigh(rows.T @ rows)[1][:, 0].reshape(3, 3))
+    found = [_likeliest(start / np.linalg.norm(start), l, r) for start in (affine, eight_point)]
+    F = min(found, key=lambda one: one[0])[1]
+    return T_right.T @ F @ T_left
+
+
+def _likeliest(F: NDArray, l: NDArray, r: NDArray) -> tuple[float, NDArray]:
+    """Steps of Gauss and Newton with the prior, from F (3, 3) → what grows as F is less likely, and F. l, r: (M, 3)."""
     tangent, e, J = _linearised(F, l, r)
     for _ in range(PRIOR_STEPS):
         weight = np.sqrt(e @ e / max(len(e) - FREE, 1)) / PERSPECTIVE  # noise over prior
@@ -68,7 +77,7 @@ def fit_fundamental_with_prior(left: NDArray, right: NDArray) -> NDArray:
         F, tangent, e, J = stepped, tangent_stepped, e_stepped, J_stepped
         if not gained > WORTHWHILE * before:
             break
-    return T_right.T @ F @ T_left
+    return float(len(e) * np.log(max(e @ e, TINY)) + np.sum(F[:2, :2] ** 2) / PERSPECTIVE**2), F
 
 
 def neighbours(F: NDArray, left: NDArray, right: NDArray) -> NDArray:

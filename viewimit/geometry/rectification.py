@@ -120,7 +120,7 @@ def _needed(left: NDArray, right: NDArray) -> bool:
     """Whether matches are enough, and no affine geometry fits them exactly."""
     if len(left) < FEWEST or in_equal_rows(left, right):
         return False
-    return affine_squares(left, right) >= len(left) * LEAST_PX**2
+    return not affine_squares(left, right) < len(left) * LEAST_PX**2
 
 
 def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:

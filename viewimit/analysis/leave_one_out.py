@@ -138,7 +138,8 @@ def _predictions(views: FourViews, frames: NDArray, without: _Without | None) ->
                 for name, px in _errors(some, left_out, tells, by).items():
                     kept.setdefault(name, []).append(px)
     raw, rectified = ({name: np.concatenate(px) for name, px in kept.items()} for kept in errors)
-    return _Predictions(asked, *np.concatenate(of, 1), raw, rectified)
+    frame, point = np.concatenate(of, 1)
+    return _Predictions(asked, frame, point, raw, rectified)
 
 
 def _tells(views: FourViews, left_out: NDArray) -> NDArray:

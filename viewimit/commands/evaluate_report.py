@@ -58,6 +58,7 @@ def _page(result: dict, frame: dict) -> str:
 <h2>Transfers</h2>{_transfers(result)}
 <h2>Suspects</h2>{_suspects(result)}
 <h2>Frames</h2>{_table(heads, rows)}
+<p>Compare E only between frames in which the arms are as large in their images.</p>
 <h2>Residuals of frame {frame["frame"]} (px)</h2>{_table(("point", "in [L]", "in [R]"), residuals)}
 <h2>Affine fundamental matrices of frame {frame["frame"]}</h2>
 {_table(("pair", "f13", "f23", "f31", "f32", "f33 (px)"), matrices)}

@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from viewimit.evaluation import conflict
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
+from viewimit.transfer import TRANSFERS
 from viewimit.transfer.transfer import Transfer
 from viewimit.views import FourViews
 
@@ -27,3 +30,17 @@ def test_conflict_is_the_mean_over_points_and_both_views():
         expected = sum(x @ x for image in (e[k, :, :2], e[k, :, 2:]) for x in image) / (2 * 7)
         assert conflict(e)[k] == pytest.approx(expected)
     assert conflict(np.full((5, 4), 3.0)) == pytest.approx(18.0)  # 3 px off in x and y, in both views
+
+
+@pytest.mark.parametrize("transfer, depends", [("epipolar", 1), ("rank3", 1), ("linear", 0), ("projective", 0)])
+def test_with_the_demonstrator_twice_as_large_in_its_images_E_changes_by_the_transfers_that_weigh_these(
+    transfer, depends
+):
+    """Nothing has moved: two places are compared by E only where the arms are as large in the images of both."""
+    world, theta = World(load_scene("panda")), np.radians([45.0, -90.0])
+    views = world.look(theta, theta + 0.3)
+    larger = FourViews(2 * views.demo, views.own, views.visible)
+    E, E_larger = (float(TRANSFERS[transfer](seen).conflict(seen)) for seen in (views, larger))
+    assert E > 0.1 and (abs(E_larger / E - 1) > 1e-3) == bool(depends)
+    if not depends:
+        assert E_larger == pytest.approx(E, rel=1e-6)

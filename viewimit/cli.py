@@ -29,7 +29,8 @@ COMMANDS = {
     "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",
     "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
     "detect": "Markers in your own pictures or videos, as a table of points.",
-    "evaluate": "The method on your own tracked points: transfer, residuals, E.",
+    "evaluate": "The method on your own tracked points: which transfer fits, residuals, E. "
+    "Compare E only between images of like size.",
     "bench": "How fast E is, and how often and how soon each servo arrives.",
     "docs": "The documentation, in a browser.",
 }

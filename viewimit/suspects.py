@@ -20,7 +20,7 @@ from .perception.rounding import rounding
 from .rectifying import pooled
 from .transfer import TRANSFERS
 from .transfer.rectified import fit
-from .views import FourViews, Pairs
+from .views import VIEWS, FourViews, Pairs
 
 POOLED, MATCHES = 200, 8000  # frames, evenly spaced, and matches of those, that tell the geometry
 BODIES = ("l", "r"), ("L", "R")
@@ -61,6 +61,18 @@ class Suspects:
 
     found: tuple[Suspect, ...]
     undecided: tuple[str, ...]
+
+    def left_out(self, views: FourViews) -> FourViews:
+        """The views with misplaced points not seen, in the images of that body, and with exchanged ones put right if no
+        other exchange explains as much."""
+        visible = views.visible.copy()
+        exchanged = [suspect.points for suspect in self.found if suspect.kind == "exchanged"]
+        for suspect in self.found:
+            if suspect.kind == "misplaced":
+                first = VIEWS.index(suspect.views[0])
+                visible[np.ix_(suspect.frames, suspect.points, range(first, first + 2))] = False
+        seen = replace(views, visible=visible)
+        return seen.with_exchanged(((exchanged[0][0], exchanged[0][1]),)) if len(exchanged) == 1 else seen
 
 
 def suspects(views: FourViews, seed: int = 0, rounding_px: float | None = None) -> Suspects:

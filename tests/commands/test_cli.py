@@ -265,6 +265,15 @@ def test_landscape_prints_the_table_of_the_scene(ask_json, transfer, expected):
     assert (round(told["E_min"], digits), round(told["E_at_demonstrator"], digits), round(told["E_max"])) == expected
 
 
+@pytest.mark.parametrize("points, transfer", [(5, "epipolar"), (10, "projective"), (16, "projective")])
+def test_a_landscape_is_of_the_projective_transfer_from_eight_points_on(ask_json, points, transfer):
+    asked = "landscape", "--points", points, "--step-deg", 20, "--noise-px", 0.5, "--missing", 0.1
+    _, told = ask_json(*asked)
+    _, named = ask_json(*asked, "--transfer", transfer)
+    assert told["transfer"] == told["settings"]["transfer"] == transfer
+    assert without(told, "options") == without(named, "options")
+
+
 @pytest.fixture(scope="module")
 def coarse():
     world = World(load_scene("iiwa"))

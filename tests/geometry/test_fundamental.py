@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from stereo_heads import UNLIKE, fundamental_of, head, matches, up_to_scale
 
-from viewimit.geometry.fundamental import epipoles, fit_fundamental, neighbours, sampson_distance
+from viewimit.geometry.fundamental import (
+    epipoles,
+    fit_fundamental,
+    fit_fundamental_with_prior,
+    neighbours,
+    sampson_distance,
+)
 
 
 @pytest.mark.parametrize("stereo", [head(0), head(12), head(3, *UNLIKE), head(20, *UNLIKE)])
@@ -87,3 +93,35 @@ def test_seven_matches_are_refused():
     left, right, _ = matches(head(5), np.random.default_rng(5))
     with pytest.raises(ValueError, match="at least 8 matches .*, got 7"):
         fit_fundamental(left[:7], right[:7])
+
+
+@pytest.mark.parametrize("stereo", [head(0), head(12), head(3, *UNLIKE), head(20, *UNLIKE)])
+def test_with_a_prior_it_is_the_same_without_noise_and_of_many_matches(stereo):
+    left, right, cameras = matches(stereo, np.random.default_rng(0))
+    np.testing.assert_allclose(
+        up_to_scale(fit_fundamental_with_prior(left, right)), up_to_scale(fundamental_of(cameras)), atol=1e-6
+    )
+    left, right, _ = matches(stereo, np.random.default_rng(1), 4000, 0.25)
+    of_prior, without = (fit(left, right) for fit in (fit_fundamental_with_prior, fit_fundamental))
+    off = np.abs(sampson_distance(of_prior, left, right)) - np.abs(sampson_distance(without, left, right))
+    assert np.sqrt(np.mean(off**2)) < 0.25 / 50
+
+
+@pytest.mark.parametrize("toe_in_deg", [0, 2, 12])
+def test_with_a_prior_other_matches_are_nearer_to_that_of_few_noisy_ones(toe_in_deg):
+    """Exact ones, of 60 draws on average and of the worst tenth."""
+    away = {fit_fundamental: [], fit_fundamental_with_prior: []}
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        left, right, _ = matches(head(toe_in_deg), rng, 20, 1.5)
+        others = matches(head(toe_in_deg), rng, 200)[:2]
+        for fit, found in away.items():
+            found.append(np.sqrt(np.mean(sampson_distance(fit(left, right), *others) ** 2)))
+    without, with_prior = away.values()
+    assert np.mean(with_prior) < 0.95 * np.mean(without)
+    assert np.percentile(with_prior, 90) < 0.85 * np.percentile(without, 90)
+
+
+def test_with_a_prior_too_few_matches_are_refused():
+    with pytest.raises(ValueError, match="at least 8 matches"):
+        fit_fundamental_with_prior(np.zeros((7, 2)), np.zeros((7, 2)))

@@ -67,9 +67,13 @@ def test_columns_are_known_in_capitals_and_between_blanks_too(tmp_path, tidy):
 
 
 def test_the_command_says_what_the_library_computes(ask_json, tidy, deeplabcut, views):
-    fitted = TRANSFERS["epipolar"](views)
     files = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), deeplabcut[view])]
-    for words in ([tidy], files):
+    for words, transfer in (
+        ([tidy], "projective"),
+        (files, "projective"),
+        ([tidy, "--transfer", "epipolar"], "epipolar"),
+    ):
+        fitted = TRANSFERS[transfer](views)
         status, told = ask_json("evaluate", *words)
         (frame,) = told["frames"]
         assert status == 0 and frame["E"] == pytest.approx(float(fitted.conflict(views)))

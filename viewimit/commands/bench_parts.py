@@ -20,6 +20,7 @@ from ..experiments.bench import (
     scenes,
     speed,
     success,
+    tracks,
 )
 from ..experiments.executors.study import Study
 from ..quoting import printable
@@ -38,6 +39,7 @@ CASES: dict[str, Sequence] = {
     "claims": claims.CASES,
     "compare": compare.CASES,
     "scenes": scenes.ROWS,
+    "tracks": tracks.CASES,
 }
 PAIRS_A_SCENE = 5
 
@@ -185,6 +187,13 @@ def _robots(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
     return {"arrived": arrived, "usable": len(usable), "robots": [asdict(one) for one in found]}, summary
 
 
+def _tracks(args: argparse.Namespace, _: Scene, study: Study) -> tuple[list[dict], str]:
+    cases = _cases(args)
+    found = _with_bar("tracks", lambda tell: tracks.run(args.runs, args.seed, cases, study, tell))
+    heading = f"{args.runs} random tracks of a stereo rig a case, seed {args.seed}"
+    return [asdict(outcome) for outcome in found], f"{heading}\n{tables.tracks_table(found)}"
+
+
 def _cases(args: argparse.Namespace) -> list:
     """Those of this part that are asked for: the one of this name, or those whose names hold it."""
     cases = CASES[args.what]
@@ -218,4 +227,5 @@ PARTS = {
     "compare": _compare,
     "pictures": _pictures,
     "robots": _robots,
+    "tracks": _tracks,
 }

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ..experiments.bench import claims, compared, following, robots, robustness, scenes, speed, success
+from ..experiments.bench import claims, compared, following, robots, robustness, scenes, speed, success, tracks
 from ..experiments.bench.intervals import Interval
 from ..experiments.executors.study import Study
 
@@ -253,6 +253,16 @@ def following_table(outcomes: Sequence[following.Outcome]) -> str:
     """For people: a row a case."""
     rows = (f"  {o.case:<36}{o.rms_deg:8.2f}°{o.most_deg:8.2f}°" for o in outcomes)
     return "\n".join([f"{'demonstrator, learner':<38}{'rms':>9}{'most':>9}", *rows])
+
+
+def tracks_table(outcomes: Sequence[tracks.Outcome]) -> str:
+    """For people: a block a case, a row a transfer."""
+    lines = ["median px rms of points held out: as `evaluate` leaves the images; as they are; rectified as matches ask"]
+    for o in outcomes:
+        lines.append(f"{o.case}: rectified {_share(o.rectified)}, matches alone would {_share(o.asked)}")
+        rows = zip(o.error_px, o.error_px.values(), o.raw_px.values(), o.always_px.values())
+        lines += [f"  {name:<11}" + "".join(f"{px:10.2f}" for px in each) for name, *each in rows]
+    return "\n".join(lines)
 
 
 def detection_table(found) -> str:

@@ -9,24 +9,25 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..analysis.leave_one_out import leave_one_out
 from ..drawing.metrics import AMBER
 from ..evaluation import conflict
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.distortion import Radial
-from ..geometry.rectification import Rectification, rectification_of
+from ..geometry.rectification import Rectification
 from ..perception.degeneracy import extents, why_degenerate
 from ..perception.tracks import TrackedPoints, read_files, read_tidy
 from ..quoting import MOST_NAME, printable
-from ..settings import Settings
 from ..simulation.lens import undistorted
-from ..suspects import rounding_of, suspects, telling
-from ..transfer import TRANSFERS, TransferMethod
+from ..suspects import rounding_of, suspects
+from ..transfer import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
 from ..transfer.rectified import fit
 from ..transfer.transfer import FLAT, FLATNESS
 from ..views import VIEW_NAMES, VIEWS, FourViews
-from . import BadInput, evaluate_report, evaluate_suspects
+from . import BadInput, evaluate_report, evaluate_suspects, evaluate_transfers
 from .json_output import print_json
 from .options import (
+    DEFAULT_TRANSFER,
     DONE,
     MISSED,
     VIEW_OPTIONS,
@@ -47,6 +48,7 @@ BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
 COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
 FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak")
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
+NAMED = 10  # points that --min-confidence removed, in words
 TOGETHER = 2000  # frames at a time, for memory's sake
 APART = 6.0  # σ₁/σ₄ of points in one place is noise's own, 5 at most in 95 % of frames; of arms 24 and more at 1 px
 
@@ -57,16 +59,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     for body in BODIES:
         parser.add_argument(f"--{body}", metavar="NAME", help="whose points to take of files with several individuals")
     parser.add_argument(
-        "--transfer", choices=TRANSFERS, default=Settings.paper().transfer, help="(%(default)s)", metavar="NAME"
+        "--transfer", choices=TRANSFERS, help=f"{', '.join(TRANSFERS)} ({DEFAULT_TRANSFER})", metavar="NAME"
     )
     parser.add_argument(
         "--min-confidence",
         type=between(float, 0.0, 1.0),
         default=0.6,
         metavar="SHARE",
-        help="points of less were not seen (%(default)s)",
+        help="points of less were not seen, which is said; 0 keeps all (%(default)s)",
     )
-    add_rectify_option(parser)
+    add_rectify_option(parser, "where points that are left out of the fit are predicted better so")
     add_undistort_option(parser)
     parser.add_argument(
         "--lens", type=lens, metavar="FX,FY,CX,CY", help="of all cameras: focal lengths and centre px, for --undistort"
@@ -83,16 +85,23 @@ def run(args: argparse.Namespace) -> int:
     if lost := tracked.lost(args.min_confidence):
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
         print(f"viewimit evaluate: {says}", file=sys.stderr)
+    removed = tracked.removed(args.min_confidence)
+    if removed:
+        print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
     images = tracked.views(args.min_confidence)
     views = _pinhole(args, images)
-    rectification = None if args.rectify == "off" else rectification_of(*np.split(telling(views), 2, axis=1))
-    frames = evaluate_frames(tracked.frames, tracked.points, views, args.transfer, rectification)
-    rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
+    transfer = args.transfer or default_transfer(_usual_count(views))
     found = suspects(views, rounding_px=rounding_of(images))
+    compared = leave_one_out(found.left_out(views), args.rectify != "off")
+    rectification = compared.rectification
+    frames = evaluate_frames(tracked.frames, tracked.points, views, transfer, rectification)
+    rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
     result = {
-        "transfer": args.transfer,
+        "transfer": transfer,
         "rectification": rectified,
         "points": tracked.points,
+        "removed_by_confidence": removed,
+        "leave_one_out": evaluate_transfers.told(compared),
         "suspects": evaluate_suspects.told(found, tracked.points, tracked.frames),
         "undecided": found.undecided,
         "frames": frames,
@@ -159,7 +168,7 @@ def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | No
             "seen": {VIEW_NAMES[view]: points[k] for view, points in image.items()},
             "recovered": {VIEW_NAMES["L"]: recovered[k, :, :2], VIEW_NAMES["R"]: recovered[k, :, 2:]},
             "refused": None,
-            "weak": _weak(method, float(condition[k]), demo[k], own[k]),
+            "weak": _weak(method, seen.own.shape[-2], float(condition[k]), demo[k], own[k]),
         }
 
 
@@ -185,8 +194,10 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
     return FourViews(pair(views.demo), pair(views.own), views.visible)
 
 
-def _weak(method: TransferMethod, condition: float, demo: NDArray, own: NDArray) -> str | None:
-    """What speaks against the result of a frame. demo, own: extents of the points, (4,) px each."""
+def _weak(method: TransferMethod, count: int, condition: float, demo: NDArray, own: NDArray) -> str | None:
+    """What speaks against the result of a frame of `count` points. demo, own: their extents, (4,) px each."""
+    if method is TRANSFERS["projective"] and count < PROJECTIVE_FROM:
+        return f"{count} points: fewer than {PROJECTIVE_FROM} fit the projective transfer wherever the arms are"
     if condition >= AMBER:
         return f"{method.condition_name} {condition:.3g}: {method.ill}"
     for of, sigma in (("", demo), (" of [L R]", own)):
@@ -195,6 +206,13 @@ def _weak(method: TransferMethod, condition: float, demo: NDArray, own: NDArray)
         if sigma[0] < APART * sigma[3]:
             return f"σ₁/σ₄{of} {sigma[0] / sigma[3]:.3g}: the points lie apart by little more than noise, E may mislead"
     return None
+
+
+def _usual_count(views: FourViews) -> int:
+    """How many points are usable in half of the frames that have enough of them for a transfer; 0 without any."""
+    counts = views.usable.sum(-1)
+    enough = counts[counts >= MIN_POINTS]
+    return int(np.median(enough)) if len(enough) else 0
 
 
 def _doubts(frames: Sequence[dict]) -> Iterator[str]:
@@ -244,7 +262,19 @@ def _too_few(tracked: TrackedPoints, least_confidence: float) -> str:
     seen_in = tracked.views(least_confidence).visible.any(0)  # (N, 4)
     if seen_in.any(0).all() and not seen_in.all(-1).any():
         return "no point has the same name in all four views: points are matched by name"
-    return f"no frame has {MIN_POINTS} points in all four views"
+    none = f"no frame has {MIN_POINTS} points in all four views"
+    if (tracked.views().usable.sum(-1) >= MIN_POINTS).any():
+        return f"{none} of confidence {least_confidence:g} or more: lower it, --min-confidence 0 keeps all points"
+    return none
+
+
+def _removed(tracked: TrackedPoints, removed: dict[str, int], least_confidence: float) -> str:
+    """By number and name, those of which most is gone first."""
+    most = sorted(removed, key=lambda name: -removed[name])
+    named = ", ".join(f"{printable(name, MOST_NAME)} ({removed[name]})" for name in most[:NAMED])
+    more = f" and {len(most) - NAMED} more names" if len(most) > NAMED else ""
+    whole = f"{sum(removed.values()):,} of {tracked.image_points():,} image points"
+    return f"--min-confidence {least_confidence:g} removed {whole}: {named}{more}"
 
 
 def _report(result: dict) -> None:
@@ -262,6 +292,7 @@ def _report(result: dict) -> None:
         print(
             f"{frame['frame']:>7}{len(frame['usable']):>8}{numbers[0]:>12}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>10}"
         )
+    _report_transfers(result)
     _report_suspects(result)
     first = next((frame for frame in result["frames"] if frame["E"] is not None), None)
     if first is None:
@@ -269,6 +300,18 @@ def _report(result: dict) -> None:
     print(f"affine fundamental matrices of frame {first['frame']}: f13 x + f23 y + f31 x' + f32 y' + f33 = 0")
     for pair, f in _named(first)["fundamental"].items():
         print(f"  {pair:<20}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip())
+
+
+def _report_transfers(result: dict) -> None:
+    found = result["leave_one_out"]
+    if found is None:
+        print(f"leave-one-out error: none, as no frame has {MIN_POINTS + 1} points that tell a transfer")
+    else:
+        print(evaluate_transfers.heading(found))
+        for name, *cells in evaluate_transfers.rows(found):
+            print(f"  {name:<11}" + "".join(f"{cell:>20}" for cell in cells))
+    if said := evaluate_transfers.verdict(found, result["rectification"] is not None):
+        print(f"  {said}")
 
 
 def _report_suspects(result: dict) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from ..drawing import standalone
 from ..drawing.tracked import draw_view, draw_views
 from ..views import VIEW_NAMES
-from . import evaluate_suspects
+from . import evaluate_suspects, evaluate_transfers
 
 FORMATS = (".html", ".png")
 STYLE = """body { font: 15px system-ui, sans-serif; margin: 2em auto; max-width: 70em; color: var(--ink) }
@@ -56,13 +56,26 @@ def _page(result: dict, frame: dict) -> str:
 <h1>Tracked points, {result["transfer"]} transfer</h1>
 <p>Frame {frame["frame"]}: {standalone.resolved(LEGEND)}. Pixels; E = {frame["E"]:.4g} px².</p>
 {"".join(panels)}
+<h2>Transfers</h2>{_transfers(result)}
 <h2>Suspects</h2>{_suspects(result)}
 <h2>Frames</h2>{_table(heads, rows)}
+<p>Compare E only between frames in which the arms are as large in their images.</p>
 <h2>Residuals of frame {frame["frame"]} (px)</h2>{_table(("point", *names[2:]), residuals)}
 <h2>Affine fundamental matrices of frame {frame["frame"]}</h2>
 {_table(("pair", "f13", "f23", "f31", "f32", "f33 (px)"), matrices)}
 </html>
 """
+
+
+def _transfers(result: dict) -> str:
+    """How far each is off at points that it was not fitted to."""
+    found = result["leave_one_out"]
+    if found is None:
+        return "<p>No leave-one-out error: too few points.</p>"
+    heads, *rows = evaluate_transfers.rows(found)
+    said = evaluate_transfers.verdict(found, result["rectification"] is not None)
+    table = _table(heads, [list(row) for row in rows])
+    return f"<p>{html.escape(evaluate_transfers.heading(found))}.</p>{table}" + (f"<p>{said}.</p>" if said else "")
 
 
 def _suspects(result: dict) -> str:

@@ -4,13 +4,16 @@ import argparse
 import sys
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
 from ..analysis.landscape import conflict_at, landscape
 from ..session import Session
+from ..transfer import default_transfer
 from . import landscape_file
 from .json_output import print_json
 from .options import (
+    DEFAULT_TRANSFER,
     DONE,
     MISSED,
     add_camera_option,
@@ -25,7 +28,7 @@ from .options import (
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser)
+    add_setting_options(parser, transfer=DEFAULT_TRANSFER)
     add_camera_option(parser)
     parser.add_argument("--step-deg", type=between(float, 0.1, 45), help="of the grid (1, camera images 10)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .png or .svg")
@@ -38,6 +41,9 @@ def run(args: argparse.Namespace) -> int:
             landscape_file.require_format(args.out)
     settings = settings_from(args)
     session = Session(settings)
+    if args.transfer is None:
+        settings = msgspec.structs.replace(settings, transfer=default_transfer(len(session.snapshot.usable)))
+        session.change(transfer=settings.transfer)
     with naming("--scene, --joints"):
         found = landscape(session, args.step_deg)
     now = session.snapshot

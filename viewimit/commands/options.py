@@ -23,7 +23,7 @@ from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made
 from ..simulation.urdf.descriptions import description_path, is_description
 from ..simulation.urdf.formats import require_urdf
 from ..simulation.urdf.reference import PARTS, is_reference, parse_reference
-from ..transfer import TRANSFERS
+from ..transfer import PROJECTIVE_FROM, TRANSFERS
 from ..views import VIEW_NAMES
 from . import BadInput
 
@@ -39,14 +39,17 @@ SHOWN_IN = {
     "L": "the learner itself, by the left camera",
     "R": "the learner itself, by the right camera",
 }
+DEFAULT_TRANSFER = f"projective from {PROJECTIVE_FROM} points on, epipolar below"  # `default_transfer` in words
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
-def add_setting_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
-    """What is seen, and how it is transferred."""
+def add_setting_options(
+    parser: argparse.ArgumentParser, defaults: Settings = PAPER, transfer: str | None = None
+) -> None:
+    """What is seen, and how it is transferred. transfer: its default in words, where that is not the settings' own."""
     add_scene_options(parser, defaults)
     parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
-    parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({defaults.transfer})")
+    parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({transfer or defaults.transfer})")
     add_rectify_option(parser)
     add_image_options(parser, SightDisturbance, defaults)
 
@@ -119,11 +122,10 @@ def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
     return found
 
 
-def add_rectify_option(parser: argparse.ArgumentParser) -> None:
+def add_rectify_option(parser: argparse.ArgumentParser, when: str = "where those are not parallel") -> None:
+    """when: what auto means."""
     parser.add_argument(
-        "--rectify",
-        choices=RECTIFY,
-        help="images by what their matches tell of the cameras: where those are not parallel, or never (auto)",
+        "--rectify", choices=RECTIFY, help=f"images by what their matches tell of the cameras: {when}, or never (auto)"
     )
 
 

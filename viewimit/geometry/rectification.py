@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .affine import centred
 from .consensus import affine_distance, fundamental_distance
-from .fundamental import epipoles, fit_fundamental, homogeneous, neighbours
+from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, neighbours
 
 NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
 LEAST_PX = 1e-3  # rms distance from any affine geometry below which nothing is to be mended
@@ -89,7 +89,7 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     Cameras with parallel optical axes, also unlike ones, have an affine geometry: both epipoles are at infinity. What
     no affine geometry fits, but F does, asks for rectification; noise and wrong matches are fitted by neither.
     """
-    if len(left) < FEWEST or in_equal_rows(left, right) or affine_squares(left, right) < len(left) * LEAST_PX**2:
+    if not _needed(left, right):
         return None
     for distance in (affine_distance, fundamental_distance):
         left, right = _most(distance, left, right)
@@ -105,6 +105,23 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     if left_over < count * LEAST_PX**2:
         return found
     return replace(found, others=tuple(rectify(other, left, right) for other in neighbours(F, left, right)))
+
+
+def rectification_with_prior(left: NDArray, right: NDArray) -> Rectification | None:
+    """Rectification by few matches, (M, 2) px each, none of them wrong, without a test of whether images ask for it.
+
+    None if the matches are too few, or an affine geometry fits them exactly.
+    """
+    if not _needed(left, right):
+        return None
+    return rectify(fit_fundamental_with_prior(left, right), left, right)
+
+
+def _needed(left: NDArray, right: NDArray) -> bool:
+    """Whether matches are enough, and no affine geometry fits them exactly."""
+    if len(left) < FEWEST or in_equal_rows(left, right):
+        return False
+    return not affine_squares(left, right) < len(left) * LEAST_PX**2
 
 
 def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:

@@ -108,12 +108,13 @@ class PredictedConflict:
     """What a servo may ask: residuals (..., n, C) px that own images (..., N, 4) px would have against the
     demonstrator as now seen, and displaced by `drift`, (N, 4) px; both rectified as now, if at all.
 
-    Of the n points that are known in all of them; by the transfer chosen or by another one's name; weighted by noise, as
-    `DemoResiduals` where the head's geometry is known, else as affine cameras spread it; rectified as for another
+    Of the n points that are known in all of them; by the transfer chosen or by another one's name; weighted by noise,
+    as `DemoResiduals` where the head's geometry is known, else as affine cameras spread it; rectified as for another
     `head`, if one is named. With fewer points than a transfer needs they are infinite. Own images that only a mirror
-    image of the demonstrator fits have further columns: what a fit that may not reflect leaves. Behind a moving demonstrator seen with noise, noise_px > 0, the transfer of the last convergence
-    serves (Section 5.4): fitted anew at postures apart it would add its own noise to theirs. moments: of the history,
-    whose own images may be asked about again.
+    image of the demonstrator fits have further columns: what a fit that may not reflect leaves. Behind a moving
+    demonstrator seen with noise, noise_px > 0, the transfer of the last convergence serves (Section 5.4): fitted anew
+    at postures apart it would add its own noise to theirs. moments: of the history, whose own images may be asked about
+    again.
     """
 
     def __init__(

@@ -30,12 +30,21 @@ TRANSFERS = Transfers(
     }
 )
 
+PROJECTIVE_FROM = 8  # points: 32 coordinates for its 19 parameters
+
 __all__ = [
+    "PROJECTIVE_FROM",
     "TRANSFERS",
     "FittedTransfer",
     "Recovers",
     "TransferFunction",
     "TransferMethod",
     "Transfers",
+    "default_transfer",
     "transfer_method",
 ]
+
+
+def default_transfer(points: int) -> str:
+    """Name of the transfer for so many points: projective from PROJECTIVE_FROM on, epipolar below."""
+    return "projective" if points >= PROJECTIVE_FROM else "epipolar"

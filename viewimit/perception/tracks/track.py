@@ -88,6 +88,18 @@ class TrackedPoints:
         """How many points of as much confidence are where a tracker writes what it has lost."""
         return sum(int((lost(self.image[view]) & self._sure(view, least_confidence)).sum()) for view in VIEWS)
 
+    def removed(self, least_confidence: float) -> dict[str, int]:
+        """How many image points have less confidence, by name of the points that have such."""
+        count = sum((self._there(view) & ~self._sure(view, least_confidence)).sum(0) for view in VIEWS)
+        return {name: int(number) for name, number in zip(self.points, np.asarray(count)) if number}
+
+    def image_points(self) -> int:
+        """How many there are in all frames and views, of any confidence, without those that a tracker has lost."""
+        return sum(int(self._there(view).sum()) for view in VIEWS)
+
+    def _there(self, view: str) -> NDArray:
+        return np.asarray(np.isfinite(self.image[view]).all(-1) & ~lost(self.image[view]))
+
     def _seen(self, view: str, least_confidence: float) -> NDArray:
         seen = self._sure(view, least_confidence) & ~lost(self.image[view])
         return np.where(seen[..., None], self.image[view], np.nan)

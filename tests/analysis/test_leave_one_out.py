@@ -1,0 +1,157 @@
+"""Leave-one-out errors are those of fits made one by one, and rectify what they should: toed-in rigs, no others."""
+
+import numpy as np
+import pytest
+
+from viewimit.analysis.leave_one_out import FRAMES, POINTS, leave_one_out
+from viewimit.experiments.bench.tracks import Case, draw
+from viewimit.geometry.rectification import rectification_of, rectification_with_prior
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
+from viewimit.suspects import suspects
+from viewimit.transfer import TRANSFERS
+from viewimit.transfer.rectified import fit
+from viewimit.views import FourViews
+
+DRAWS = 20
+
+
+def arms(scene, points, frames, rng, noise_px=0.0, alike=True):
+    """Both arms in random postures, the same in each frame or not."""
+    world = World(load_scene(scene), points)
+    low, high = world.scene.lower, world.scene.upper
+    thetas = rng.uniform(low, high, (frames, len(low)))
+    seen = [world.look(theta, theta if alike else rng.uniform(low, high)) for theta in thetas]
+    demo, own = (np.array([getattr(views, body) for views in seen]) for body in ("demo", "own"))
+    noise = noise_px * rng.standard_normal((2, *demo.shape))
+    return FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
+
+
+def with_missing(views, share, rng):
+    return FourViews(views.demo, views.own, rng.random(views.visible.shape) >= share)
+
+
+def one_by_one(views, transfer):
+    """px rms over all points, of one fit each."""
+    squares = []
+    for demo, own, usable in zip(views.demo, views.own, views.usable):
+        for point in np.flatnonzero(usable):
+            others = usable & (np.arange(len(usable)) != point)
+            fitted = TRANSFERS[transfer](FourViews(demo[others], own[others], np.ones((others.sum(), 4), bool)))
+            predicted = fitted.recover(demo[[point], :2], demo[[point], 2:])[0]
+            squares += [((own[point] - predicted)[side] ** 2).sum() for side in (slice(2), slice(2, 4))]
+    return np.sqrt(np.mean(squares))
+
+
+@pytest.mark.parametrize("transfer", TRANSFERS)
+@pytest.mark.parametrize("missing", [0.0, 0.1])
+def test_errors_are_those_of_fits_made_one_by_one(transfer, missing):
+    rng = np.random.default_rng(1)
+    views = with_missing(arms("panda", 16, 4, rng, noise_px=0.3), missing, rng)
+    found = leave_one_out(views)
+    assert found.error_px[transfer] == pytest.approx(one_by_one(views, transfer), rel=1e-6)
+    assert (found.predictions, found.of_predictions) == (views.usable.sum(), views.usable.sum())
+    assert (found.frames, found.of_frames, found.sampled) == (4, 4, False)
+
+
+def test_without_noise_the_projective_transfer_predicts_points_exactly_and_affine_ones_do_not():
+    found = leave_one_out(arms("panda", 16, 3, np.random.default_rng(2)))
+    assert found.error_px["projective"] < 0.05 < 0.5 < min(found.error_px[name] for name in ("linear", "epipolar"))
+    assert found.rectification is None and found.rectified_px is None  # rows are equal
+
+
+def test_errors_are_in_pixels():
+    views = arms("panda-toed", 16, 3, np.random.default_rng(3), noise_px=0.3)
+    doubled = FourViews(2 * views.demo, 2 * views.own, views.visible)
+    one, two = leave_one_out(views), leave_one_out(doubled)
+    for name, px in one.error_px.items():
+        assert two.error_px[name] == pytest.approx(2 * px, rel=1e-6)
+    assert two.ratio == pytest.approx(one.ratio, rel=1e-3)
+
+
+def test_a_rectification_is_told_by_the_other_points_too():
+    """Else a point of its own would make the images suit it."""
+    views = arms("panda-toed", 20, 1, np.random.default_rng(4), noise_px=0.3)
+    squares = []
+    for point in range(20):
+        rest = views.select(np.delete(np.arange(20), point))
+        by = rectification_with_prior(*np.split(np.concatenate([rest.demo[0], rest.own[0]]), 2, axis=1))
+        fitted = fit(TRANSFERS["projective"], rest, by)
+        one = views.select([point])
+        squares.append(((one.own - fitted.recover(one.demo_left, one.demo_right)) ** 2).sum() / 2)
+    found = leave_one_out(views).rectified_px
+    assert found is not None and found["projective"] == pytest.approx(np.sqrt(np.mean(squares)), rel=1e-6)
+
+
+@pytest.mark.parametrize("points", [12, 20, 40])
+def test_a_rectified_rig_is_left_as_it_is_though_its_matches_ask_for_rectification(points):
+    """At most one in 20 is rectified; matches alone ask for it more often, and predictions become worse by it."""
+    rectified, worse = 0, []
+    for k in range(DRAWS):
+        seen, elsewhere = draw(Case(points), np.random.default_rng([11, k]))
+        by = rectification_of(*np.split(np.concatenate([seen.demo[0], seen.own[0]]), 2, axis=1))
+        rectified += leave_one_out(suspects(seen).left_out(seen)).rectification is not None
+        if by is not None:
+            worse.append(held_out(seen, elsewhere, by) / held_out(seen, elsewhere, None))
+    assert rectified <= DRAWS / 20 < len(worse) and np.median(worse) > 1
+
+
+def held_out(seen, elsewhere, by):
+    fitted = fit(TRANSFERS["projective"], seen, by)
+    return float(np.sqrt(np.square(fitted.residual(elsewhere)).sum(-1).mean() / 2))
+
+
+@pytest.mark.parametrize(
+    "points, toe_in_deg", [(12, 5.0), (12, 20.0), (20, 2.0), (20, 5.0), (20, 20.0), (40, 2.0), (40, 5.0), (40, 20.0)]
+)
+def test_a_toed_in_rig_is_rectified_and_predicts_better_so(points, toe_in_deg):
+    for k in range(DRAWS):
+        seen, elsewhere = draw(Case(points, toe_in_deg), np.random.default_rng([12, k]))
+        by = leave_one_out(suspects(seen).left_out(seen)).rectification
+        assert by is not None
+        assert held_out(seen, elsewhere, by) < held_out(seen, elsewhere, None)
+
+
+def test_a_chessboard_is_predicted_by_the_projective_transfer_and_its_rectified_images_are_left_alone():
+    for k in range(8):
+        seen, _ = draw(Case(20, board=True), np.random.default_rng([13, k]))
+        found = leave_one_out(suspects(seen).left_out(seen))
+        others = (px for name, px in found.error_px.items() if name != "projective")
+        assert found.rectification is None and 3 * found.error_px["projective"] < min(others)
+
+
+def test_where_arms_are_in_different_postures_the_matches_decide():
+    rng = np.random.default_rng(5)
+    toed, parallel = (arms(scene, 16, 6, rng, 0.2, alike=False) for scene in ("panda-toed", "panda"))
+    found = leave_one_out(toed)
+    assert found.ratio is None and found.rectification is not None and min(found.error_px.values()) > 2
+    assert leave_one_out(parallel).rectification is None
+
+
+def test_rectification_is_compared_only_if_that_is_asked():
+    found = leave_one_out(arms("panda-toed", 16, 2, np.random.default_rng(6)), rectifying=False)
+    assert found.rectification is None and found.rectified_px is None and found.ratio is None and found.error_px
+
+
+def test_of_many_frames_and_points_those_evenly_spaced_are_used():
+    rng = np.random.default_rng(7)
+    views = arms("panda", 16, 4 * FRAMES, rng, noise_px=0.2)
+    found = leave_one_out(views)
+    assert (found.frames, found.of_frames, found.predictions) == (FRAMES, 4 * FRAMES, 16 * FRAMES) and found.sampled
+    many = FourViews(*(np.repeat(of[:1], 10, 1) for of in (views.demo, views.own, views.visible)))
+    found = leave_one_out(many)
+    assert (found.predictions, found.of_predictions, found.sampled) == (POINTS, 160, True)
+
+
+@pytest.mark.parametrize("seen", [0, 5, 6])
+def test_six_usable_points_are_the_fewest(seen):
+    views = arms("panda", 16, 2, np.random.default_rng(8))
+    views.visible[:, seen:, 3] = False
+    found = leave_one_out(views)
+    assert found.predictions == (2 * seen if seen > 5 else 0) and bool(found.error_px) == (seen > 5)
+
+
+def test_points_in_one_plane_predict_nothing():
+    views = arms("panda", 16, 2, np.random.default_rng(9))
+    views.demo[0] = views.demo[0] @ np.diag([1, 1, 1, 0]) * [1, 1, 0, 0]
+    assert (found := leave_one_out(views)).predictions == 16 and found.frames == 1 and not found.sampled

@@ -20,10 +20,10 @@ from viewimit.transfer import TRANSFERS
 @pytest.mark.parametrize("noise_px", [0.0, 0.1])
 @pytest.mark.parametrize("name", SERVOS)
 def test_a_loop_written_from_the_docstring_runs(name, noise_px):
-    """`conflict(own, by=None, weighting=None)` is all that a law asks; E, images and displacements are all it needs."""
+    """`conflict(own, by=None, weighting=None, head=0)`, E, images and displacements are all that a law needs."""
     servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5), 7), []
 
-    def conflict(own, by=None, weighting=None):
+    def conflict(own, by=None, weighting=None, head=0):
         asked.append((by, weighting))
         return world.conflict(own)
 

@@ -63,14 +63,14 @@ def run(k, **disturbed):
     "disturbed", [{"quantum_deg": 0.5}, {"quantum_deg": 1.0}, {"quantum_deg": 1.0, "noise_px": 0.2}]
 )
 def test_an_arm_that_moves_in_steps_comes_as_near_as_they_lead_and_knows_how_near_that_is(disturbed):
-    ends = [run(k, **disturbed) for k in range(12)]
-    assert {end.status for end in ends} == {"converged"}
-    off = np.array([np.abs(end.theta - end.theta_demo).max() for end in ends])
-    expected = np.array([end.expected_error for end in ends])
-    largest = (
-        np.max if "noise_px" not in disturbed else lambda all_off: np.sqrt(np.mean(all_off**2))
-    )  # noise adds to it
-    assert largest(np.degrees(off)) < disturbed["quantum_deg"]
+    """Noise adds to how far off it ends, and now and then leaves it without evidence: nine in ten claim to be there."""
+    ends, noisy = [run(k, **disturbed) for k in range(12)], "noise_px" in disturbed
+    claims = [end for end in ends if end.status == "converged"]
+    assert len(claims) >= (10 if noisy else 12)
+    off = np.array([np.abs(end.theta - end.theta_demo).max() for end in claims])
+    expected = np.array([end.expected_error for end in claims])
+    largest = np.sqrt(np.mean(off**2)) if noisy else off.max()
+    assert np.degrees(largest) < disturbed["quantum_deg"]
     assert (off <= 3 * expected).all() and (off <= 2 * expected).mean() > 0.8
     assert any(end.servo_state.strayed is not None for end in ends)
 

@@ -39,7 +39,7 @@ class Learner:
         start = np.radians(start_deg)
         theta, state = [start], None
 
-        def conflict(own, by=None, weighting=None):
+        def conflict(own, by=None, weighting=None, head=0):
             known = np.isfinite(own).all(-1).reshape(-1, len(demo)).all(0)
             if known.sum() < MIN_POINTS:  # as a session has it
                 return np.full((*own.shape[:-2], 1, 4), np.inf)
@@ -239,7 +239,7 @@ def test_a_promise_made_where_nothing_was_told_is_not_judged():
     images = lambda theta: np.outer(np.linspace(50, 90, 6), [1, 1, 1, 1]) + 100 * np.sin(theta) @ np.eye(2, 4)
     servo, state, theta, visited = TrustRegion(), None, np.zeros(2), []
 
-    def conflict(own, by=None, weighting=None):
+    def conflict(own, by=None, weighting=None, head=0):
         known = (np.abs(own[..., None, :, :] - np.array(visited)).max((-1, -2)) < 1e-9).any(-1)
         return np.where(known[..., None, None], np.inf, own - images(np.array([0.3, -0.2])))
 

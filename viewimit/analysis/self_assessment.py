@@ -14,6 +14,7 @@ from ..servo.certificate import Certificate, certify
 from ..servo.images.surrogate import LEAST_NOISE, learn
 from ..servo.minimise import Minimum, minimise
 from ..servo.surroundings import Known, survey
+from ..servo.units import ConflictInUnits, in_units, unit_of
 from ..servo.visit import Visit
 from ..session import Session
 from ..snapshot import Snapshot
@@ -59,9 +60,11 @@ def assess(session: Session) -> Assessment | None:
 
 
 def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
-    seen, conflict = session.observation(now), session.predicted_conflict(now)
+    seen = session.observation(now)
+    unit_px = unit_of(seen)
+    seen, conflict = in_units(seen, unit_px), ConflictInUnits(session.predicted_conflict(now), unit_px)
     kept = np.unique(np.linspace(0, cursor, VISITS).round().astype(int)).tolist()
-    visits = tuple(_visit(session.history[k]) for k in kept)
+    visits = tuple(_visit(session.history[k], unit_px) for k in kept)
     model = learn(list(visits), len(visits) - 1, max(seen.noise_px, LEAST_NOISE))
     here = seen.displacement
     low, high = np.maximum(seen.lower, here - REACH), np.minimum(seen.upper, here + REACH)
@@ -71,9 +74,12 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
     certificate = now.certificate
     if certificate is None:
         points = np.isfinite(model.at_centre).all(-1)
-        certificate = certify(survey(Known(visits, len(visits) - 1, now.E, points, model, seen, conflict), found, here))
+        certificate = certify(
+            survey(Known(visits, len(visits) - 1, seen.E, points, model, seen, conflict), found, here)
+        )
+        certificate = certificate.per_pixel(unit_px)
     lower = float(np.abs(found.theta - here).max())
-    return Assessment(certificate, _room(now.E, found), lower, certificate.named(now.status))
+    return Assessment(certificate, _room(seen.E, found), lower, certificate.named(now.status))
 
 
 def _room(E: float, found: Minimum) -> float:
@@ -81,5 +87,6 @@ def _room(E: float, found: Minimum) -> float:
     return float(np.sqrt(E / max(flattest, 1e-12)))
 
 
-def _visit(moment: Snapshot) -> Visit:
-    return Visit.of(moment.commanded - moment.settings.start_rad, moment.views.own, moment.views.visible[:, 2:])
+def _visit(moment: Snapshot, unit_px: float) -> Visit:
+    displacement = moment.commanded - moment.settings.start_rad
+    return Visit.of(displacement, moment.views.own / unit_px, moment.views.visible[:, 2:])

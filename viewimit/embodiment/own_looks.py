@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.affine import MIN_POINTS
+from ..geometry.affine import MIN_POINTS, image_unit
 from ..perception import frames
 from ..perception.degeneracy import dimensions
 from ..perception.latency import MOST_LAG, lag_of
@@ -18,7 +18,7 @@ from ..views import FourViews
 from .interface import Eyes
 
 REST_LOOKS = 8  # pictures of the own body at rest, from which the learner knows their noise
-LEAST_PX, SURELY = 0.01, 5.0  # a coordinate; standard deviations: what a demonstrator must have moved by
+LEAST_PX, SURELY = 0.01, 5.0  # a coordinate of typical images; standard deviations: a demonstrator has moved by more
 WRONG = 0.1  # of the points: those that have moved the most may be found at wrong places
 KINDS = {"demo": "iuf", "own": "iuf", "visible": "b"}  # of NumPy's; a share is no bool, and would be taken for seen
 
@@ -136,7 +136,7 @@ def _elsewhere(before: Images, after: Images, noise_px: float) -> bool:
     both = (before[1] & after[1]).all(-1)
     square = np.sort(((after[0] - before[0])[both] ** 2).sum(-1))[: int((1 - WRONG) * both.sum())]
     coordinates = 4 * len(square)
-    variance = max(LEAST_PX**2, 2 * noise_px**2)
+    variance = max((LEAST_PX * image_unit(after[0][both])) ** 2, 2 * noise_px**2)
     return bool(square.sum() > variance * (coordinates + SURELY * np.sqrt(2 * coordinates)))
 
 

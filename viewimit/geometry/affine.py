@@ -9,9 +9,12 @@ axes first and the batch last, so that long batches stay contiguous in memory. W
 its 2 x 2 blocks P = Σ p pᵀ, M = Σ p qᵀ, Q = Σ q qᵀ.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+TYPICAL_PX = 70.0  # rms distance of image points from their centroid; see `image_unit`
 MIN_POINTS = 5  # with four, the centred 4 x N matrix has rank 3: any images fit, E would be identically 0
 LAGUERRE_STEPS = 20  # a bound: the iteration stops by itself, after 3 or 4 steps in the shipped scenes
 CONVERGED = 1e-6  # last step, relative to the trace of W; the steps shrink cubically, and the next would be rounding
@@ -54,6 +57,16 @@ def centred(points: NDArray) -> tuple[NDArray, NDArray]:
     """points: (..., N, k) px → their mean (..., k) and the points about it (..., N, k)."""
     mean = np.add.reduce(points, -2) / points.shape[-2]
     return mean, points - mean[..., None, :]
+
+
+def image_unit(images: NDArray) -> float:
+    """Return how many pixels one unit is, in which lengths that are no standard deviations of noise are given.
+
+    It is a pixel for points TYPICAL_PX from the centroid of each image, root mean square, as those of a robot of a
+    metre are in images of 640 pixels. images: (M, 2 v) px in v images, M ≥ 0. Returns 1 for points that do not differ.
+    """
+    square = float(images.var(0).sum()) * 2 / images.shape[1] if len(images) else 0.0
+    return math.sqrt(square) / TYPICAL_PX if square > 0 else 1.0
 
 
 def flatness(stereo: NDArray) -> float:

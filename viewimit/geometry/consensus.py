@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .affine import fit_affine_fundamental
+from .affine import fit_affine_fundamental, image_unit
 from .fundamental import fit_fundamental, homogeneous, sampson_distance
 
 FEWEST, FEWEST_OF_F = 12, 24  # matches for an affine geometry, for a fundamental matrix
@@ -40,7 +40,7 @@ class Fit:
 
 def agree(left: NDArray, right: NDArray, noise_px: float) -> bool:
     """Whether all matches, (M, 2) px each, have one affine geometry, or are too few to tell one."""
-    most = max(LEAST_PX, GROSS * noise_px)
+    most = max(LEAST_PX * _unit(left, right), GROSS * noise_px)
     if len(left) < FEWEST or (np.abs(right[:, 1] - left[:, 1]) <= most).all():  # rows are one, which most heads have
         return True
     return bool((np.abs(affine_distance(left, right)) <= most).all())
@@ -48,14 +48,19 @@ def agree(left: NDArray, right: NDArray, noise_px: float) -> bool:
 
 def contradicting(left: NDArray, right: NDArray, noise_px: float, rng: np.random.Generator) -> NDArray:
     """(M,) bool; none with too few matches. left, right: (M, 2) px; noise_px: of a coordinate, standard deviation."""
-    count = len(left)
+    count, unit_px = len(left), _unit(left, right)
     found = [np.zeros(count, bool)]
     if count >= FEWEST:
-        least = LEAST_PX if count >= FEWEST_OF_F else LEAST_OF_FEW_PX
+        least = unit_px * (LEAST_PX if count >= FEWEST_OF_F else LEAST_OF_FEW_PX)
         found += _wrong(_affine_draws(left, right, rng), affine_distance, left, right, noise_px, least)
     if count >= FEWEST_OF_F:
-        found += _wrong(_fundamental_draws(left, right, rng), fundamental_distance, left, right, noise_px, LEAST_PX)
+        draws, least = _fundamental_draws(left, right, rng), unit_px * LEAST_PX
+        found += _wrong(draws, fundamental_distance, left, right, noise_px, least)
     return min(found[1:], key=np.count_nonzero, default=found[0])
+
+
+def _unit(left: NDArray, right: NDArray) -> float:
+    return image_unit(np.concatenate([left, right], 1))
 
 
 def _wrong(
@@ -67,7 +72,7 @@ def _wrong(
     for _ in range(ROUNDS):
         scale = max(noise_px, TO_NORMAL * (1 + 5 / len(away)) * float(np.median(away)))
         wrong = away > max(least, GROSS * scale)
-        if scale > max(LEAST_PX, FITS * noise_px) or (~wrong).sum() < FEWEST:
+        if scale > max(LEAST_PX * _unit(left, right), FITS * noise_px) or (~wrong).sum() < FEWEST:
             return []
         away = np.abs(distance(left[~wrong], right[~wrong], left, right))
     return [wrong]

@@ -12,17 +12,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .affine import centred
+from .affine import centred, image_unit
 from .consensus import affine_distance, fundamental_distance
 from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, neighbours
 
 NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
-LEAST_PX = 1e-3  # rms distance from any affine geometry below which nothing is to be mended
+LEAST_PX = 1e-3  # for images of the typical size: rms distance from any affine geometry that needs no rectification
 FEWEST = 16  # matches
 AFFINE_FREEDOM = 4  # parameters of an affine geometry
 TRIMMED, FAR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
 TELLING = 12.0  # F-ratio of what the three further parameters of F explain to what they leave
-MOST_PX = 3.0  # rms distance from F beyond which matches are wrong, and tell nothing
+MOST = 3000.0  # times that: rms distance from F beyond which matches are wrong, and tell nothing
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,22 @@ class Rectification:
     def restore(self, images: NDArray) -> NDArray:
         """The inverse: rectified (..., N, 4) px → px."""
         return _both(images, *self._inverses)
+
+    def in_units(self, unit_px: float) -> "Rectification":
+        """Return the same for images in units of so many pixels; the same object for the same unit."""
+        if unit_px not in self._by_unit:
+            self._by_unit[unit_px] = self._in_units(unit_px)
+        return self._by_unit[unit_px]
+
+    def _in_units(self, unit_px: float) -> "Rectification":
+        scale = np.diag([unit_px, unit_px, 1.0])
+        left, right = (np.linalg.inv(scale) @ H @ scale for H in (self.left, self.right))
+        return Rectification(left, right, tuple(other._in_units(unit_px) for other in self.others))
+
+    @cached_property
+    def _by_unit(self) -> dict[float, "Rectification"]:
+        """Of the units that were asked for."""
+        return {}
 
     @cached_property
     def _inverses(self) -> tuple[NDArray, NDArray]:
@@ -94,15 +110,15 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     for distance in (affine_distance, fundamental_distance):
         left, right = _most(distance, left, right)
     affine, left_over = affine_squares(left, right), _squares(fundamental_distance(left, right))
-    count = len(left)
-    if affine < count * LEAST_PX**2 or left_over > count * MOST_PX**2:
+    count, least_px = len(left), _least(left, right)
+    if affine < count * least_px**2 or left_over > count * (MOST * least_px) ** 2:
         return None
     told = (affine - left_over) / 3 > TELLING * left_over / (count - 7)
     if not told:
         return None
     F = fit_fundamental(left, right)
     found = rectify(F, left, right)
-    if left_over < count * LEAST_PX**2:
+    if left_over < count * least_px**2:
         return found
     return replace(found, others=tuple(rectify(other, left, right) for other in neighbours(F, left, right)))
 
@@ -121,14 +137,14 @@ def _needed(left: NDArray, right: NDArray) -> bool:
     """Whether matches are enough, and no affine geometry fits them exactly."""
     if len(left) < FEWEST or in_equal_rows(left, right):
         return False
-    return not affine_squares(left, right) < len(left) * LEAST_PX**2
+    return not affine_squares(left, right) < len(left) * _least(left, right) ** 2
 
 
 def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:
     """The matches without those that are far from the geometry of the others; all, if these would be too few."""
     for _ in range(TRIMMED):
         away = np.abs(distance(left, right))
-        near = away <= np.maximum(FAR * np.median(away), LEAST_PX)
+        near = away <= np.maximum(FAR * np.median(away), _least(left, right))
         if near.all() or near.sum() < FEWEST:
             break
         left, right = left[near], right[near]
@@ -138,7 +154,12 @@ def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, N
 def in_equal_rows(left: NDArray, right: NDArray) -> bool:
     """Whether equal rows are an affine geometry near enough, as of most heads: then the nearest one is, too."""
     apart = right[:, 1] - left[:, 1]
-    return bool(apart @ apart < 2 * len(apart) * LEAST_PX**2)  # √2 times as far apart as from that geometry
+    return bool(apart @ apart < 2 * len(apart) * _least(left, right) ** 2)  # √2 times as far as from that geometry
+
+
+def _least(left: NDArray, right: NDArray) -> float:
+    """px: LEAST_PX of matches of these sizes."""
+    return LEAST_PX * image_unit(np.concatenate([left, right], 1))
 
 
 def affine_squares(left: NDArray, right: NDArray) -> float:

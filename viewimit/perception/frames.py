@@ -7,8 +7,10 @@ are not moved by a few of them (Rousseeuw & Leroy 1987).
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.affine import image_unit
+
 NORMAL_MAD = 0.6745  # median of |x| for a standard normal x
-GROSS, LEAST_PX = 5.0, 0.05  # times the noise; px that are never a gross error
+GROSS, LEAST_PX = 5.0, 0.05  # times the noise; px of typical images that are never a gross error
 FEWEST = 3  # frames that can outvote one
 
 
@@ -20,7 +22,8 @@ def merge(points: NDArray, visible: NDArray) -> tuple[NDArray, NDArray]:
     shown = np.repeat(visible, 2, -1)
     if len(points) >= FEWEST:
         away = np.abs(points - _median(points, shown))
-        far = away > max(GROSS * noise(points, visible), LEAST_PX)
+        least = LEAST_PX * image_unit(points[0][visible[0].all(-1)])
+        far = away > max(GROSS * noise(points, visible), least)
         visible = visible & ~far.reshape(visible.shape + (2,)).any(-1)
         shown = np.repeat(visible, 2, -1)
     return np.where(shown, points, 0.0).sum(0) / np.maximum(shown.sum(0), 1), np.asarray(visible.any(0))

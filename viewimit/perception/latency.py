@@ -5,8 +5,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.affine import image_unit
+
 MOST_LAG = 3  # looks
-MOVED_PX, MOVED_NOISE = 0.2, 5.0  # px, times the noise: the least that half of the points must move to have moved
+MOVED_PX, MOVED_NOISE = (
+    0.2,
+    5.0,
+)  # of typical images, times the noise: the least that half of the points must move to have moved
 
 Look = Callable[[int], tuple[NDArray, NDArray]]
 
@@ -16,7 +21,7 @@ def lag_of(before: tuple[NDArray, NDArray], look: Look, noise_px: float) -> int 
 
     before, and look(k), the k-th look after the motion: points (N, 4) px, seen (N, 2).
     """
-    least = MOVED_PX + MOVED_NOISE * noise_px
+    least = MOVED_PX * image_unit(before[0][before[1].all(-1)]) + MOVED_NOISE * noise_px
     for lag in range(MOST_LAG + 1):
         if _moved(before, look(lag)) > least:
             return lag

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 PARTS = 5040  # of a px: halves to tenths are whole numbers of them, and sixteenths, as of images scaled to 256 px
 FEWEST = 5  # different coordinates that tell a grid: of so many on none, one in 10⁸ has a step of FINEST_PX by chance
+SCALES, LARGEST_PX = (1.0, 10.0, 100.0, 1000.0), 50.0  # coordinates within less than that may be in such units of a px
 FINEST_PX, COARSEST_PX = 0.1, 8.0  # steps: finer ones are harmless; coarser ones are an order of the points themselves
 
 
@@ -19,9 +20,14 @@ def rounding(points: NDArray, visible: NDArray) -> float:
     anywhere: a view may be scaled, or begin at the middle of a pixel, and another may be tracked to fractions.
     """
     shown = np.repeat(visible, 2, -1)
-    steps = [_step(points[..., k][shown[..., k]]) for k in range(points.shape[-1])]
-    told = [step for step in steps if step is not None]
-    return float(np.sqrt(np.mean(np.square(told)) / 12)) if told else 0.0
+    each = [points[..., k][shown[..., k]] for k in range(points.shape[-1])]
+    largest = max((float(np.ptp(coordinates)) for coordinates in each if len(coordinates)), default=0.0)
+    for scale in SCALES:
+        steps = [_step(coordinates * scale) for coordinates in each]
+        told = [step for step in steps if step is not None]
+        if any(told) or not largest * scale < LARGEST_PX:
+            break
+    return float(np.sqrt(np.mean(np.square(told)) / 12)) / scale if told else 0.0
 
 
 def _step(coordinates: NDArray) -> float | None:

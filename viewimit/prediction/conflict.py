@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import conflict as evaluate
-from ..geometry.affine import MIN_POINTS
+from ..geometry.affine import MIN_POINTS, image_unit
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import AFFINE_FREEDOM, Rectification, affine_squares, level
 from ..rectifying import pooled
@@ -23,7 +23,7 @@ NEAR_SHARE = 1e-3  # of the demonstrator's mean square
 NEAR_NOISE = 400.0  # times the noise's square: weighted E up to which own images are near enough for exact weights
 NEAR_POINTS = 8  # five determine a homography of space; their noise shows in more
 AFFINE = 1.5  # times the noise: rms distance from an affine geometry that matches have which fit one
-LEAST_NOISE_PX = 1e-3  # in place of a smaller noise
+LEAST_NOISE_PX = 1e-3  # of typical images, in place of a smaller noise
 Weights = tuple[bytes, float, bytes]  # own images and their share of noise, and which of their points are known
 
 
@@ -86,22 +86,32 @@ class _Answers:
         alike = (
             moment
             for moment in self._moments
-            if moment.views.demo is now.views.demo
-            and moment.views.visible is now.views.visible
+            if _equal(moment.views.demo, now.views.demo)
+            and _equal(moment.views.visible, now.views.visible)
             and moment.rectification is now.rectification
             and moment.settings.transfer == now.settings.transfer
         )
-        return {moment.views.own.tobytes(): moment.residual for moment in alike}
+        return {_image_key(moment.views.own): moment.residual for moment in alike}
 
     def to(self, own: NDArray) -> NDArray | None:
         """Residuals (n, N, 4) px of own images (n, N, 4) px; None if one of them was seen at none of the moments."""
         found: list[NDArray] = []
         for image in own:
-            e = self._known.get(image.tobytes())
+            e = self._known.get(_image_key(image))
             if e is None:
                 return None
             found.append(e)
         return np.array(found) if found else None
+
+
+def _equal(one: NDArray, other: NDArray) -> bool:
+    """Mostly the same array; not where a session was resumed."""
+    return one is other or np.array_equal(one, other)
+
+
+def _image_key(own: NDArray) -> bytes:
+    """Equal for images that differ by no more than rounding, as those that a servo keeps in units of its own."""
+    return own.astype(np.float32).tobytes()
 
 
 class PredictedConflict:
@@ -167,7 +177,7 @@ class PredictedConflict:
             return now.rectification
         matches = pooled([*(moment.views for moment in self._moments), now.views])
         left, right = matches[:, :2], matches[:, 2:]
-        most = AFFINE * max(self._noise_px, LEAST_NOISE_PX)
+        most = AFFINE * max(self._noise_px, LEAST_NOISE_PX * image_unit(matches))
         fits = affine_squares(left, right) < (len(left) - AFFINE_FREEDOM) * most**2
         return level(left, right) if fits else None
 

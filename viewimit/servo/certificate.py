@@ -14,7 +14,7 @@ by H⁻¹g, g the gradients that the noise of the own images makes, and those th
 do not tell its fundamental matrix. Of H is taken off what such noise adds to it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 import numpy as np
@@ -52,6 +52,10 @@ class Certificate:
     spent: bool
     learnable: bool = False
     untried: bool = False
+
+    def per_pixel(self, unit_px: float) -> "Certificate":
+        """Return the same, made in units of so many pixels, with its spread per pixel."""
+        return replace(self, spread=self.spread / unit_px)
 
     @property
     def claim(self) -> str:

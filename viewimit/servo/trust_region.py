@@ -51,6 +51,7 @@ from .trust_state import (
     without_rehearsal,
 )
 from .trust_words import equations, says
+from .units import ConflictInUnits, in_units, unit_of
 from .visit import Visit
 
 MAX_RADIUS, MIN_RADIUS = np.radians((45.0, 0.5))
@@ -79,21 +80,25 @@ class TrustRegion:
     stored = (TrustState, Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification)
 
     def start(self, seen: Observation) -> TrustState:
-        probes = () if seen.rehearsed else tuple(range(len(seen.displacement)))
-        return TrustState((visit_of(seen),), probes, first_radius(seen.rehearsed), rehearsed=seen.rehearsed)
+        probes, unit_px = () if seen.rehearsed else tuple(range(len(seen.displacement))), unit_of(seen)
+        seen = in_units(seen, unit_px)
+        return TrustState(
+            (visit_of(seen),), probes, first_radius(seen.rehearsed), rehearsed=seen.rehearsed, unit_px=unit_px
+        )
 
     def retarget(self, state: TrustState, seen: Observation) -> TrustState:
         """What was learned of the own images stays; all else was about another E."""
         anew = TrustState(state.visits, state.probes, first_radius(state.rehearsed), moved=True)
         kept = {
             name: getattr(state, name)
-            for name in ("chasing", "exchanged", "asked", "rehearsed", "strayed", "kinematics")
+            for name in ("chasing", "exchanged", "asked", "rehearsed", "strayed", "kinematics", "unit_px")
         }
         return replace(anew, **kept)
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
-        state, seen = arrived(state, seen)
+        state, seen = arrived(state, in_units(seen, state.unit_px))
+        conflict = ConflictInUnits(conflict, state.unit_px)
         conflict = conflict.with_half_seen() if state.lines else conflict
         if state.rehearsed and state.kinematics is None and not holds(state.rehearsed, state.visits, seen.noise_px):
             state = without_rehearsal(state)
@@ -204,7 +209,7 @@ def _placed(state: TrustState, seen: Observation, ahead: Outlook, weighted: bool
         place = seen.displacement
     if ahead.certify is None:
         return (replace(state, certificate=None) if PHASES[state.phase][0] is None else state), place
-    certificate = ahead.certify(place)
+    certificate = ahead.certify(place).per_pixel(state.unit_px)
     if state.strayed is not None and not np.array_equal(place, best):
         certificate = replace(certificate, shown=False)
     return replace(state, certificate=certificate), place

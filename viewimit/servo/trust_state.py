@@ -39,8 +39,9 @@ class TrustState:
     that to be the best, as those of another did not tell all joints. strayed: (m,) rad, from where the arm stands by
     its images to where it was sent, None as long as these agree; still: it stayed where it was, though it was sent
     elsewhere. limited: where it stalled, E should be least where a joint cannot be sent on. lines: points that one
-    camera alone sees are asked, as the others do not tell every joint. kinematics: that explain
-    all that is known of the own images, if any do: then they are foretold everywhere.
+    camera alone sees are asked, as the others do not tell every joint. kinematics: that explain all that is known of
+    the own images, if any do: then they are foretold everywhere. unit_px: pixels of one unit, which all images and E
+    are in here.
     """
 
     visits: tuple[Visit, ...]
@@ -68,6 +69,7 @@ class TrustState:
     limited: bool = False
     lines: bool = False
     kinematics: ProjectiveKinematics | None = None
+    unit_px: float = 1.0
 
     @property
     def foresees(self) -> bool:
@@ -117,7 +119,9 @@ def _with_kinematics(state: TrustState, seen: Observation) -> TrustState:
 def _disobeyed(state: TrustState, here: Visit) -> TrustState:
     """Of an arm that does not stand where it was sent: it probes anew, and its images alone tell its postures."""
     joints = len(here.displacement)
-    anew = TrustState((here,), tuple(range(joints)), restarts=state.restarts, strayed=np.zeros(joints))
+    anew = TrustState(
+        (here,), tuple(range(joints)), restarts=state.restarts, strayed=np.zeros(joints), unit_px=state.unit_px
+    )
     return replace(anew, chasing=state.chasing, exchanged=state.exchanged, asked=state.asked)
 
 
@@ -148,4 +152,5 @@ def first_radius(rehearsed: tuple[Visit, ...]) -> float:
 def without_rehearsal(state: TrustState) -> TrustState:
     """Head, base or points are not where they were: what was seen since is all that is known."""
     visits, joints = state.visits, len(state.visits[0].displacement)
-    return TrustState(visits, tuple(range(joints)) if len(visits) <= joints else (), chasing=state.chasing)
+    probes = tuple(range(joints)) if len(visits) <= joints else ()
+    return TrustState(visits, probes, chasing=state.chasing, unit_px=state.unit_px)

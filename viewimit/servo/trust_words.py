@@ -72,5 +72,5 @@ def _outcome(state: TrustState, moment: Moment) -> str:
     if moment.status == "stalled":
         return "Neither transfer nor restart led further: the servo rests."
     if state.promised is not None:
-        return f"{made}was to lower E by <b>{short(state.promised)}</b> px²."
+        return f"{made}was to lower E by <b>{short(state.promised * state.unit_px**2)}</b> px²."
     return ""

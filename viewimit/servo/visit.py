@@ -19,8 +19,10 @@ class Visit:
 
     @classmethod
     def of(cls, displacement: NDArray, own: NDArray, seen: NDArray) -> "Visit":
-        """Of images as they come, in which coordinates of points not seen mean nothing."""
-        return cls(displacement, np.where(by_coordinate(seen), own, np.nan), seen)
+        """Of images as they come, in which coordinates of points not seen mean nothing; kept in C order, so that sums
+        do not depend on how the images lay in memory."""
+        seen = np.ascontiguousarray(seen)
+        return cls(displacement, np.where(by_coordinate(seen), np.ascontiguousarray(own), np.nan), seen)
 
 
 def by_coordinate(seen: NDArray) -> NDArray:

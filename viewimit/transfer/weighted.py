@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.affine import image_unit
 from ..geometry.rectification import NEAREST, Rectification
 from ..views import FourViews
 
 STEPS = 3  # of Gauss and Newton
 STEADY = 1e-10  # of the normal equations' mean diagonal, added to it
-STEP_PX = 1e-3  # of difference quotients
+STEP_PX = 1e-3  # of difference quotients, in typical images
 TO_TRIPLE = np.array([[1, 0, 0, 0], [0, 0.5, 0, 0.5], [0, 0, 1, 0]])
 TO_PAIR = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 0]])
 
@@ -39,11 +40,12 @@ class Weighted:
         even = cls.even(views, rectification)
         z, t, frame = _demo(rectification, views), _triples(rectification, views.own), even.frame
         G = _fit(z, t, even.weight, frame)
-        aside = STEP_PX * np.eye(4)
+        step_px = STEP_PX * image_unit(views.own)
+        aside = step_px * np.eye(4)
         moved = [_mapped(G, _triples(rectification, views.own + step), frame) for step in aside]
-        K = (np.stack(moved, -1) - _mapped(G, t, frame)[..., None]) / STEP_PX
+        K = (np.stack(moved, -1) - _mapped(G, t, frame)[..., None]) / step_px
         stepped = [_demo(rectification, replace(views, demo=views.demo + step)) for step in aside]
-        D = (np.stack(stepped, -1) - z[..., None]) / STEP_PX
+        D = (np.stack(stepped, -1) - z[..., None]) / step_px
         covariance = D @ np.swapaxes(D, -1, -2) + own_share * K @ np.swapaxes(K, -1, -2)
         return cls(rectification, frame, _whitening(covariance, views.visible[:, :2]))
 

@@ -65,7 +65,10 @@ def image_unit(images: NDArray) -> float:
     It is a pixel for points TYPICAL_PX from the centroid of each image, root mean square, as those of a robot of a
     metre are in images of 640 pixels. images: (M, 2 v) px in v images, M ≥ 0. Returns 1 for points that do not differ.
     """
-    square = float(images.var(0).sum()) * 2 / images.shape[1] if len(images) else 0.0
+    if not len(images):
+        return 1.0
+    away = centred(images)[1]
+    square = float(np.vdot(away, away)) * 2 / away.size
     return math.sqrt(square) / TYPICAL_PX if square > 0 else 1.0
 
 

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from axle_markers import stretched
 
-from viewimit.experiments.bench import claims
+from viewimit.experiments.bench import claims, symmetric
 from viewimit.experiments.bench.claims import CASES, Case, Ending, outcome, run
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.simulation.scene import load_scene
@@ -104,3 +105,41 @@ def test_points_that_one_camera_alone_sees_tell_a_joint_that_the_others_leave_op
 def test_points_seen_too_rarely_to_tell_how_they_move_tell_no_joint(k):
     """That they were taken to stand still looked like a conflict with every posture but one, 1.9° and 18° off."""
     assert not claims.run_once(NAMED["20 points, hidden beyond the rim"], [2026, k]).false
+
+
+def side_to_side(marked):
+    """Places of the first and of the second marker of each pair on the stretched arm, (n, 3) m each, those of the
+    second as the arm's plane reflects them."""
+    frames = stretched(load_scene(marked.scene))[marked.body.link]
+    places = np.einsum("nij,nj->ni", frames[:, :3, :3], marked.body.local) + frames[:, :3, 3]
+    return places[::2], places[1::2] * (1, -1, 1)
+
+
+def test_markers_on_both_sides_are_exactly_symmetric_or_2_to_10_mm_away_from_it():
+    exact, scenes = 0, set()
+    for seed in range(60):
+        marked = symmetric.draw(np.random.default_rng(seed), True)
+        scenes.add(marked.scene)
+        first, second = side_to_side(marked)
+        apart = np.linalg.norm(first - second, axis=1)
+        if apart.max() < 1e-12:
+            exact += 1
+            np.testing.assert_allclose(first[:, 1], 0.07)
+            continue
+        assert 0.0005 < np.sqrt(np.mean(apart**2)) and apart.max() < 2 * 0.010
+        middle = (first + second)[:, :2] / 2 - (stretched(load_scene(marked.scene))[:, :2, 3] + (0, 0.07))
+        assert np.linalg.norm(middle, axis=1).max() < 0.010
+    assert 15 < exact < 45 and scenes == set(symmetric.SCENES)
+
+
+def test_markers_between_the_sides_are_not_symmetric():
+    for seed in range(10):
+        first, second = side_to_side(symmetric.draw(np.random.default_rng(seed), False))
+        assert np.abs(first[:, 1] - second[:, 1]).max() > 0.03 and np.abs(first[:, 1]).max() < 0.07
+        np.testing.assert_allclose(first[:, [0, 2]], second[:, [0, 2]], atol=1e-12)
+
+
+def test_of_symmetric_markers_no_claim_is_of_the_mirrored_posture():
+    both, between = (NAMED[f"markers {where}, 0.05 px"] for where in ("on both sides", "between the sides"))
+    for found in run([both, between], 8, seed=2, workers=1):
+        assert found.claimed.count >= 4 and found.falsely.count == found.unended.count == 0

@@ -107,36 +107,42 @@ def test_points_seen_too_rarely_to_tell_how_they_move_tell_no_joint(k):
     assert not claims.run_once(NAMED["20 points, hidden beyond the rim"], [2026, k]).false
 
 
-def side_to_side(marked):
-    """Places of the first and of the second marker of each pair on the stretched arm, (n, 3) m each, those of the
-    second as the arm's plane reflects them."""
+def mirror_images(marked):
+    """Places (2 n, 3) m of the markers on the stretched arm, and where their mirror images are: those of the other one
+    of a pair across the arm's plane, each one's own in that plane."""
     frames = stretched(load_scene(marked.scene))[marked.body.link]
     places = np.einsum("nij,nj->ni", frames[:, :3, :3], marked.body.local) + frames[:, :3, 3]
-    return places[::2], places[1::2] * (1, -1, 1)
+    across = marked.arm.apart == symmetric.Y
+    other = places.reshape(-1, 2, 3)[:, ::-1].reshape(-1, 3) if across else places
+    return places, other * (1, -1, 1)
 
 
-def test_markers_on_both_sides_are_exactly_symmetric_or_2_to_10_mm_away_from_it():
-    exact, scenes = 0, set()
+def test_symmetric_markers_are_exactly_so_or_2_to_10_mm_away_from_it():
+    exact, arms = 0, set()
     for seed in range(60):
         marked = symmetric.draw(np.random.default_rng(seed), True)
-        scenes.add(marked.scene)
-        first, second = side_to_side(marked)
-        apart = np.linalg.norm(first - second, axis=1)
-        if apart.max() < 1e-12:
-            exact += 1
-            np.testing.assert_allclose(first[:, 1], 0.07)
-            continue
-        assert 0.0005 < np.sqrt(np.mean(apart**2)) and apart.max() < 2 * 0.010
-        middle = (first + second)[:, :2] / 2 - (stretched(load_scene(marked.scene))[:, :2, 3] + (0, 0.07))
-        assert np.linalg.norm(middle, axis=1).max() < 0.010
-    assert 15 < exact < 45 and scenes == set(symmetric.SCENES)
+        arms.add(marked.arm)
+        places, mirrored = mirror_images(marked)
+        apart = np.linalg.norm(places - mirrored, axis=1)
+        exact += (exactly := apart.max() < 1e-9)
+        assert exactly or (0.001 < np.sqrt(np.mean(apart**2)) and apart.max() < 2 * 0.010)
+        side = np.abs(places[:, symmetric.Y])
+        np.testing.assert_allclose(
+            side, 0.07 if marked.arm.apart == symmetric.Y else 0.0, atol=1e-9 if exactly else 0.010
+        )
+    assert 15 < exact < 45 and arms == set(symmetric.ARMS)
 
 
 def test_markers_between_the_sides_are_not_symmetric():
     for seed in range(10):
-        first, second = side_to_side(symmetric.draw(np.random.default_rng(seed), False))
-        assert np.abs(first[:, 1] - second[:, 1]).max() > 0.03 and np.abs(first[:, 1]).max() < 0.07
-        np.testing.assert_allclose(first[:, [0, 2]], second[:, [0, 2]], atol=1e-12)
+        places, mirrored = mirror_images(symmetric.draw(np.random.default_rng(seed), False))
+        assert np.abs(places - mirrored)[:, symmetric.Y].max() > 0.03 and np.abs(places[:, symmetric.Y]).max() < 0.07
+
+
+def test_an_arms_limits_allow_each_posture_and_its_mirror_image():
+    for arm in symmetric.ARMS:
+        scene = load_scene(arm.scene)
+        np.testing.assert_array_equal(scene.lower, -scene.upper)
 
 
 def test_of_symmetric_markers_no_claim_is_of_the_mirrored_posture():

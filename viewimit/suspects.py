@@ -6,21 +6,24 @@ images explain the learner's once both are exchanged, and do not before. That ne
 elsewhere E is large whoever is exchanged, and nothing is told.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .evaluation import conflict
 from .geometry.affine import MIN_POINTS
 from .geometry.consensus import FEWEST, FEWEST_OF_F, Fit, contradicting, geometry_of, rows_of, spread
+from .geometry.handedness import Handedness, principal_axes
 from .geometry.rectification import Rectification, rectification_of
 from .perception.degeneracy import why_degenerate
 from .perception.rounding import rounding
 from .rectifying import pooled
 from .transfer import TRANSFERS
 from .transfer.rectified import fit
-from .views import VIEWS, FourViews, Pairs
+from .views import VIEWS, FourViews, Pairs, exchange
 
 POOLED, MATCHES = 200, 8000  # frames, evenly spaced, and matches of those, that tell the geometry
 BODIES = ("l", "r"), ("L", "R")
@@ -43,7 +46,7 @@ class Suspect:
 
     score: of a misplaced point, its rms distance from the epipolar geometry of the others in these frames, in standard
     deviations of theirs; of swapped points, by how many times the median E of the frames falls if they are exchanged.
-    E, E_exchanged: px², of the projective transfer, NaN of a misplaced point.
+    E, E_exchanged: px², of the projective transfer that may not reflect, NaN of a misplaced point.
     """
 
     kind: str
@@ -57,10 +60,12 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Suspects:
-    """found: the likeliest of each kind first; undecided: why nothing is told of a kind, a sentence each."""
+    """found: the likeliest of each kind first; undecided: why nothing is told of a kind, a sentence each; noise_px: of
+    an image coordinate, standard deviation, as the matches that are not misplaced tell it; None if they are too few."""
 
     found: tuple[Suspect, ...]
     undecided: tuple[str, ...]
+    noise_px: float | None = field(default=None, compare=False)
 
     def left_out(self, views: FourViews) -> FourViews:
         """The views with misplaced points not seen, in the images of that body, and with exchanged ones put right if no
@@ -91,7 +96,7 @@ def suspects(views: FourViews, seed: int = 0, rounding_px: float | None = None) 
         visible[..., 2 * body : 2 * body + 2] &= ~wrong[..., None]
     swapped, why = _swapped(replace(views, visible=visible), geometry.deviation)
     by_score = sorted(misplaced, key=lambda one: -one.score)
-    return Suspects((*by_score, *swapped), (why,) if why else ())
+    return Suspects((*by_score, *swapped), (why,) if why else (), geometry.deviation)
 
 
 def telling(views: FourViews, seed: int = 0) -> NDArray:
@@ -143,19 +148,19 @@ def _swapped(views: FourViews, noise_px: float) -> tuple[list[Suspect], str]:
     if count < FEWEST_POINTS:
         return [], f"swapped points: no frame has {FEWEST_POINTS} points or more that are right in all four views"
     some = _frames(views, frames).select(points)
-    left, right = np.split(pooled(_frames(some, k) for k in range(len(frames))), 2, axis=1)
-    rectification = rectification_of(left, right)  # which no exchange changes
-    E = float(np.median(fit(METHOD, some, rectification).conflict(some)))
+    ask = _Exchanges.of(some, noise_px)
+    E = float(ask.median_E([()])[0])
     explained = EXPLAINED * noise_px**2
     if E <= explained:
         return [], ""  # as they are
     if explained > TELLING * float(some.own.var(-2).sum(-1).mean()):
         return [], f"swapped points: noise of {noise_px:.2g} px hides them"
-    pairs, left_E = _exchanges(some, rectification)
+    pairs = ask.candidates()
+    left_E = ask.median_E(pairs)
     least = left_E.min()
     if least > explained or E < DECISIVE * least:
         whoever = f"E of the projective transfer is {E:.3g} px², and {least:.3g} px² at least whoever is exchanged"
-        return [], f"swapped points: {whoever}; arms in one posture would tell"
+        return [], f"swapped points: {whoever}, where it must not reflect; arms in one posture would tell"
     names = np.flatnonzero(points)
     found = []
     for k in np.argsort(left_E):
@@ -178,19 +183,51 @@ def _common(views: FourViews) -> tuple[NDArray, NDArray]:
     return frames[good], points if any(good) else np.zeros_like(points)
 
 
-def _exchanges(views: FourViews, rectification: Rectification | None) -> tuple[list[Pairs], NDArray]:
-    """Pairs, and the median E of the frames, px², with each of them exchanged: (pairs,)"""
-    off = np.square(fit(METHOD, views, rectification).residual(views)).sum(-1).mean(0)
-    candidates = np.sort(np.argsort(-off)[:MOST_POINTS]).tolist()
-    pairs: list[Pairs] = [(pair,) for pair in combinations(candidates, 2)]
-    several = max(TOGETHER // len(views.demo), 1)
-    E: list[NDArray] = []
-    for first in range(0, len(pairs), several):
-        changed = [views.with_exchanged(pair) for pair in pairs[first : first + several]]
-        demo, own, visible = (np.stack([getattr(one, name) for one in changed]) for name in ("demo", "own", "visible"))
+@dataclass(frozen=True)
+class _Exchanges:
+    """E of the projective transfer with points exchanged; a transfer that reflects counts what the nearest one that
+    does not would leave.
+
+    views: of T frames, all points seen; handedness: of the demonstrator in each, None where it is too flat to tell.
+    """
+
+    views: FourViews
+    rectification: Rectification | None
+    handedness: list[Handedness | None]
+
+    @classmethod
+    def of(cls, views: FourViews, noise_px: float) -> "_Exchanges":
+        """noise_px: of an image coordinate, standard deviation."""
+        matches = pooled(_frames(views, k) for k in range(len(views.demo)))
+        by = rectification_of(*np.split(matches, 2, axis=1))  # which no exchange changes
+        demo = views.demo if by is None else by.apply(views.demo)
+        axes = principal_axes(matches if by is None else by.apply(matches))
+        return cls(views, by, [Handedness.of(one, axes, noise_px) for one in demo])
+
+    def candidates(self) -> list[Pairs]:
+        """All pairs of the points with the largest residuals."""
+        off = np.square(fit(METHOD, self.views, self.rectification).residual(self.views)).sum(-1).mean(0)
+        return [(pair,) for pair in combinations(np.sort(np.argsort(-off)[:MOST_POINTS]).tolist(), 2)]
+
+    def median_E(self, exchanges: Sequence[Pairs]) -> NDArray:
+        """The median over frames, px², with each of the exchanges: (exchanges,)."""
+        several = max(TOGETHER // len(self.views.demo), 1)
+        blocks = [exchanges[first : first + several] for first in range(0, len(exchanges), several)]
+        return np.concatenate([np.median(self._E(block), -1) for block in blocks])
+
+    def _E(self, exchanges: Sequence[Pairs]) -> NDArray:
+        """(exchanges, T) px²; own points are exchanged, which comes to the same."""
+        order = np.arange(self.views.own.shape[-2])
+        own = np.stack([self.views.own[:, exchange(order, pairs)] for pairs in exchanges])
+        demo, visible = (np.broadcast_to(of, own.shape) for of in (self.views.demo, self.views.visible))
         some = FourViews(demo, own, visible)
-        E.append(np.median(fit(METHOD, some, rectification).conflict(some), -1))
-    return pairs, np.concatenate(E)
+        E = np.asarray(fit(METHOD, some, self.rectification).conflict(some))
+        for k, handedness in enumerate(self.handedness):
+            images = own[:, k] if self.rectification is None else self.rectification.apply(own[:, k])
+            missing = None if handedness is None else handedness.mirror_residual(images)
+            if missing is not None:
+                E[:, k] += conflict(missing)
+        return E
 
 
 def _spaced(count: int, most: int) -> NDArray:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from axle_markers import axle_markers
 
 from viewimit.experiments.bench.tracks import Case, draw
 from viewimit.geometry.rectification import rectification_of
@@ -168,3 +169,61 @@ def test_of_arms_in_different_postures_the_matches_decide_which_is_said(ask, tmp
     views = FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
     _, out, _ = ask("evaluate", write(tmp_path / "points.csv", views))
     assert "images rectified, as their matches ask; errors this large are of arms in different postures\n" in out
+
+
+def mirrored(head, noise_px=0.2):
+    """Arms with markers at both ends of their axles: the learner in mirrored postures but in frame 1."""
+    scene = load_scene('extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\n' + head)
+    world, rng = World(scene, body=axle_markers(scene)), np.random.default_rng(0)
+    seen = [
+        world.look(theta, theta if k == 1 else -theta)
+        for k, theta in enumerate(np.radians([(40, -60), (-30, 80), (20, 50)]))
+    ]
+    demo, own = (np.array([getattr(views, body) for views in seen]) for body in ("demo", "own"))
+    noise = noise_px * rng.standard_normal((2, *demo.shape))
+    return FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
+
+
+@pytest.mark.parametrize("toe_in_deg", [0, 12])
+@pytest.mark.parametrize("transfer", ["projective", "epipolar"])
+def test_a_frame_whose_fit_reflects_is_called_mirrored_and_its_E_no_good_fit(
+    ask, ask_json, tmp_path, toe_in_deg, transfer
+):
+    path = write(tmp_path / "points.csv", mirrored(f"[head]\ntoe_in_deg = {toe_in_deg}\n"))
+    _, told = ask_json("evaluate", path, "--transfer", transfer)
+    assert (told["rectification"] is not None) == (toe_in_deg > 0)
+    assert [frame["mirrored"] for frame in told["frames"]] == [True, False, True]
+    _, out, err = ask("evaluate", path, "--transfer", transfer, "--out", tmp_path / "report.html")
+    rows = [line for line in out.splitlines() if line[:7].strip() in ("0", "1", "2")]
+    assert [row.endswith("  mirrored") for row in rows] == [True, False, True]
+    says = "2 of 3 frames mirrored: "
+    assert f"{says}frame 0: the fit is a reflection" in err and "no good fit" in err
+    page = (tmp_path / "report.html").read_text()
+    E = [f"{frame['E']:.4g}" for frame in told["frames"]]
+    assert f"E = {E[0]} (mirrored) px²" in page and f"<p>{says}the fit is a reflection" in page
+    assert f"<td>{E[2]} (mirrored)</td>" in page and f"<td>{E[1]}</td>" in page
+
+
+def test_of_arms_in_the_same_posture_nothing_is_called_mirrored(ask, ask_json, tmp_path):
+    path = write(tmp_path / "points.csv", arms())
+    assert [frame["mirrored"] for frame in ask_json("evaluate", path)[1]["frames"]] == [False] * 3
+    _, out, err = ask("evaluate", path, "--out", tmp_path / "report.html")
+    assert "mirrored" not in out + err + (tmp_path / "report.html").read_text()
+
+
+def test_files_of_left_and_right_in_each_others_place_are_a_mirror_image(ask_json, tmp_path):
+    views = arms()
+    exchanged = views.with_own(views.own[..., [2, 3, 0, 1]])
+    _, told = ask_json("evaluate", write(tmp_path / "points.csv", exchanged))
+    assert [frame["mirrored"] for frame in told["frames"]] == [True] * 3
+
+
+def test_of_points_too_flat_for_their_handedness_to_show_nothing_is_said(ask_json, tmp_path):
+    """Their disparities differ by noise alone; and with ten matches of left and right nobody knows the noise."""
+    views = mirrored("")
+    flat = views.demo.copy()
+    flat[..., 2] = flat[..., 0] + 80 + 0.2 * np.random.default_rng(1).standard_normal(flat.shape[:2])
+    _, told = ask_json("evaluate", write(tmp_path / "flat.csv", FourViews(flat, views.own, views.visible)))
+    assert [frame["mirrored"] for frame in told["frames"]] == [None] * 3
+    few = FourViews(views.demo[:1], views.own[:1], views.visible[:1]).select(np.arange(4, 9))
+    assert ask_json("evaluate", write(tmp_path / "few.csv", few))[1]["frames"][0]["mirrored"] is None

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from axle_markers import stretched
 
-from viewimit.experiments.bench import claims
+from viewimit.experiments.bench import claims, symmetric
 from viewimit.experiments.bench.claims import CASES, Case, Ending, outcome, run
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.simulation.scene import load_scene
@@ -104,3 +105,47 @@ def test_points_that_one_camera_alone_sees_tell_a_joint_that_the_others_leave_op
 def test_points_seen_too_rarely_to_tell_how_they_move_tell_no_joint(k):
     """That they were taken to stand still looked like a conflict with every posture but one, 1.9° and 18° off."""
     assert not claims.run_once(NAMED["20 points, hidden beyond the rim"], [2026, k]).false
+
+
+def mirror_images(marked):
+    """Places (2 n, 3) m of the markers on the stretched arm, and where their mirror images are: those of the other one
+    of a pair across the arm's plane, each one's own in that plane."""
+    frames = stretched(load_scene(marked.scene))[marked.body.link]
+    places = np.einsum("nij,nj->ni", frames[:, :3, :3], marked.body.local) + frames[:, :3, 3]
+    across = marked.arm.apart == symmetric.Y
+    other = places.reshape(-1, 2, 3)[:, ::-1].reshape(-1, 3) if across else places
+    return places, other * (1, -1, 1)
+
+
+def test_symmetric_markers_are_exactly_so_or_2_to_10_mm_away_from_it():
+    exact, arms = 0, set()
+    for seed in range(60):
+        marked = symmetric.draw(np.random.default_rng(seed), True)
+        arms.add(marked.arm)
+        places, mirrored = mirror_images(marked)
+        apart = np.linalg.norm(places - mirrored, axis=1)
+        exact += (exactly := apart.max() < 1e-9)
+        assert exactly or (0.001 < np.sqrt(np.mean(apart**2)) and apart.max() < 2 * 0.010)
+        side = np.abs(places[:, symmetric.Y])
+        np.testing.assert_allclose(
+            side, 0.07 if marked.arm.apart == symmetric.Y else 0.0, atol=1e-9 if exactly else 0.010
+        )
+    assert 15 < exact < 45 and arms == set(symmetric.ARMS)
+
+
+def test_markers_between_the_sides_are_not_symmetric():
+    for seed in range(10):
+        places, mirrored = mirror_images(symmetric.draw(np.random.default_rng(seed), False))
+        assert np.abs(places - mirrored)[:, symmetric.Y].max() > 0.03 and np.abs(places[:, symmetric.Y]).max() < 0.07
+
+
+def test_an_arms_limits_allow_each_posture_and_its_mirror_image():
+    for arm in symmetric.ARMS:
+        scene = load_scene(arm.scene)
+        np.testing.assert_array_equal(scene.lower, -scene.upper)
+
+
+def test_of_symmetric_markers_no_claim_is_of_the_mirrored_posture():
+    both, between = (NAMED[f"markers {where}, 0.05 px"] for where in ("on both sides", "between the sides"))
+    for found in run([both, between], 8, seed=2, workers=1):
+        assert found.claimed.count >= 4 and found.falsely.count == found.unended.count == 0

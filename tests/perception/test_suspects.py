@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from axle_markers import axle_markers, one_pair
 
 from viewimit.experiments.bench.random_scenes import draw, resize
 from viewimit.geometry.distortion import Radial
@@ -184,6 +185,46 @@ def test_a_wrong_point_and_a_swapped_pair_are_told_apart():
     views = looks(panda(16), rng, FRAMES).with_exchanged(((3, 8),))
     views.own[:, 11, 1] += 60
     assert named(views) == [("misplaced", (11,), ("L", "R")), ("exchanged", (3, 8), ("l", "r"))]
+
+
+def iiwa(body, head=""):
+    scene = load_scene('extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\n' + head)
+    return World(scene, body=body(scene))
+
+
+HEADS = {"parallel": "", "toed in": "[head]\ntoe_in_deg = 12\n"}
+
+
+@pytest.mark.parametrize("head", HEADS.values(), ids=HEADS)
+@pytest.mark.parametrize("noise_px", [0.0, 0.25])
+def test_no_exchange_is_named_that_makes_the_learner_a_mirror_image_of_the_demonstrator(head, noise_px):
+    """With the exchange a reflection fits, and nothing does without it."""
+    rng, world = np.random.default_rng(11), iiwa(axle_markers, head)
+    thetas = rng.uniform(0.3, 0.8, (FRAMES, 2)) * rng.choice((-1, 1), (FRAMES, 2))
+    seen = [world.look(theta, -theta) for theta in thetas]
+    demo, own = (np.array([getattr(views, body) for views in seen]) for body in ("demo", "own"))
+    noise = noise_px * rng.standard_normal((2, *demo.shape))
+    views = FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
+    told = suspects(views.with_exchanged(((12, 13),)))
+    assert told.found == () and "where it must not reflect; arms in one posture would tell" in told.undecided[0]
+
+
+@pytest.mark.parametrize("head", HEADS.values(), ids=HEADS)
+@pytest.mark.parametrize("noise_px", [0.0, 0.05])
+def test_a_swapped_pair_is_named_although_a_reflection_fits_without_the_exchange(head, noise_px):
+    """All other points lie in one plane, about which that pair is symmetric."""
+    views = looks(iiwa(one_pair, head), np.random.default_rng(12), FRAMES, noise_px)
+    assert named(views) == []
+    assert named(views.with_exchanged(((16, 17),))) == [("exchanged", (16, 17), ("l", "r"))]
+
+
+@pytest.mark.parametrize("noise_px", [0.05, 0.25, 1.0])
+def test_the_noise_is_that_of_an_image_coordinate(noise_px):
+    views = looks(panda(16), np.random.default_rng(13), FRAMES, noise_px, alike=False)
+    assert suspects(views).noise_px == pytest.approx(noise_px, rel=0.1)
+    assert suspects(views.select(np.arange(5))).noise_px is not None
+    few = FourViews(views.demo[:1], views.own[:1], views.visible[:1]).select(np.arange(5))
+    assert suspects(few).noise_px is None
 
 
 def test_points_that_are_not_seen_count_for_nothing():

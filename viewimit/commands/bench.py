@@ -41,9 +41,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default="all",
         help="success: of every transfer and servo; robustness: with noise, missing and wrong points, seven joints; "
         "following: a demonstrator that moves; scenes: drawn at random, also with any head; claims: how often they are "
-        "made, and true; compare: all servos beside each other, in five cases; pictures: rendered ones, and how well "
-        "markers are detected in them; robots: every URDF of a folder, in the scene made for it, --runs each; tracks: "
-        "of stereo rigs, whether `evaluate` rectifies them, and how far transfers are off at points held out; all: "
+        "made, and true, also of points with a mirror image; compare: all servos beside each other, in five cases; "
+        "pictures: rendered ones, and how well markers are detected in them; robots: every URDF of a folder, in the "
+        "scene made for it, --runs each; tracks: of stereo rigs, whether `evaluate` rectifies them, and how far "
+        "transfers are off at points held out; all: "
         "speed and success (%(default)s)",
     )
     parser.add_argument(

@@ -14,12 +14,13 @@ from ..drawing.metrics import AMBER
 from ..evaluation import conflict
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.distortion import Radial
+from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
 from ..perception.degeneracy import extents, why_degenerate
 from ..perception.tracks import TrackedPoints, read_files, read_tidy
 from ..quoting import MOST_NAME, printable
 from ..simulation.lens import undistorted
-from ..suspects import rounding_of, suspects
+from ..suspects import rounding_of, suspects, telling
 from ..transfer import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
 from ..transfer.rectified import fit
 from ..transfer.transfer import FLAT, FLATNESS
@@ -46,7 +47,7 @@ PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # 
 
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
 COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
-FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak")
+FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak", "mirrored")
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
 NAMED = 10  # points that --min-confidence removed, in words
 TOGETHER = 2000  # frames at a time, for memory's sake
@@ -92,9 +93,12 @@ def run(args: argparse.Namespace) -> int:
     views = _pinhole(args, images)
     transfer = args.transfer or default_transfer(_usual_count(views))
     found = suspects(views, rounding_px=rounding_of(images))
-    compared = leave_one_out(found.left_out(views), args.rectify != "off")
+    without = found.left_out(views)
+    compared = leave_one_out(without, args.rectify != "off")
     rectification = compared.rectification
     frames = evaluate_frames(tracked.frames, tracked.points, views, transfer, rectification)
+    if found.noise_px is not None:
+        _find_mirrored(frames, telling(without), rectification, found.noise_px)
     rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
     result = {
         "transfer": transfer,
@@ -169,7 +173,26 @@ def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | No
             "recovered": {VIEW_NAMES["L"]: recovered[k, :, :2], VIEW_NAMES["R"]: recovered[k, :, 2:]},
             "refused": None,
             "weak": _weak(method, seen.own.shape[-2], float(condition[k]), demo[k], own[k]),
+            "mirrored": None,
         }
+
+
+def _find_mirrored(
+    frames: Sequence[dict], matches: NDArray, rectification: Rectification | None, noise_px: float
+) -> None:
+    """Fill in whether each frame's fit is a reflection, None where the points are too flat to tell.
+
+    matches: (M, 4) px of both bodies; noise_px: of an image coordinate, standard deviation.
+    """
+    rectified = (lambda images: images) if rectification is None else rectification.apply
+    axes = principal_axes(rectified(matches))
+    for frame in frames:
+        if frame["refused"]:
+            continue
+        views = FourViews.from_images(*(frame["seen"][name] for name in VIEW_NAMES.values()))
+        handedness = Handedness.of(rectified(views.demo), axes, noise_px)
+        if handedness is not None:
+            frame["mirrored"] = handedness.mirrored_in(rectified(views.own))
 
 
 def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
@@ -217,11 +240,12 @@ def _usual_count(views: FourViews) -> int:
 
 def _doubts(frames: Sequence[dict]) -> Iterator[str]:
     """In one line each: which frames were refused, which are weak, and why the first is."""
-    for key, what in (("refused", "refused"), ("weak", "weak")):
+    for key in ("refused", "weak", "mirrored"):
         those = [frame for frame in frames if frame[key]]
         if those:
             first = those[0]
-            yield f"{len(those)} of {len(frames)} frames {what}: frame {first['frame']}: {first[key]}"
+            why = evaluate_report.MIRRORED if key == "mirrored" else first[key]
+            yield f"{len(those)} of {len(frames)} frames {key}: frame {first['frame']}: {why}"
 
 
 def _named(frame: dict) -> dict:
@@ -291,6 +315,7 @@ def _report(result: dict) -> None:
         ]
         print(
             f"{frame['frame']:>7}{len(frame['usable']):>8}{numbers[0]:>12}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>10}"
+            + ("  mirrored" if frame["mirrored"] else "")
         )
     _report_transfers(result)
     _report_suspects(result)

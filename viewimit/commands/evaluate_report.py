@@ -1,6 +1,7 @@
 """A report of tracked points: one HTML file without any other, or a PNG."""
 
 import html
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,10 @@ from ..drawing.tracked import draw_view, draw_views
 from ..views import VIEW_NAMES
 from . import evaluate_suspects, evaluate_transfers
 
+MIRRORED = (
+    "the fit is a reflection, and one head sees no body as its own mirror image, so that a small E is no good fit; "
+    "left and right may stand in each other's place in the views of one body"
+)
 FORMATS = (".html", ".png")
 STYLE = """body { font: 15px system-ui, sans-serif; margin: 2em auto; max-width: 70em; color: var(--ink) }
 svg.vi { display: inline-block; width: 48%; border: 1px solid var(--rule); margin: 0.4% }
@@ -33,7 +38,7 @@ def write(path: Path, result: dict) -> None:
     """`first`, the first frame that has an E, is drawn; HTML lists all. Raises OSError."""
     frame = result["first"]
     if path.suffix.lower() == ".png":
-        heading = f"frame {frame['frame']}, {result['transfer']} transfer, E = {frame['E']:.4g} px²"
+        heading = f"frame {frame['frame']}, {result['transfer']} transfer, E = {_E(frame)} px²"
         drawing = draw_views(frame["seen"], frame["recovered"], frame["usable"], heading)
         standalone.write(path, standalone.standalone(drawing, heading))
     else:
@@ -54,8 +59,8 @@ def _page(result: dict, frame: dict) -> str:
 <style>{standalone.styles_of("".join(panels))}
 {standalone.resolved(STYLE)}</style>
 <h1>Tracked points, {result["transfer"]} transfer</h1>
-<p>Frame {frame["frame"]}: {standalone.resolved(LEGEND)}. Pixels; E = {frame["E"]:.4g} px².</p>
-{"".join(panels)}
+<p>Frame {frame["frame"]}: {standalone.resolved(LEGEND)}. Pixels; E = {_E(frame)} px².</p>
+{_mirrored(result["frames"])}{"".join(panels)}
 <h2>Transfers</h2>{_transfers(result)}
 <h2>Suspects</h2>{_suspects(result)}
 <h2>Frames</h2>{_table(heads, rows)}
@@ -86,9 +91,22 @@ def _suspects(result: dict) -> str:
     return (_table(("points", "likely", "score"), rows) if rows else "<p>None.</p>") + undecided
 
 
+def _mirrored(frames: Sequence[dict]) -> str:
+    """How many frames have fits that reflect, and what that means; nothing if none has."""
+    count = sum(bool(frame["mirrored"]) for frame in frames)
+    return f"<p>{count} of {len(frames)} frames mirrored: {MIRRORED}.</p>\n" if count else ""
+
+
 def _numbers(frame: dict) -> list[str]:
-    keys = "E", "rms_px", "condition", "flatness"
-    return ["–" if frame[key] is None else f"{frame[key]:.4g}" for key in keys]
+    keys = "rms_px", "condition", "flatness"
+    return [_E(frame), *("–" if frame[key] is None else f"{frame[key]:.4g}" for key in keys)]
+
+
+def _E(frame: dict) -> str:
+    """With a mark if the fit reflects."""
+    if frame["E"] is None:
+        return "–"
+    return f"{frame['E']:.4g}" + (" (mirrored)" if frame["mirrored"] else "")
 
 
 def _table(heads: tuple[str, ...], rows: list[list[str]]) -> str:

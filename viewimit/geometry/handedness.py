@@ -25,34 +25,36 @@ DIMENSIONS = 3
 
 
 def principal_axes(images: NDArray) -> NDArray:
-    """Return the three directions (4, 3) in which stereo images (M, 4) px of several bodies are spread most."""
+    """Return the three orthonormal directions (4, 3) in which stereo images (M, 4) px vary most."""
     return np.linalg.svd(centred(images)[1], full_matrices=False)[2][:DIMENSIONS].T
 
 
 @dataclass(frozen=True)
 class Handedness:
-    """A body whose handedness other bodies must share.
+    """The handedness of a body, which all images of that body by the same head share.
 
-    basis: (N, 3), orthonormal coordinates of its points; axes: (4, 3), of the images, as from `principal_axes`; sign:
-    of the basis, 1 or -1.
+    basis: (N, 3), orthonormal coordinates of its points; axes: (4, 3), the directions of the images that are compared;
+    sign: of the basis, 1 or -1; least: px, singular value of a map up to which noise may have made it.
     """
 
     basis: NDArray
     axes: NDArray
     sign: float
+    least: float
 
     @classmethod
     def of(cls, demo: NDArray, axes: NDArray, noise_px: float = 0.0) -> "Handedness | None":
         """Return that of a body with images (N, 4) px; None if it is too flat for its handedness to show.
 
-        noise_px: of an image coordinate, standard deviation.
+        axes: as from `principal_axes`, of rectified images if these are; noise_px: standard deviation of an image
+        coordinate.
         """
         basis, extent, Vt = np.linalg.svd(centred(demo @ axes)[1], full_matrices=False)
         least = max(FLAT * noise_px * np.sqrt(len(demo)), LEAST_SHARE * extent[0])
-        return cls(basis, axes, float(np.sign(np.linalg.det(Vt)))) if extent[-1] > least else None
+        return cls(basis, axes, float(np.sign(np.linalg.det(Vt))), float(least)) if extent[-1] > least else None
 
     def mirror_residual(self, own: NDArray) -> NDArray | None:
-        """Return what the linear map to each body lacks if it may not reflect.
+        """Return what the best linear map to each body leaves in addition if it must not reflect.
 
         own: (..., N, 4) px. Returns residuals (..., N, 3) px whose squares sum to s₃² where the map reflects and are 0
         elsewhere; None if no map reflects.
@@ -67,6 +69,13 @@ class Handedness:
         P, s, Qt = np.linalg.svd(M[reflects].reshape(-1, DIMENSIONS, DIMENSIONS))
         missing[reflects] = (self.basis @ Qt[:, -1, :, None]) * (s[:, -1:, None] * P[:, None, :, -1])
         return missing
+
+    def mirrored_in(self, own: NDArray) -> bool | None:
+        """Return whether the best linear map to a body with images (N, 4) px reflects; None if noise hides that."""
+        M = (own.reshape(-1) @ self._products).reshape(DIMENSIONS, DIMENSIONS)
+        if np.linalg.svd(M, compute_uv=False)[-1] <= self.least:
+            return None
+        return bool(self.sign * np.linalg.det(M) < 0)
 
     @cached_property
     def _products(self) -> NDArray:

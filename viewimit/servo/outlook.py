@@ -88,14 +88,24 @@ def _measure_by(most: float, learned: Learned, conflict: Conflict, by: str | Non
 
 
 def _own_share(learned: Learned, best: int) -> float:
-    """The variance of the predicted own image of a visit, as a share of that of a single image. Without kinematics that
-    explain all visits it is not known how far these agree: 1."""
-    if learned.kinematics is None:
+    """The variance of the predicted own image of a visit, as a share of that of a single image.
+
+    It is 1 without kinematics that explain all visits, and where a point that rests has the same image to the last bit
+    at other visits: images are rounded then, and what is left of that does not average.
+    """
+    if learned.kinematics is None or _repeats(learned, best):
         return 1.0
     spread = learned.about(best).spread(learned.visits[best].displacement[None])[0]
     spread = spread[np.isfinite(spread)]
     share = float(np.mean(spread**2)) / learned.noise_px**2 if len(spread) else 1.0
     return float(np.clip(share, LEAST_OWN_SHARE, 1.0))
+
+
+def _repeats(learned: Learned, best: int) -> bool:
+    """Whether some point has the very image of one visit at another posture."""
+    here, others = learned.visits[best], [visit for k, visit in enumerate(learned.visits) if k != best]
+    apart = (visit for visit in others if (visit.displacement != here.displacement).any())
+    return any(bool((visit.own == here.own).all(-1).any()) for visit in apart)
 
 
 def look_out(

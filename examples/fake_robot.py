@@ -1,9 +1,14 @@
 """An arm and eyes of your own, here in thirty lines of numpy: three joints and a pair of pinhole cameras.
 
     python examples/fake_robot.py
+    python examples/fake_robot.py --noise-px 0.1 --runs 20
 
 Nothing of this is known to the learner: it sends the arm to angles and sees image points. See `viewimit.Arm`, `Eyes`.
+The second line runs it with noise in all images, drawn anew for each run, and prints how many runs converged, and their
+motions, errors and travel.
 """
+
+import argparse
 
 import numpy as np
 
@@ -39,8 +44,9 @@ class FakeRobot:
     start = np.radians([-20, -20, 40])
     noise_px = 0.0
 
-    def __init__(self, demonstrator_deg):
+    def __init__(self, demonstrator_deg, image_noise_px=0.0, seed=0):
         self.theta, self.demonstrator = self.start, np.radians(demonstrator_deg)
+        self.image_noise_px, self.rng = image_noise_px, np.random.default_rng(seed)
 
     def move(self, theta):
         self.theta = theta
@@ -48,10 +54,26 @@ class FakeRobot:
 
     def look(self):
         demo = picture_points(self.demonstrator, (0.3, 3.0, -0.2), 2.8)
-        return FourViews.from_images(*demo, *picture_points(self.theta, (-0.2, 2.2, -0.3), 0.4))
+        images = np.array([*demo, *picture_points(self.theta, (-0.2, 2.2, -0.3), 0.4)])
+        return FourViews.from_images(*(images + self.image_noise_px * self.rng.standard_normal(images.shape)))
 
 
 if __name__ == "__main__":
-    robot = FakeRobot(demonstrator_deg=(30, -45, 80))
-    ended = Session.of(robot, robot).run()
-    print(f"{ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--noise-px", type=float, default=0.0, help="of every image coordinate (%(default)s)")
+    parser.add_argument("--runs", type=int, default=1, help="each with other noise (%(default)s)")
+    asked = parser.parse_args()
+    runs = []
+    for seed in range(asked.runs):
+        robot = FakeRobot((30, -45, 80), asked.noise_px, seed)
+        ended = Session.of(robot, robot).run()
+        runs.append(
+            (ended.success, ended.motions, np.degrees(np.abs(ended.theta - robot.demonstrator).max()), ended.travel_deg)
+        )
+    if asked.runs == 1:
+        print(f"{ended.status} at {np.degrees(ended.theta).round(1)} after {ended.motions} motions")
+    else:
+        success, *found = np.transpose(runs)
+        print(f"{success.sum():.0f} of {asked.runs} converged")
+        for what, unit, values in zip(("motions", "error", "travel"), ("", "°", "°"), found):
+            print(f"{what}: median {np.median(values):.3g}{unit}, at most {values.max():.3g}{unit}")

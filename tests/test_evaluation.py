@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2, norm
 
-from viewimit.evaluation import conflict
+from viewimit.evaluation import conflict, noise_conflict
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
@@ -44,3 +45,21 @@ def test_with_the_demonstrator_twice_as_large_in_its_images_E_changes_by_the_tra
     assert E > 0.1 and (abs(E_larger / E - 1) > 1e-3) == bool(depends)
     if not depends:
         assert E_larger == pytest.approx(E, rel=1e-6)
+
+
+@pytest.mark.parametrize("deviations", [0.0, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("freedom", [1, 2, 4, 10, 40, 200])
+def test_E_counts_as_noise_up_to_the_quantile_of_chi_square(freedom, deviations):
+    """The cube root of χ² is normal up to terms of 1/freedom: 0.06/freedom of it here, and 4 % at most."""
+    points, noise_px = 12, 0.3
+    quantile = chi2.ppf(norm.cdf(deviations), freedom)
+    E = noise_conflict(points, freedom, noise_px, deviations)
+    assert E == pytest.approx(noise_px**2 * quantile / (2 * points), rel=min(0.06 / freedom, 0.04))
+
+
+def test_noise_exceeds_that_E_as_rarely_as_the_deviations_say():
+    rng, points, draws = np.random.default_rng(0), 10, 20_000
+    e = 0.2 * rng.standard_normal((draws, points, 4))
+    exceeded = np.mean(conflict(e) > noise_conflict(points, 4 * points, 0.2, 2.0))
+    surely = norm.sf(2.0)
+    assert exceeded == pytest.approx(surely, abs=4 * np.sqrt(surely / draws))

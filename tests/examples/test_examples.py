@@ -53,6 +53,16 @@ def test_the_fake_robot_arrives_from_anywhere_in_thirty_lines():
     assert len(lines) <= 30
 
 
+@pytest.mark.parametrize("noise_px", ["0.1", "0.5"])
+def test_the_fake_robot_says_how_noisy_runs_end(noise_px, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["fake_robot.py", "--noise-px", noise_px, "--runs", "3"])
+    runpy.run_path(str(EXAMPLES / "fake_robot.py"), run_name="__main__")
+    said = capsys.readouterr().out
+    assert said.startswith("3 of 3 converged\n")
+    median, most = map(float, re.search(r"error: median (.+)°, at most (.+)°", said).groups())
+    assert 0 < median <= most < 1
+
+
 def test_a_recorded_run_is_repeated_to_the_last_bit(tmp_path):
     module = import_module("recorded_run")
     robot = module.FakeRobot((30, -45, 80))

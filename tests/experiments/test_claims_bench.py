@@ -1,10 +1,14 @@
 """What claims are worth is measured on bodies whose joints are told, and on some whose joints are not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from axle_markers import stretched
+from scipy.stats import kstest
 
-from viewimit.experiments.bench import claims, symmetric
+from viewimit.commands.bench_tables import claims_table
+from viewimit.experiments.bench import claims, distances, symmetric
 from viewimit.experiments.bench.claims import CASES, Case, Ending, outcome, run
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
 from viewimit.simulation.scene import load_scene
@@ -149,3 +153,58 @@ def test_of_symmetric_markers_no_claim_is_of_the_mirrored_posture():
     both, between = (NAMED[f"markers {where}, 0.05 px"] for where in ("on both sides", "between the sides"))
     for found in run([both, between], 8, seed=2, workers=1):
         assert found.claimed.count >= 4 and found.falsely.count == found.unended.count == 0
+
+
+def test_the_bound_of_each_run_says_which_ones_could_be_claimed():
+    ends = [("converged", 0.2), ("stalled", 0.9), ("converged", 1.0), ("stalled", 1.1), ("untold", np.inf)]
+    found = outcome("one", [Ending(status, 7, True, 0.5, 0.5, bound) for status, bound in ends])
+    assert (found.claimed_within_bound.count, found.claimed_within_bound.runs) == (2, 3)
+    assert found.stalled.count == 2 and found.tellable.count == 4 and found.bound_deg_median == 1.0
+    assert outcome("one", [Ending("untold", 7, True, 50.0, np.inf, np.inf)]).claimed_within_bound is None
+
+
+def test_the_bound_is_that_of_the_averaged_frames():
+    case = Case("one", noise_px=0.25, frames=25)
+    one, averaged = (claims.run_once(replace(case, frames=frames), [1, 0]).bound for frames in (1, 25))
+    assert 0 < averaged < 1 and one == pytest.approx(5 * averaged)
+    assert claims.run_once(CASES[0], [1, 0]).bound == 0
+    assert claims.run_once(Case("forearm", 12, (claims.RIGID[0],)), [5, 0]).bound == np.inf
+
+
+def test_a_demonstrator_is_moved_along_the_line_of_sight():
+    scenes = [load_scene(distances.scene_text(distance, 0.2)) for distance in (0.6, 6.0)]
+    usual = load_scene(distances.SCENE)
+    for scene, distance in zip(scenes, (0.6, 6.0)):
+        head, base, gaze = scene.head.position, scene.demonstrator.position, scene.head.gaze_demonstrator
+        away = np.subtract(base, head)[:2]
+        assert np.hypot(*away) == pytest.approx(distance) and scene.head.baseline == 0.2
+        usual_away = np.subtract(usual.demonstrator.position, usual.head.position)[:2]
+        assert np.linalg.det([away, usual_away]) == pytest.approx(0, abs=1e-12)
+        shift = np.subtract(base, usual.demonstrator.position)
+        np.testing.assert_allclose(np.subtract(gaze, usual.head.gaze_demonstrator), shift, atol=1e-12)
+
+
+def test_distances_and_baselines_are_drawn_evenly_on_a_logarithmic_scale():
+    rng = np.random.default_rng(0)
+    scenes = [load_scene(distances.draw(rng)) for _ in range(300)]
+    away = [np.hypot(*np.subtract(scene.demonstrator.position, scene.head.position)[:2]) for scene in scenes]
+    for found, (low, high) in (
+        (away, distances.DISTANCE_M),
+        ([scene.head.baseline for scene in scenes], distances.BASELINE_M),
+    ):
+        assert kstest(np.log(found), "uniform", (np.log(low), np.log(high / low))).pvalue > 0.01
+
+
+def test_behind_a_demonstrator_near_or_far_runs_end_in_true_claims():
+    (found,) = run([NAMED["demonstrator at 0.6 to 6 m, baseline 5 to 60 cm, 0.25 px"]], 12, seed=41, workers=1)
+    assert found.stalled.count == 0 and found.falsely.count == 0
+    assert found.claimed_within_bound.count == found.claimed_within_bound.runs
+    assert found.covered.count >= 11
+
+
+def test_a_row_of_the_table_has_a_cell_under_each_heading():
+    table = claims_table(
+        run([CASES[0], NAMED["demonstrator at 0.6 to 6 m, baseline 5 to 60 cm, 0.25 px"]], 1, workers=1)
+    )
+    heads, *rows = table.splitlines()
+    assert {len(row) for row in rows} == {len(heads)} and "if bound ≤1°" in heads and "stalled" in heads

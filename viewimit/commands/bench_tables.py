@@ -146,13 +146,15 @@ def scenes_table(outcomes: Sequence[scenes.Outcome], heading: str) -> str:
 
 def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
     """For people: a row a case. Shares of runs that end near, of those whose joints can be told, and of these that end
-    near; of all again; then of claims."""
+    near; of all again, and of those whose Cramér-Rao bound is within 1°, which claim; then of claims."""
     heads = (
         f"≤{claims.NEAR_DEG:g}°",
         "tellable",
         "of these",
         "claimed",
+        f"if bound ≤{claims.FALSE_DEG:g}°",
         "not told",
+        "stalled",
         "no end",
         "median",
         "95 %",
@@ -162,20 +164,21 @@ def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
         "rms",
         "exp.",
     )
-    widths = (17, 17, 17, 17, 17, 15, 8, 6, 20, 20, 20, 8, 8)
-    lines = [" " * 38 + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
+    widths = (17, 17, 17, 17, 17, 15, 15, 15, 8, 6, 20, 20, 20, 8, 8)
+    names = max(36, *(len(o.case) for o in outcomes))
+    lines = [" " * (names + 2) + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
-        shares = ["–" if share is None else _share(share) for share in (o.within, o.tellable, o.within_tellable)]
-        shares += [_share(share) for share in (o.claimed, o.untold, o.unended)]
-        motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
-        of_claims = ["–" if share is None else _exact_share(share) for share in (o.beyond, o.falsely, o.covered)]
+        of_runs = o.within, o.tellable, o.within_tellable, o.claimed, o.claimed_within_bound
+        ends = o.untold, o.stalled, o.unended
+        of_claims = o.beyond, o.falsely, o.covered
         cells = (
-            *shares,
-            *motions,
-            *of_claims,
+            *("–" if share is None else _share(share) for share in (*of_runs, *ends)),
+            f"{o.motions_median:.0f}",
+            f"{o.motions_95:.0f}",
+            *("–" if share is None else _exact_share(share) for share in of_claims),
             *("–" if off is None else f"{off:.2f}°" for off in (o.rms_deg, o.expected_deg)),
         )
-        lines.append(f"  {o.case:<36}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
+        lines.append(f"  {o.case:<{names}}" + "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths)))
     return "\n".join(lines)
 
 

@@ -93,16 +93,13 @@ def certify(here: Surroundings) -> Certificate:
     shown = here.seen >= enough_points(len(spread))
     for direction in _directions(here):
         risen, level = _evidence(here, direction)
-        unclear = here.noise_px > 0 and _unclear(here, direction)
-        if risen and not unclear:
-            if here.noise_px > 0 and not again.any() and _hides_more(here, direction, here.gradients, here.by_slopes):
-                again = NOISY_NEAR * direction  # what is far tells slopes best
-            continue
-        shown = False
-        if level:
+        shown = shown and risen and not _untold(here, direction)
+        if level and not risen:
             told = told & (np.abs(direction) <= PART)
-        elif not check.any():
-            check = _length(here, direction) * direction
+        elif not risen or _unclear(here, direction):
+            check = check if check.any() else _length(here, direction) * direction
+        elif _hides_more(here, direction, here.gradients, here.by_slopes):
+            again = again if again.any() else NOISY_NEAR * direction  # what is far tells slopes best
     noise = max(here.noise_px, FORESEEN, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
     variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here, inverse) + _of_the_head(here, inverse)
@@ -152,13 +149,20 @@ def _of_own_noise(here: Surroundings, inverse: NDArray) -> NDArray:
 def _unclear(here: Surroundings, v: NDArray) -> bool:
     """Whether the noise of the own images hides more of a displacement along v than that of the demonstrator's does, or
     as much as tells nothing."""
+    return _untold(here, v) or _hides_more(here, v, here.gradients)
+
+
+def _untold(here: Surroundings, v: NDArray) -> bool:
+    """Whether the points tell nothing of a displacement along v, where there is noise."""
     nothing = here.points * max(v @ here.hessian @ v, LEAST_CURVATURE) * UNTOLD**2 < 1
-    return bool(nothing or _hides_more(here, v, here.gradients))
+    return bool(here.noise_px > 0 and nothing)
 
 
 def _hides_more(here: Surroundings, v: NDArray, *gradients: NDArray) -> bool:
     """Whether what makes these gradients, (k, m) px²/rad each, and further postures average, hides more of a
     displacement along v than the noise of the demonstrator's images does."""
+    if here.noise_px == 0:
+        return False
     curvature = max(v @ here.hessian @ v, LEAST_CURVATURE)
     own = sum(((one @ v) ** 2).mean() for one in gradients) / curvature**2
     return bool(own > here.noise_px**2 / (here.points * curvature))
@@ -187,7 +191,9 @@ def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
     aligned = np.abs(along) >= ALIGNED * np.linalg.norm(here.away, axis=-1)
     least, most = (LEAST, NEAR) if here.noise_px == 0 else (NOISY_LEAST, NOISY_NEAR)
     near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= most) & np.isfinite(here.rise)
-    seen = np.maximum(0.5 * CONFLICTING * along**2 * (v @ here.slopes @ v), _noise_of_rise(here))
+    seen = _noise_of_rise(here)
+    if here.noise_px == 0:
+        seen = 0.5 * CONFLICTING * along**2 * (v @ here.slopes @ v)
     risen = near & mostly & (here.rise >= np.maximum(predicted - (1 - RISEN) * np.minimum(own, predicted), seen))
     level = near & aligned & fully & (here.rise < seen) & (RISEN * predicted >= _noise_of_rise(here))
     return bool(risen.any()), bool(level.any())

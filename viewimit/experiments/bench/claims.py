@@ -17,10 +17,11 @@ from ...settings import Settings
 from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
 from ..executors.study import Study, each
+from . import distances, symmetric
 from .bound import bound
 from .success import Share
 from .surface import SurfaceEyes, surface_points
-from .symmetric import MarkedArm, draw
+from .symmetric import MarkedArm
 
 FALSE_DEG, TIMES, COVERED = 1.0, 3.0, 2.0  # off; times the expected error beyond which a claim is false; of coverage
 NEAR_DEG = 0.5
@@ -35,7 +36,8 @@ class Case:
     """points: how many are drawn on the surface, None for the scene's layout; links: sets of links, one of which has
     all the points of a run; hidden: the cosine between its normal and the way to a camera up to
     which a point is hidden, None: all are seen; noise_px and frames as in `Settings`; symmetric: of markers as
-    `symmetric.draw` places them on arms of its own, None: points as above."""
+    `symmetric.draw` places them on arms of its own, None: points as above; distant: whether each run is in a scene of
+    `distances.draw`."""
 
     name: str
     points: int | None = None
@@ -44,6 +46,7 @@ class Case:
     noise_px: float = 0.0
     frames: int = 1
     symmetric: bool | None = None
+    distant: bool = False
 
 
 CASES = (
@@ -63,21 +66,28 @@ CASES = (
         for where, symmetric in (("on both sides", True), ("between the sides", False))
         for noise in (0.0, 0.05, 0.25)
     ),
+    Case("demonstrator at 0.6 to 6 m, baseline 5 to 60 cm, 0.25 px", noise_px=0.25, frames=25, distant=True),
 )
 
 
 @dataclass(frozen=True)
 class Ending:
     """Of one run: error: of the worst joint at the end, expected: what the learner says of that, degrees, inf or NaN
-    if it cannot; ended: whether it came to rest; tellable: whether what the demonstrator shows tells every joint, be it
-    by next to nothing, of points that the learner sees of itself anywhere in its range."""
+    if it cannot; ended: whether it came to rest; bound: the Cramér-Rao bound of the worst joint, degrees, of what the
+    demonstrator shows, of points that the learner sees of itself anywhere in its range, own images granted without
+    noise; inf if that tells some joint nothing."""
 
     status: str
     motions: int
     ended: bool
     error: float
     expected: float
-    tellable: bool = True
+    bound: float = 0.0
+
+    @property
+    def tellable(self) -> bool:
+        """Whether every joint is told, be it by next to nothing."""
+        return bool(np.isfinite(self.bound))
 
     @property
     def claimed(self) -> bool:
@@ -96,7 +106,9 @@ class Outcome:
     """Of a case. tellable: of all runs; within: NEAR_DEG of the demonstrator, of all runs, and of those that are
     `tellable`, None if there are none; claimed, untold: shares of all runs; beyond: claims more than FALSE_DEG off,
     falsely: those of them beyond TIMES the expected error as well; covered: claims within COVERED times it; unended:
-    runs without an end. rms_deg, expected_deg: of claims."""
+    runs without an end; stalled: of all runs; claimed_within_bound: of the runs whose `Ending.bound` is FALSE_DEG at
+    most, None if there are none. rms_deg, expected_deg: of claims; bound_deg_median: of all runs, inf if half of them
+    have joints that nothing tells."""
 
     case: str
     tellable: Share
@@ -112,6 +124,9 @@ class Outcome:
     motions_95: float
     rms_deg: float | None
     expected_deg: float | None
+    stalled: Share
+    claimed_within_bound: Share | None
+    bound_deg_median: float
 
 
 def run(
@@ -135,12 +150,14 @@ def run(
 def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     """With the default transfer and servo."""
     rng = np.random.default_rng(seed)
-    marked = None if case.symmetric is None else draw(rng, case.symmetric)
-    scene = Settings().scene if marked is None else marked.scene
+    marked = None if case.symmetric is None else symmetric.draw(rng, case.symmetric)
+    scene = distances.draw(rng) if case.distant else Settings().scene if marked is None else marked.scene
     low, high = np.transpose(load_scene(scene).range_deg)
     demo, start = map(tuple, rng.uniform(low, high, (2, len(low))).tolist())
-    noise = {"noise_px": case.noise_px, "frames": case.frames, "seed": int(rng.integers(2**32))}
-    settings = Settings.best(scene=scene, demonstrator_deg=demo, start_deg=start, **noise)
+    fields = {"noise_px": case.noise_px, "frames": case.frames, "seed": int(rng.integers(2**32))}
+    if case.distant:
+        fields["points"] = distances.POINTS
+    settings = Settings.best(scene=scene, demonstrator_deg=demo, start_deg=start, **fields)
     for _ in range(TRIES):
         session = Session(settings, lambda camera, scene, points: _eyes(case, marked, scene, points, rng))
         if session.snapshot.transfer is not None:
@@ -152,10 +169,11 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
     error = np.degrees(np.abs(last.theta - last.theta_demo).max())
     expected = np.nan if last.expected_error is None else np.degrees(last.expected_error)
     ended = last.motion < MOST_MOTIONS
-    return Ending(last.status, last.motion, ended, float(error), float(expected), _tellable(session))
+    return Ending(last.status, last.motion, ended, float(error), float(expected), _bound_deg(session))
 
 
-def _tellable(session: Session) -> bool:
+def _bound_deg(session: Session) -> float:
+    """As `Ending.bound`."""
     last, eyes, scene = session.snapshot, session.eyes, session.scene
     _, shown = eyes.demo_images(last.theta_demo)
     known = np.logical_not(shown.any(1))
@@ -163,7 +181,9 @@ def _tellable(session: Session) -> bool:
         if known.all():
             break
         known = known | eyes.own_images(theta)[1].all(-1)
-    return bool(np.isfinite(bound(session.world, last.theta_demo, 1.0, seen=shown & known[:, None])).all())
+    noise_px = session.settings.noise_px / np.sqrt(session.settings.frames)
+    of_a_pixel = bound(session.world, last.theta_demo, 1.0, seen=shown & known[:, None]).max()
+    return float(np.degrees(of_a_pixel * noise_px)) if np.isfinite(of_a_pixel) else np.inf
 
 
 def outcome(name: str, found: Sequence[Ending]) -> Outcome:
@@ -171,6 +191,7 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
     of_claims = lambda said: Share.of(map(said, claims)) if claims else None
     near = lambda endings: Share.of(ending.error <= NEAR_DEG for ending in endings)
     tellable = [ending for ending in found if ending.tellable]
+    within_bound = [ending.claimed for ending in found if ending.bound <= FALSE_DEG]
     rms = lambda of: float(np.sqrt(np.mean([of(ending) ** 2 for ending in claims]))) if claims else None
     motions = [ending.motions for ending in found]
     return Outcome(
@@ -188,6 +209,9 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
         motions_95=float(np.percentile(motions, 95)),
         rms_deg=rms(lambda ending: ending.error),
         expected_deg=rms(lambda ending: ending.expected),
+        stalled=Share.of(ending.status == "stalled" for ending in found),
+        claimed_within_bound=Share.of(within_bound) if within_bound else None,
+        bound_deg_median=float(np.median([ending.bound for ending in found])),
     )
 
 

@@ -1,0 +1,50 @@
+"""The noise of the demonstrator's images, magnified by the transfer, is part of what E may be at the right posture."""
+
+import numpy as np
+import pytest
+
+from viewimit.experiments.bench.distances import scene_text
+from viewimit.prediction import PredictedConflict
+from viewimit.servo.observation import Weighting
+from viewimit.session import Session
+from viewimit.settings import Settings
+
+NOISE_PX = 0.25
+FALSE_DEG, TIMES = 1.0, 3.0  # off, and times the expected error: beyond both a claim is false
+
+
+def run_of(seed, **fields):
+    rng = np.random.default_rng(seed)
+    demo, start = rng.uniform((0, -180), (90, 0), (2, 2)).tolist()
+    poses = {"demonstrator_deg": tuple(demo), "start_deg": tuple(start)}
+    session = Session(Settings.best(points=16, noise_px=NOISE_PX, seed=seed, **poses, **fields))
+    last = session.run(300, 5).last
+    return session, last, np.degrees(np.abs(last.theta - last.theta_demo).max())
+
+
+def is_false(last, error_deg):
+    if last.status != "converged":
+        return False
+    return error_deg > FALSE_DEG and error_deg > TIMES * np.degrees(last.expected_error)
+
+
+@pytest.mark.parametrize("baseline_m", [0.05, 0.2, 0.6])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_learner_does_not_stall_at_the_best_posture_behind_a_demonstrator_far_away(baseline_m, seed):
+    """Four times as far as its own body, whose images alone made the floor under E."""
+    _, last, error_deg = run_of(seed, scene=scene_text(4.0, baseline_m))
+    assert last.status == "converged" and not is_false(last, error_deg)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_matches_that_no_affine_geometry_fits_keep_affine_weights_and_make_no_false_claim(seed):
+    session, last, error_deg = run_of(seed, scene="panda-toed", rectify="off")
+    now = session.snapshot
+    noise_px = session.observer.noise_at_rest(session.settings)
+    ask = PredictedConflict(now, noise_px=noise_px, moments=tuple(session.history))
+    assert ask.head is None
+    own = now.views.own
+    weighed = ask(own, weighting=Weighting(own, 1.0))
+    weights = np.linalg.lstsq(now.residual, weighed, rcond=None)[0]  # the same (4, 4) for all points, not one for each
+    np.testing.assert_allclose(now.residual @ weights, weighed, atol=1e-6 * np.abs(weighed).max())
+    assert not is_false(last, error_deg)

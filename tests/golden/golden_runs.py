@@ -248,12 +248,19 @@ RUNS = (
     Run("noise 0.5 px, 25 frames", {"noise_px": 0.5, "seed": 3}),
     Run("noise 1 px, 1 frame", {"noise_px": 1.0, "frames": 1, **FAR_OFF}, elsewhere=3e-5, why=FLAT),
     Run("5 points", {"points": 5, "noise_px": 0.1, **NEAR}),
-    Run("16 points", {"points": 16, "noise_px": 0.25, **STRETCHED}),
     # What spoils images and motions
     Run("missing 15 %", {"points": 16, "missing": 0.15}),
     Run("missing 30 %, noise", {"points": 16, "missing": 0.3, "noise_px": 0.25, "seed": 5}),
     Run("missing 40 %, 1 frame: points half seen", {"points": 16, "missing": 0.4, "frames": 1, "seed": 2}),
-    Run("outliers 5 %, noise", {"points": 16, "outliers": 0.05, "noise_px": 0.25}),
+    Run(
+        "outliers 5 %, noise",
+        {"points": 16, "outliers": 0.05, "noise_px": 0.25, "frames": 1, "seed": 1},
+        elsewhere=1e-4,
+        why="rounding errors decide between two expected errors that are 1e-5 rad apart",
+    ),
+    Run(
+        "outliers 5 %, noise, never at rest", {"points": 16, "outliers": 0.05, "noise_px": 0.25, "frames": 1, "seed": 2}
+    ),
     Run("swapped pair", {"swapped": 0.2}),
     Run("swapped pairs, noise", {"points": 16, "swapped": 0.25, "noise_px": 0.25, "seed": 9}),
     Run("gain error -15 %, noise", {"gain_error": -0.15, "noise_px": 0.25}),

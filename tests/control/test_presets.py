@@ -43,7 +43,7 @@ LESSONS: dict[str, Callable[[End], bool]] = {
     "Verged cameras": lambda end: end.known.least and end.off > 5,
     "Toed-in cameras": lambda end: end.off < 0.2 and end.last.motion <= 12 and end.last.rectification is not None,
     "Demonstrator faces the learner": lambda end: end.known.least and end.off > 10 and end.last.E > 20,
-    "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and len(end.known.untold) == 2,
+    "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.untold,
     "Nearly coplanar points": lambda end: end.last.flatness > RED,
     "Half a pixel of noise": lambda end: end.off > 1,
     "Points get lost": lambda end: end.last.usable.sum() < len(end.last.usable),

@@ -16,7 +16,7 @@ from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
 EQUAL = 1e-6  # share of E: what differs by less, as where a joint moves no point, may do so by rounding
-LEAST_OWN_SHARE = 0.01  # of the variance of a single own image, what many visits may leave of it
+OWN_SHARE = 0.1  # of the variance of a single own image, that kinematics leave of it
 WELL_TOLD = (
     1.0  # px, standard deviation up to which a point that is not seen is as good as one that is, where E is large
 )
@@ -88,17 +88,12 @@ def _measure_by(most: float, learned: Learned, conflict: Conflict, by: str | Non
 
 
 def _own_share(learned: Learned, best: int) -> float:
-    """The variance of the predicted own image of a visit, as a share of that of a single image.
+    """The variance of the own images that are compared, as a share of that of a single image.
 
-    It is 1 without kinematics that explain all visits, and where a point that rests has the same image to the last bit
-    at other visits: images are rounded then, and what is left of that does not average.
+    Kinematics average the noise of many visits. Without them, and where a point that rests has the same image to the
+    last bit at other visits, nothing does: images are rounded then, always alike.
     """
-    if learned.kinematics is None or _repeats(learned, best):
-        return 1.0
-    spread = learned.about(best).spread(learned.visits[best].displacement[None])[0]
-    spread = spread[np.isfinite(spread)]
-    share = float(np.mean(spread**2)) / learned.noise_px**2 if len(spread) else 1.0
-    return float(np.clip(share, LEAST_OWN_SHARE, 1.0))
+    return 1.0 if learned.kinematics is None or _repeats(learned, best) else OWN_SHARE
 
 
 def _repeats(learned: Learned, best: int) -> bool:

@@ -100,6 +100,12 @@ def test_opencvs_arrays_are_points_of_one_posture():
     np.testing.assert_array_equal(views.own, FourViews.from_images(l, r, L, R).own)
 
 
+def test_a_stack_of_opencvs_arrays_is_a_batch_of_postures():
+    batch = images(batch=(3,))
+    views = FourViews.from_images(*(image[..., None, :] for image in batch))
+    np.testing.assert_array_equal(views.own, FourViews.from_images(*batch).own)
+
+
 def test_wrong_shapes_are_refused_with_the_view():
     l, r, L, R = images()
     with pytest.raises(ValueError, match="own_left: need points of shape"):

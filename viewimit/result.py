@@ -1,6 +1,6 @@
 """What a run of the loop returns: why it ended, and what it took."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ WHY = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RunResult:
     """Why `Session.run` ended, and what it took.
 
@@ -27,9 +27,12 @@ class RunResult:
     """
 
     motions: int
-    travel: float = field(repr=False)
-    joint_travel: NDArray = field(repr=False)
-    last: Snapshot = field(repr=False)
+    travel: float
+    joint_travel: NDArray
+    last: Snapshot
+
+    def __repr__(self) -> str:
+        return f"RunResult(status={self.status!r}, motions={self.motions}, travel_deg={self.travel_deg:.4g})"
 
     @property
     def status(self) -> str:

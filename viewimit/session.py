@@ -193,7 +193,8 @@ class Session:
             return False
         if now.target is not None:
             self.log.note_on(now.motion, looked=False)
-            self.history.append(self._moved(now, now.target, probe=now.probe, status=now.servo_state.status))
+            status = status_of(now.servo_state, "moving")
+            self.history.append(self._moved(now, now.target, probe=now.probe, status=status))
             return True
         state, displacement = self._ask(now)  # residual e → E → servo
         if exchanged(state) != exchanged(now.servo_state):
@@ -413,8 +414,10 @@ class Session:
         """The servo's next state, and the displacement that it wants, (m,) rad."""
         servo, seen = now.servo, self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
-        state, displacement = servo.step(state, seen, self.predicted_conflict(now))
-        displacement = np.asarray(displacement, float)
+        answer = servo.step(state, seen, self.predicted_conflict(now))
+        if not (isinstance(answer, tuple) and len(answer) == 2):
+            raise TypeError(f"the servo {servo.title!r} must return its state and its motion, (m,) rad, got {answer!r}")
+        state, displacement = answer[0], np.asarray(answer[1], float)
         if displacement.shape != now.theta.shape or not np.isfinite(displacement).all():
             wanted = f"{len(now.theta)} finite angles in rad"
             raise ValueError(f"the servo {servo.title!r} must return its state and {wanted}, got {displacement}")

@@ -29,12 +29,16 @@ class FourViews:
 
     @classmethod
     def from_images(cls, demo_left: ArrayLike, demo_right: ArrayLike, own_left: ArrayLike, own_right: ArrayLike):
-        """Tracked points, (..., N, 2) px a view, or OpenCV's (N, 1, 2). A point with NaN in a view, or masked, was not
-        seen there.
+        """Tracked points, (..., N, 2) px a view, or OpenCV's (..., N, 1, 2). A point with NaN in a view, or masked, was
+        not seen there.
 
         Raises ValueError if the views do not hold the same number of points.
         """
-        images = [image_points(_unmasked(image)) for image in (demo_left, demo_right, own_left, own_right)]
+        return cls.from_arrays(*map(image_points, map(_unmasked, (demo_left, demo_right, own_left, own_right))))
+
+    @classmethod
+    def from_arrays(cls, *images: NDArray) -> "FourViews":
+        """The same of four arrays (..., N, 2) px that are never OpenCV's, as of T frames of one point."""
         for name, image in zip(VIEW_NAMES.values(), images):
             if image.ndim < 2 or image.shape[-1] != 2:
                 raise ValueError(f"{name}: need points of shape (..., N, 2), got {image.shape}")

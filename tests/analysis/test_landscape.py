@@ -169,6 +169,14 @@ def test_a_landscape_needs_a_scene_and_two_joints():
         landscape(Session.of(Robot(), Robot()))
 
 
+def test_what_no_landscape_can_be_of_is_named():
+    session = Session()
+    with pytest.raises(ValueError, match="no transfer 'nope'; there are epipolar, "):
+        landscape(session, by="nope")
+    with pytest.raises(TypeError, match="a landscape is of a Session, got <.*; landscape_over takes a world"):
+        landscape(session.world)
+
+
 def test_grids_cover_the_range_of_two_joints():
     rows, columns = grid_axes(panda())
     np.testing.assert_allclose(np.degrees(rows), np.arange(91), atol=1e-12)

@@ -160,6 +160,14 @@ def test_without_six_usable_points_there_is_no_leave_one_out_error_which_is_said
     assert ask_json("evaluate", path)[1]["leave_one_out"] is None
 
 
+def test_a_table_of_one_point_has_too_few_points_however_many_frames_it_has(ask, tmp_path):
+    views = arms(frames=9)
+    one = FourViews(*(images[:, :1] for images in (views.demo, views.own, views.visible)))
+    status, out, err = ask("evaluate", write(tmp_path / "one.csv", one))
+    assert status == 1 and " 1 points, 9 frames\n" in out
+    assert "no frame has 5 points in all four views" in err
+
+
 def test_of_arms_in_different_postures_the_matches_decide_which_is_said(ask, tmp_path):
     world, rng = World(load_scene("panda-toed"), 16), np.random.default_rng(4)
     low, high = world.scene.lower, world.scene.upper
@@ -168,7 +176,8 @@ def test_of_arms_in_different_postures_the_matches_decide_which_is_said(ask, tmp
     noise = 0.2 * rng.standard_normal((2, *demo.shape))
     views = FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
     _, out, _ = ask("evaluate", write(tmp_path / "points.csv", views))
-    assert "images rectified, as their matches ask; errors this large are of arms in different postures\n" in out
+    large = "errors this large are of arms in different postures, or of magnified noise"
+    assert f"images rectified, as their matches ask; {large}\n" in out
 
 
 def mirrored(head, noise_px=0.2):

@@ -115,6 +115,17 @@ def test_a_servo_without_a_status_that_wants_no_motion_rests():
     assert session.snapshot.status == "rests" and session.snapshot.servo_state == {"asked": 1}
 
 
+def test_a_motion_of_a_servo_without_a_status_is_divided_as_any_other():
+    class Once(Still):
+        def step(self, state, seen, conflict):
+            return {"asked": state["asked"] + 1}, np.radians((0, 12)) if state["asked"] == 0 else np.zeros(2)
+
+    session = Session(Settings(**START, max_step_deg=5), servo=Once())
+    assert session.run().motions == 3
+    assert session.snapshot.servo_state == {"asked": 2}
+    np.testing.assert_allclose(np.degrees(session.snapshot.theta), (25, -33), atol=1e-6)
+
+
 def test_both_are_drawn_in_a_replay_and_go_on_in_a_copy_and_in_another_session():
     session = Session(Settings.paper(**START), transfer=affine_map, servo=Law())
     session.run(3)
@@ -214,6 +225,10 @@ def test_points_of_another_shape_and_motions_that_are_none_are_named():
     for motion in (0.1, [0.1, 0.2, 0.3], [np.nan, 0.0]):
         with pytest.raises(ValueError, match="the servo 'Mover' must return its state and 2 finite angles in rad"):
             Session(servo=Mover(motion)).step()
+    law = Mover(None)
+    law.step = lambda state, seen, conflict: state
+    with pytest.raises(TypeError, match="the servo 'Mover' must return its state and its motion"):
+        Session(servo=law).step()
     law = Mover([0.1, 0.0])
     law.start = lambda seen: type("State", (), {"status": "busy"})()
     with pytest.raises(ValueError, match="status must be one of moving, converged, rests, untold, stalled, got 'busy'"):

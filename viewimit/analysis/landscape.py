@@ -4,6 +4,7 @@ It asks for the learner's images at every posture, of the simulated world or of 
 not for a servo.
 """
 
+import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -17,6 +18,7 @@ from ..geometry.batches import keep_freed_memory
 from ..session import Session
 from ..simulation.robot import Angles
 from ..simulation.world import World
+from ..transfer import TRANSFERS
 from ..views import FourViews
 
 BLOCK = 55_000  # points of postures evaluated together: their arrays stay in the processor's cache
@@ -113,8 +115,13 @@ def landscape(
 
     step_deg: of the grid, by default 1°, with rendered pictures 10°. by: the name of another transfer than the
     session's. with_condition: whether the transfer's condition is found as well. What spoils images spoils the
-    demonstrator's alone. Raises ValueError for another number of joints, a step that is none, and without a scene.
+    demonstrator's alone. Raises ValueError for another number of joints, a step or a transfer that is none, and without
+    a scene; TypeError for what is no session, such as a world (`landscape_over`).
     """
+    if not isinstance(session, Session):
+        raise TypeError(f"a landscape is of a Session, got {reprlib.repr(session)}; landscape_over takes a world")
+    if by is not None and by not in TRANSFERS:
+        raise ValueError(f"no transfer {by!r}; there are {', '.join(TRANSFERS)}")
     now, step = session.snapshot, STEP_DEG[session.settings.camera] if step_deg is None else step_deg
     fit = partial(now.fit, by=by)
     demo, seen = now.views.demo, now.views.visible[:, :2]

@@ -24,7 +24,7 @@ POOLED, MATCHES = 200, 2000  # frames whose matches tell a rectification, and ma
 TOGETHER = 200_000  # points in fits made at a time, for memory's sake
 JUDGE = "projective"  # the transfer whose errors decide: rectification makes it exact
 GAIN, SURE = 0.95, 2.0  # rectified over raw errors: so many standard errors below it images are rectified
-ALIKE, ALIKE_PX = 10.0, 0.1  # times the noise of matches, and px: larger errors are of arms in different postures
+ALIKE, ALIKE_PX = 10.0, 0.1  # times the noise of matches, and px: larger errors tell little of the cameras
 EXACT_PX = 1e-3  # errors below it are compared as if they were as large
 SPACE = 3  # dimensions of points that tell a transfer
 

@@ -44,7 +44,8 @@ def verdict(found: dict | None, rectified: bool) -> str | None:
         return "images rectified: their matches ask for it" if rectified else None
     how, ratio = "rectified" if rectified else "left as they are", found["rectified_ratio"]
     if ratio is None:
-        return f"images {how}, as their matches ask; errors this large are of arms in different postures"
+        large = "errors this large are of arms in different postures, or of magnified noise"
+        return f"images {how}, as their matches ask; {large}"
     what = f"{JUDGE} is {ratio:.2g} times as far off if rectified, {found['rectified_ratio_bound']:.2g} at most"
     return f"images {how}: {what}; less than {GAIN:g} asks for it"
 

@@ -26,7 +26,7 @@ NEARLY_EQUAL = 1e-5  # of the cofactors of f, relative to the trace³: below, LA
 def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray]:
     """Eqs. (1)-(3): the hyperplane nearest to the matches in the 4-space of [p; q].
 
-    p, q: (..., N, 2) px, or OpenCV's (N, 1, 2) → f: (..., 4), unit norm, sign arbitrary; f33: (...) px.
+    p, q: (..., N, 2) px, or OpenCV's (..., N, 1, 2) → f: (..., 4), unit norm, sign arbitrary; f33: (...) px.
     Eq. (2) prints 1/n for 1/N, and the u_0 of Eq. (3) is the centroid.
     Raises ValueError with fewer than 5 points, its kind LinAlgError with a coordinate that is not finite.
     """
@@ -40,11 +40,11 @@ def fit_affine_fundamental(p: ArrayLike, q: ArrayLike) -> tuple[NDArray, NDArray
 
 
 def image_points(points: NDArray) -> NDArray:
-    """OpenCV's arrays of points, (N, 1, 2), as (N, 2); all other arrays as they are.
+    """OpenCV's arrays of points, (..., N, 1, 2), as (..., N, 2); all other arrays as they are.
 
     As a batch, (N, 1, 2) would be N postures of one point each, of which no geometry can be fitted.
     """
-    return points[:, 0] if points.ndim == 3 and points.shape[1:] == (1, 2) else points
+    return points[..., 0, :] if points.ndim > 2 and points.shape[-2:] == (1, 2) else points
 
 
 def require_points(count: int) -> None:

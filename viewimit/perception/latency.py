@@ -8,10 +8,7 @@ from numpy.typing import NDArray
 from ..geometry.affine import image_unit
 
 MOST_LAG = 3  # looks
-MOVED_PX, MOVED_NOISE = (
-    0.2,
-    5.0,
-)  # of typical images, times the noise: the least that half of the points must move to have moved
+MOVED_PX, MOVED_NOISE = 0.2, 5.0  # of typical images, times the noise: half of the points move by more, or none moved
 
 Look = Callable[[int], tuple[NDArray, NDArray]]
 

@@ -82,7 +82,7 @@ class TrackedPoints:
     def views(self, least_confidence: float = 0.0) -> FourViews:
         """All frames: (T, N, …). Points of less confidence, and where a tracker writes what it has lost, were not
         seen."""
-        return FourViews.from_images(*(self._seen(view, least_confidence) for view in VIEWS))
+        return FourViews.from_arrays(*(self._seen(view, least_confidence) for view in VIEWS))
 
     def lost(self, least_confidence: float = 0.0) -> int:
         """How many points of as much confidence are where a tracker writes what it has lost."""

@@ -59,16 +59,16 @@ class Handedness:
         own: (..., N, 4) px. Returns residuals (..., N, 3) px whose squares sum to s₃² where the map reflects and are 0
         elsewhere; None if no map reflects.
         """
-        M = own.reshape(*own.shape[:-2], -1) @ self._products  # the basis is centred, so the images need not be
-        a, b, c, d, e, f, g, h, i = np.moveaxis(M, -1, 0)
-        determinant = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
-        reflects = self.sign * determinant < 0
+        images = own.reshape(-1, len(self._products))
+        M = images @ self._products  # the basis is centred, so the images need not be
+        a, b, c, d, e, f, g, h, i = M.T
+        reflects = self.sign * (a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)) < 0
         if not reflects.any():
             return None
-        missing = np.zeros(own.shape[:-1] + (DIMENSIONS,))
+        missing = np.zeros((len(images), len(self.basis), DIMENSIONS))
         P, s, Qt = np.linalg.svd(M[reflects].reshape(-1, DIMENSIONS, DIMENSIONS))
         missing[reflects] = (self.basis @ Qt[:, -1, :, None]) * (s[:, -1:, None] * P[:, None, :, -1])
-        return missing
+        return missing.reshape(*own.shape[:-1], DIMENSIONS)
 
     def mirrored_in(self, own: NDArray) -> bool | None:
         """Return whether the best linear map to a body with images (N, 4) px reflects; None if noise hides that."""

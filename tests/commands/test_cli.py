@@ -61,7 +61,7 @@ def test_joints_that_nothing_tells_are_named_and_nothing_is_claimed(ask_json, as
     assert told["expected_error_deg"] > max(joint["expected_error_deg"] for joint in told["joints"])
     few = "imitate", "--points", 5, "--demonstrator", "20,-30"
     status, told = ask_json(*few)
-    assert status == 1 and told["status"] == "untold" and not told["converged"]
+    assert status == 1 and told["status"] == "unobservable" and not told["converged"]
     for joint in told["joints"]:
         assert joint["told"] is False and joint["expected_error_deg"] is None
     assert "not told      theta2, theta4" in ask(*few)[1]

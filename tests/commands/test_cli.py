@@ -30,7 +30,7 @@ from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
 
-HEADING = ("version", "command", "options")  # of every object
+HEADING = ("version", "format", "command", "options")  # of every object
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
 
 
@@ -89,7 +89,7 @@ def test_of_joints_that_too_few_visits_tell_of_it_is_not_said_that_their_points_
 )
 def test_a_run_can_be_repeated_from_its_object(ask_json, words):
     _, told = ask_json(*words.split())
-    assert (told["version"], told["command"]) == (viewimit.__version__, "imitate")
+    assert (told["version"], told["format"], told["command"]) == (viewimit.__version__, 2, "imitate")
     settings = msgspec.convert(told["settings"], Settings)
     assert set(told["settings"]) == set(Settings.__struct_fields__)
     session = Session(settings)

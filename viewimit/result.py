@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .snapshot import AT_REST, Snapshot
+from .servo.status import ServoStatus
+from .snapshot import Snapshot
 
-OUT_OF_MOTIONS = "max_motions"
 WHY = {
-    "converged": "the learner claims to have arrived",
-    "rests": "it rests, without evidence of having arrived",
-    "untold": "some joint is not told",
-    "stalled": "stalled",
-    "stopped": "too few points are seen in all four images",
-    OUT_OF_MOTIONS: "no more motions",
+    ServoStatus.CONVERGED: "the learner claims to have arrived",
+    ServoStatus.RESTS: "it rests, without evidence of having arrived",
+    ServoStatus.UNOBSERVABLE: "some joint is not told",
+    ServoStatus.STALLED: "stalled",
+    ServoStatus.STOPPED: "too few points are seen in all four images",
+    ServoStatus.MAX_MOTIONS: "no more motions",
 }
 
 
@@ -32,25 +32,26 @@ class RunResult:
     last: Snapshot
 
     def __repr__(self) -> str:
-        return f"RunResult(status={self.status!r}, motions={self.motions}, travel_deg={self.travel_deg:.4g})"
+        return f"RunResult(status={self.status.value!r}, motions={self.motions}, travel_deg={self.travel_deg:.4g})"
 
     @property
-    def status(self) -> str:
-        """Of the servo: converged, rests, untold or stalled; else stopped, for want of points, or max_motions."""
-        if self.last.status in AT_REST:
+    def status(self) -> ServoStatus:
+        """Of the servo at rest; else stopped, for want of points, or max_motions."""
+        if self.last.status.is_at_rest:
             return self.last.status
-        return "stopped" if self.last.transfer is None else OUT_OF_MOTIONS
+        return ServoStatus.STOPPED if self.last.transfer is None else ServoStatus.MAX_MOTIONS
 
     @property
     def success(self) -> bool:
         """Whether the learner claims to have arrived."""
-        return self.status == "converged"
+        return self.status.is_claim
 
     @property
     def message(self) -> str:
         """Why it ended, in a line."""
-        why = "no motion was made" if self.status == OUT_OF_MOTIONS and self.last.motion == 0 else WHY[self.status]
-        says = self.last.servo.says(self.last.servo_state, self.last.status) if self.status == "stalled" else ""
+        status, last = self.status, self.last
+        why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
+        says = last.servo.says(last.servo_state, last.status) if status == ServoStatus.STALLED else ""
         return f"{why}: {says}" if says else why
 
     @property

@@ -27,19 +27,19 @@ from .result import RunResult
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
 from .servo import MinimalServo, Observation, Servo, completed_servo
 from .servo.observation import Conflict
+from .servo.status import ServoStatus
 from .servo.visit import Visit
 from .settings import OWN, Settings, warn_of_radians
 from .simulation.eyes import SimulatedEyes, open_eyes
 from .simulation.scene import Scene
 from .simulation.world import World
-from .snapshot import AT_REST, Snapshot, exchanged, given_own, probes, status_of
+from .snapshot import Snapshot, exchanged, given_own, probes, status_of
 from .transfer import TransferFunction, TransferMethod, transfer_method
 from .views import FourViews
 
 BEGIN_ANEW = (  # what changes body or camera
     "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay", "workspace_deg",
 )  # fmt: skip
-THERE = set(AT_REST) - {"stalled"}  # at rest where E is as small as the servo can make it
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 GivenTransfer = str | TransferMethod | TransferFunction
 GivenServo = str | Servo | MinimalServo
@@ -167,7 +167,7 @@ class Session:
                 in_vain, motions, travel = 0, motions + 1, travel + float(moved.max())
                 joint_travel += moved
                 each(self.snapshot)
-            elif self.snapshot.status == "stopped":
+            elif self.snapshot.status == ServoStatus.STOPPED:
                 in_vain += 1
             else:
                 break
@@ -189,11 +189,11 @@ class Session:
             return False
         if now.motion >= MAX_HISTORY:
             self.log.note(now.motion, Stepped(1))
-            self.history.replace(now.with_fields(status="stopped"))
+            self.history.replace(now.with_fields(status=ServoStatus.STOPPED))
             return False
         if now.target is not None:
             self.log.note_on(now.motion, looked=False)
-            status = status_of(now.servo_state, "moving")
+            status = status_of(now.servo_state, ServoStatus.MOVING)
             self.history.append(self._moved(now, now.target, probe=now.probe, status=status))
             return True
         state, displacement = self._ask(now)  # residual e → E → servo
@@ -204,7 +204,7 @@ class Session:
             self.history.replace(_resting(now, state))
             return False
         self.log.note_on(now.motion, looked=held)
-        target, status, probe = now.commanded + displacement, status_of(state, "moving"), probes(state)
+        target, status, probe = now.commanded + displacement, status_of(state, ServoStatus.MOVING), probes(state)
         after = self._moved(now, target, probe=probe, status=status, servo_state=state)
         self.history.append(after)
         return True
@@ -229,7 +229,7 @@ class Session:
         rectification = rectification_for(settings, before, views)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
-            return seen.with_fields(E=np.nan, status="stopped")
+            return seen.with_fields(E=np.nan, status=ServoStatus.STOPPED)
         return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E
 
     def look(self) -> bool:
@@ -310,7 +310,7 @@ class Session:
         settings = self.settings
         body = BodyImage(self.embodiment.body(settings), settings.scene_called, self.observer.noise_at_rest(settings))
         now = self.snapshot.with_fields(
-            body=body, to_rehearse=to_rehearse, servo_state=None, status="rehearsing", target=None
+            body=body, to_rehearse=to_rehearse, servo_state=None, status=ServoStatus.REHEARSING, target=None
         )
         self.log.note(now.motion, Rehearsed(tuple(map(tuple, to_rehearse.tolist()))))
         self.history.replace(now)
@@ -384,7 +384,7 @@ class Session:
         blank = Snapshot(
             settings=settings, motion=0, look=0, theta=theta, theta_demo=begun.theta_demo, views=NOTHING_SEEN,
             rectification=None, E=np.nan, commanded=begun.start, moved=np.zeros_like(begun.start), probe=False,
-            status="ready", servo_state=None, lag=None, frozen=None, body=body,
+            status=ServoStatus.READY, servo_state=None, lag=None, frozen=None, body=body,
             own_transfer=own.transfer, own_servo=own.servo,
         )  # fmt: skip
         self.history = self._history([blank], 0)
@@ -454,7 +454,7 @@ class Session:
             body = body.with_visit(visit)
         else:
             left = now.to_rehearse
-        status = "rehearsing" if len(left) else _awake(after)
+        status = ServoStatus.REHEARSING if len(left) else _awake(after)
         self.log.note_on(now.motion, looked=False)
         self.history.append(after.with_fields(body=body, to_rehearse=left, status=status))
 
@@ -498,9 +498,9 @@ def _log_anew(settings: Settings, before: Session | None) -> Log:
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:
     """The moment at which a servo, now in this state, wants no motion any more."""
-    status = status_of(state, "rests")
-    status = "stalled" if status == "moving" else status
-    frozen = now.transfer if status in THERE else now.frozen
+    status = status_of(state, ServoStatus.RESTS)
+    status = ServoStatus.STALLED if status == ServoStatus.MOVING else status
+    frozen = now.transfer if status.is_at_minimum else now.frozen
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
 
 
@@ -509,6 +509,6 @@ def _same_demonstrator(now: Snapshot, after: Snapshot) -> bool:
     return before is demo or np.array_equal(before, demo, equal_nan=True)
 
 
-def _awake(now: Snapshot) -> str:
+def _awake(now: Snapshot) -> ServoStatus:
     """The status of a moment at which the servo has to be asked again."""
-    return "ready" if now.motion == 0 else "moving"
+    return ServoStatus.READY if now.motion == 0 else ServoStatus.MOVING

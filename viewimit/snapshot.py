@@ -11,12 +11,12 @@ from .body_image import BodyImage
 from .geometry.affine import MIN_POINTS, flatness
 from .geometry.pairs import INTO, PairGeometry, fit_pairs
 from .geometry.rectification import Rectification
-from .servo import SERVOS, Certificate, Servo
+from .servo import SERVOS, Certificate, Servo, ServoStatus
 from .settings import OWN, Settings
 from .transfer import TRANSFERS, FittedTransfer, TransferMethod, rectified
 from .views import FourViews, Pairs
 
-AT_REST = ("converged", "rests", "untold", "stalled")  # statuses in which a servo asks for no motion worth making
+OF_A_SERVO = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +29,7 @@ class Snapshot:
     they are not; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: ready, rehearsing, moving, converged, rests, untold, stalled, stopped; servo_state: None before the servo
-    was asked;
+    status: any but max_motions; servo_state: None before the servo was asked;
     lag: looks that images come late, None until a motion has shown it;
     frozen: the transfer as it was fitted at the last convergence, None before;
     body: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
@@ -50,7 +49,7 @@ class Snapshot:
     commanded: NDArray
     moved: NDArray
     probe: bool
-    status: str
+    status: ServoStatus
     servo_state: Any
     lag: int | None
     frozen: FittedTransfer | None
@@ -239,12 +238,16 @@ def probes(servo_state: Any) -> bool:
     return bool(getattr(servo_state, "probe", False))
 
 
-def status_of(servo_state: Any, usual: str) -> str:
+def status_of(servo_state: Any, usual: ServoStatus) -> ServoStatus:
     """Of a `ServoState`; usual: of a state without one. Raises ValueError for a status that there is not."""
     status = getattr(servo_state, "status", usual)
-    if status not in ("moving", *AT_REST):
-        raise ValueError(f"a servo's status must be one of moving, {', '.join(AT_REST)}, got {status!r}")
-    return status
+    try:
+        found = ServoStatus(status)
+    except ValueError:
+        found = None
+    if found not in OF_A_SERVO:
+        raise ValueError(f"a servo's status must be one of {', '.join(OF_A_SERVO)}, got {status!r}")
+    return found
 
 
 FIELDS = frozenset(field.name for field in fields(Snapshot))

@@ -21,7 +21,8 @@ MOST_SUMMARY = 2_000  # bytes
 MOST_ROSTER = MOST_STUDENTS * MOST_SUMMARY
 MOST_ORDERS = 64_000
 MOST_REPLY = MOST_CHARS + 500
-STATES = ("lost", "stopped", "stalled", "moving", "paused", "ready", "rests", "arrived")  # who needs help first
+# who needs help first: words of `ServoStatus`, and of the page
+STATES = ("lost", "stopped", "stalled", "unobservable", "moving", "paused", "ready", "rests", "arrived")
 
 Id = Annotated[str, Meta(pattern="^[0-9a-f]{16}$")]
 Text = Annotated[str, Meta(max_length=80)]
@@ -41,7 +42,9 @@ class Summary(msgspec.Struct, **FIELDS):
 
     id: Id
     name: Annotated[str, Meta(max_length=MOST_NAME)] = ""
-    state: Literal["lost", "stopped", "stalled", "moving", "paused", "ready", "rests", "arrived"] = "ready"
+    state: Literal[
+        "lost", "stopped", "stalled", "unobservable", "moving", "paused", "ready", "rests", "arrived"
+    ] = "ready"  # fmt: skip
     E: Size | None = None
     off: Size | None = None
     motions: Count = 0

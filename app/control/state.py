@@ -11,12 +11,12 @@ from viewimit.analysis.construction import Construction, construct
 from viewimit.analysis.joint_errors import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.images.planes import Windows
-from viewimit.servo import SERVOS
+from viewimit.servo import SERVOS, ServoStatus
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
-from viewimit.snapshot import AT_REST, Snapshot
+from viewimit.snapshot import Snapshot
 from viewimit.viewer.landscapes import MadeLandscape
 
 from ..classroom.messages import Asked
@@ -158,7 +158,7 @@ class PageState:
         seen."""
         if self.on_its_way is None or self.imitated is not None or self.see_through is not None:
             return None
-        return self.looked if self.looked.transfer is None else self.looked.with_fields(status="moving")
+        return self.looked if self.looked.transfer is None else self.looked.with_fields(status=ServoStatus.MOVING)
 
     @cached_property
     def arms_in_images(self) -> tuple[Bodies, Windows]:
@@ -180,7 +180,7 @@ class PageState:
         """What the learner can tell of the posture in which it rests; None unless it does. Laws that move on although
         they have stalled rest when they are paused."""
         moves_on = self.playing and SERVOS[self.present.settings.servo].slow
-        return assess(self.session) if self.present.status in AT_REST and not moves_on else None
+        return assess(self.session) if self.present.status.is_at_rest and not moves_on else None
 
     @cached_property
     def rehearsal(self) -> Rehearsal:

@@ -16,7 +16,7 @@ import zstandard
 
 from viewimit.body_image import Body, BodyImage
 from viewimit.geometry.rectification import Rectification
-from viewimit.servo import SERVOS
+from viewimit.servo import SERVOS, ServoStatus
 from viewimit.servo.visit import Visit
 from viewimit.settings import OWN, Settings
 from viewimit.snapshot import Snapshot
@@ -24,14 +24,14 @@ from viewimit.transfer import TRANSFERS
 from viewimit.transfer.rectified import RectifiedTransfer
 from viewimit.views import FourViews
 
-from .kinds import require_fields
+from .kinds import fields_of, require_fields
 
 MOST_BYTES = 8 << 20  # of a part, unpacked
 SCALARS = (type(None), bool, int, float, str)
 KINDS = "biuf"  # of arrays: numbers and truth values, no objects
 DTYPE = re.compile(f"[<>|][{KINDS}][0-9]{{1,2}}")
 OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, BodyImage, Body, Visit)
-ARRAY, SCALAR, TUPLE, SETTINGS = "array", "scalar", "tuple", "settings"
+ARRAY, SCALAR, STATUS, TUPLE, SETTINGS = "array", "scalar", "status", "tuple", "settings"
 
 
 def encode(snapshots: Sequence[Snapshot]) -> bytes:
@@ -106,6 +106,8 @@ class _Packer:
             return [ARRAY, one.dtype.str, one.shape, one.tobytes()]
         if isinstance(one, np.generic):
             return [SCALAR, one.dtype.str, one.tobytes()]
+        if type(one) is ServoStatus:
+            return [STATUS, one.value]
         if type(one) is tuple:
             return [TUPLE, [self.value(item) for item in one]]
         if isinstance(one, Settings):
@@ -151,11 +153,15 @@ def _object(listed: list, objects: list, classes: dict[str, type]):
         return np.frombuffer(content[2], _dtype(content[0])).reshape(content[1]).copy()
     if kind == SCALAR:
         return np.frombuffer(content[1], _dtype(content[0]))[0]
+    if kind == STATUS:
+        return ServoStatus(content[0])
     if kind == TUPLE:
         return tuple(_value(item, objects) for item in content[0])
     if kind == SETTINGS:
         return msgspec.convert(content[0], Settings)
     fields = {name: _value(item, objects) for name, item in content[0].items()}
+    for name in fields.keys() & fields_of(classes[kind], ServoStatus):
+        fields[name] = ServoStatus(fields[name]) if fields[name] else None  # earlier versions kept strings, "" for None
     require_fields(classes[kind], fields)
     return classes[kind](**fields)
 

@@ -68,6 +68,12 @@ def _check_of_tuple(inside: tuple[Any, ...]) -> Check:
 
 
 @cache
+def fields_of(kind: type, wanted: type) -> tuple[str, ...]:
+    """Names of a dataclass's fields that are declared as one type, or as that or None."""
+    return tuple(name for name, hint in get_type_hints(kind).items() if wanted in (hint, *get_args(hint)))
+
+
+@cache
 def _declared(kind: type) -> tuple[dict[str, Check], frozenset[str]]:
     """Checks of a dataclass's fields, and the names of those that it has a value for."""
     hints, fields = get_type_hints(kind), dataclasses.fields(kind)

@@ -109,7 +109,7 @@ DRAWINGS = {
     "servo": Drawing("best", _curves),
     "papers-law": Drawing("papers-law", _curves, ("(13)",)),
     "arrived": Drawing("best", _claim),
-    "untold": Drawing("untold", _claim),
+    "unobservable": Drawing("unobservable", _claim),
     "rectification": Drawing("toed-in", lambda session, chosen: draw_rectified(session.snapshot, _bodies(session))),
     "facing": Drawing("facing", _bowl),
 }

@@ -29,7 +29,7 @@ STATES = {
     "arrived": State(Settings.paper(start_deg=(25, -45)), runs=True),
     "best": State(Settings(start_deg=(25, -45)), runs=True),
     "papers-law": State(Settings.paper(servo="gradient", start_deg=(30, -60)), motions=100),
-    "untold": State(Settings(points=5, start_deg=(25, -45)), runs=True),
+    "unobservable": State(Settings(points=5, start_deg=(25, -45)), runs=True),
     "toed-in": State(Settings(scene="panda-toed", start_deg=(25, -45)), show={"rectified": True}),
     "facing": State(Settings.paper(scene="panda-facing", start_deg=(25, -45)), runs=True),
 }

@@ -41,7 +41,7 @@ def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
 
 def test_five_points_do_not_tell_the_joints():
     found = assess(rested(Settings.paper(points=5, start_deg=(25, -45))))
-    assert found.untold[0] == 0 and found.certificate.claim == "untold"
+    assert found.untold[0] == 0 and found.certificate.claim == "unobservable"
 
 
 @pytest.mark.parametrize("noise_px, seed", [(0.5, 7), (0.25, 1)])

@@ -377,6 +377,15 @@ def test_an_id_is_the_same_when_a_page_comes_back_and_tells_nothing_of_its_key(o
     assert of.classroom.id_of(None) != of.classroom.id_of(None)
 
 
+@pytest.mark.parametrize("points, state, words", [(5, "unobservable", "1 stuck"), (10, "arrived", "1 there")])
+def test_the_class_is_shown_at_which_status_a_student_ends(points, state, words):
+    of = Class(students=1, settings=Settings(points=points, start_deg=(25, -45)))
+    step(of.students[0], 30)
+    of.go_on()
+    assert model(of.students[0]).role.summary.state == state
+    assert f'data-state="{state}"' in of.lecturer.shown and words in of.lecturer.shown
+
+
 def test_a_summary_is_small_whatever_was_done(of):
     student = of.students[0]
     step(student, 30)

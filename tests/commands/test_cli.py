@@ -30,7 +30,7 @@ from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.transfer import TRANSFERS
 
-HEADING = ("version", "command", "options")  # of every object
+HEADING = ("version", "format", "command", "options")  # of every object
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
 
 
@@ -61,7 +61,7 @@ def test_joints_that_nothing_tells_are_named_and_nothing_is_claimed(ask_json, as
     assert told["expected_error_deg"] > max(joint["expected_error_deg"] for joint in told["joints"])
     few = "imitate", "--points", 5, "--demonstrator", "20,-30"
     status, told = ask_json(*few)
-    assert status == 1 and told["status"] == "untold" and not told["converged"]
+    assert status == 1 and told["status"] == "unobservable" and not told["converged"]
     for joint in told["joints"]:
         assert joint["told"] is False and joint["expected_error_deg"] is None
     assert "not told      theta2, theta4" in ask(*few)[1]
@@ -89,7 +89,7 @@ def test_of_joints_that_too_few_visits_tell_of_it_is_not_said_that_their_points_
 )
 def test_a_run_can_be_repeated_from_its_object(ask_json, words):
     _, told = ask_json(*words.split())
-    assert (told["version"], told["command"]) == (viewimit.__version__, "imitate")
+    assert (told["version"], told["format"], told["command"]) == (viewimit.__version__, 2, "imitate")
     settings = msgspec.convert(told["settings"], Settings)
     assert set(told["settings"]) == set(Settings.__struct_fields__)
     session = Session(settings)

@@ -22,7 +22,6 @@ from viewimit.experiments import EXPERIMENTS
 from viewimit.servo import SERVOS
 from viewimit.settings import Settings
 from viewimit.simulation.kinematics import hand_position
-from viewimit.snapshot import AT_REST
 from viewimit.transfer import TRANSFERS
 
 AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
@@ -171,7 +170,7 @@ def test_a_resting_loop_wakes_when_the_demonstrator_moves(page):
         player.advance(float(now))
     rested = session.snapshot
     player.advance(300.0)
-    assert session.snapshot is rested and rested.status in AT_REST
+    assert session.snapshot is rested and rested.status.is_at_rest
     visitor.set("joint0", 70)
     for now in range(400, 600):
         player.advance(float(now))

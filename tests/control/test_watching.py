@@ -16,7 +16,6 @@ from viewimit.app.sessions.sqlite_store import SqliteStore
 from viewimit.rehearsal import POSTURES, motions_of_imitation, rehearse
 from viewimit.session import Session
 from viewimit.settings import Settings
-from viewimit.snapshot import AT_REST
 
 SETTINGS = Settings(start_deg=(25.0, -45.0), seed=7)
 WATCH, STOP, FORGET = "Watch yourself first", "Stop", "Forget"
@@ -245,7 +244,7 @@ def test_in_a_duel_both_watch_themselves_and_know_the_same(visit):
     assert_same(*(session.snapshot.body for session in both))
     play(model)
     for session in both:
-        assert session.snapshot.rehearsal_holds and session.snapshot.status in AT_REST
+        assert session.snapshot.rehearsal_holds and session.snapshot.status.is_at_rest
     visitor.act("reset")
     assert all(len(session.snapshot.body) == POSTURES and session.cursor == 0 for session in both)
     visitor.act("rehearse")

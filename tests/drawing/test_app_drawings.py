@@ -44,7 +44,7 @@ from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.evaluation import conflict
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.geometry.pairs import EYES, PAIRS
-from viewimit.servo import Certificate
+from viewimit.servo import Certificate, ServoStatus
 from viewimit.servo.surroundings import UNTOLD
 from viewimit.session import Session
 from viewimit.settings import Settings
@@ -419,9 +419,9 @@ class TestStatus:
         assert status.describe(stepped(0).snapshot).state == "ready"
         assert status.describe(now).state == "moving"
         assert status.describe(now, playing=False).state == "paused"
-        assert status.describe(replace(now, status="converged")).state == "arrived"
-        assert status.describe(replace(now, status="stalled")).state == "stalled"
-        assert status.describe(replace(now, status="rests")).state == "rests"
+        assert status.describe(replace(now, status=ServoStatus.CONVERGED)).state == "arrived"
+        assert status.describe(replace(now, status=ServoStatus.STALLED)).state == "stalled"
+        assert status.describe(replace(now, status=ServoStatus.RESTS)).state == "rests"
         lost = status.describe(stepped(0, missing=0.5).snapshot)
         assert lost.state == "lost" and "at least 5 non-coplanar points are needed" in lost.sentence
         method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
@@ -439,22 +439,22 @@ class TestStatus:
             ("rests", assessed(lower_deg=3), "rests", ""),
             ("stalled", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
             ("stalled", assessed(room_deg=14, lower_deg=3), "stalled", ""),
-            ("untold", assessed((36.0, 3.0)), "untold", ""),
-            ("untold", assessed(told=(False, True)), "untold", ""),
-            ("rests", assessed((36.0, 3.0)), "untold", ""),
-            ("stalled", assessed((36.0, 3.0)), "untold", ""),
-            ("untold", assessed((36.0, 3.0), learnable=True), "untold", ""),
+            ("unobservable", assessed((36.0, 3.0)), "unobservable", ""),
+            ("unobservable", assessed(told=(False, True)), "unobservable", ""),
+            ("rests", assessed((36.0, 3.0)), "unobservable", ""),
+            ("stalled", assessed((36.0, 3.0)), "unobservable", ""),
+            ("unobservable", assessed((36.0, 3.0), learnable=True), "unobservable", ""),
             ("rests", assessed((36.0, 3.0), lower_deg=3, learnable=True), "rests", ""),
             ("stalled", assessed((36.0, 3.0), room_deg=14, learnable=True), "least", "So much E could hide up to 14°."),
         ],
     )
     def test_at_rest_it_claims_no_more_than_it_can_know(self, session, claimed, known, state, doubt):
-        now = replace(session.snapshot, status=claimed, servo_state=None)
+        now = replace(session.snapshot, status=ServoStatus(claimed), servo_state=None)
         said = status.describe(now, assessment=known, joints=(2, 4))
         assert (said.state, said.doubt) == (state, doubt)
 
     def test_a_joint_that_nothing_tells_is_named_and_its_cost(self, session):
-        now = replace(session.snapshot, status="untold", servo_state=None)
+        now = replace(session.snapshot, status=ServoStatus.UNOBSERVABLE, servo_state=None)
         one = status.describe(now, assessment=assessed((36.4, 3.0)), joints=(2, 4))
         assert one.title == "Cannot tell θ₂" and one.sentence.startswith("1 px of noise would turn θ₂ by 36°. E ")
         two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))

@@ -37,6 +37,7 @@ from viewimit.drawing import duel as duel_drawing
 from viewimit.drawing.images import planes
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.small_landscape import WIDTH, small_plane
+from viewimit.servo import ServoStatus
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.simulation.appearance import places, reach
@@ -116,7 +117,12 @@ class TestDuel:
     )
     def test_the_verdict_names_who_arrived_first(self, race, own, other, states, first, second):
         standings = [
-            replace(standing, arrived=arrived, errors_deg=[error], snapshot=replace(standing.snapshot, status=status))
+            replace(
+                standing,
+                arrived=arrived,
+                errors_deg=[error],
+                snapshot=replace(standing.snapshot, status=ServoStatus(status)),
+            )
             for standing, arrived, error, status in zip(
                 race[1].standings, (own, other), (3.0, 4.0), states.split(), strict=True
             )

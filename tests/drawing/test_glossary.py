@@ -15,7 +15,6 @@ from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES
 from viewimit.embodiment.in_scene import complete
 from viewimit.settings import Settings
-from viewimit.snapshot import AT_REST
 from viewimit.transfer import TRANSFERS
 
 ENTRIES = glossary.glossary()
@@ -52,7 +51,7 @@ def test_a_number_that_is_shown_is_a_bad_one(key):
     entry, page = ENTRIES[key], QuietPage(Settings(), address="/touch/0.x")
     page.page.touch("show", key)
     page.tick(1.0)
-    page.tick_until(lambda: not entry.plays or page.page.model.session.snapshot.status in AT_REST)
+    page.tick_until(lambda: not entry.plays or page.page.model.session.snapshot.status.is_at_rest)
     scale, value = entry.scale, numbers_now(page.page.model.state(page.now))[key]
     assert value > scale.bad if scale.good < scale.bad else value < scale.bad
 

@@ -231,7 +231,9 @@ def test_points_of_another_shape_and_motions_that_are_none_are_named():
         Session(servo=law).step()
     law = Mover([0.1, 0.0])
     law.start = lambda seen: type("State", (), {"status": "busy"})()
-    with pytest.raises(ValueError, match="status must be one of moving, converged, rests, untold, stalled, got 'busy'"):
+    with pytest.raises(
+        ValueError, match="status must be one of moving, converged, rests, unobservable, stalled, got 'busy'"
+    ):
         Session(servo=law).step()
 
 

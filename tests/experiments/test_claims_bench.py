@@ -11,6 +11,7 @@ from viewimit.commands.bench_tables import claims_table
 from viewimit.experiments.bench import claims, distances, symmetric
 from viewimit.experiments.bench.claims import CASES, Case, Ending, outcome, run
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
+from viewimit.servo import ServoStatus
 from viewimit.simulation.scene import load_scene
 
 NAMED = {case.name: case for case in CASES}
@@ -20,7 +21,7 @@ def test_no_joint_is_claimed_that_all_points_are_rigid_to():
     forearm = Case("forearm", 12, (claims.RIGID[0],))
     told, untold = run([CASES[0], forearm], runs=2, seed=5, workers=1)
     assert told.claimed.count == 2 and told.falsely.count == 0 and told.unended.count == 0
-    assert untold.claimed.count == 0 and untold.untold.count == 2 and untold.falsely is None
+    assert untold.claimed.count == 0 and untold.unobservable.count == 2 and untold.falsely is None
 
 
 def test_points_are_on_the_links_surface_and_hidden_where_it_is_turned_away():
@@ -39,7 +40,10 @@ def test_points_are_on_the_links_surface_and_hidden_where_it_is_turned_away():
     [(0.9, 0.1, 0, 0), (1.1, 0.3, 1, 0), (1.1, 0.4, 0, 0), (1.1, 0.6, 0, 1), (0.1, np.nan, 0, 0)],
 )
 def test_a_claim_is_false_that_is_far_off_and_farther_than_it_expects(error, expected, falsely, covered):
-    found = outcome("one", [Ending("converged", 7, True, error, expected), Ending("stalled", 9, True, 50.0, np.inf)])
+    found = outcome(
+        "one",
+        [Ending(ServoStatus.CONVERGED, 7, True, error, expected), Ending(ServoStatus.STALLED, 9, True, 50.0, np.inf)],
+    )
     assert (found.falsely.count, found.covered.count, found.claimed.count) == (falsely, covered, 1)
     assert found.falsely.runs == 1 and found.motions_median == 8
 
@@ -55,7 +59,7 @@ def test_along_a_valley_without_evidence_no_run_goes_on_for_ever(k):
 def test_a_valley_that_hardly_sinks_is_not_followed_from_end_to_end(k):
     """Motions of 0.3° each kept their promise, of 0.3 % of an E of 10⁻⁶ px²: 124 and 84 of them, and 300 elsewhere."""
     ending = claims.run_once(NAMED["5 points"], [41, k])
-    assert ending.status == "untold" and ending.motions < 30
+    assert ending.status == ServoStatus.UNOBSERVABLE and ending.motions < 30
 
 
 def test_a_promise_that_is_broken_makes_no_region_larger():
@@ -95,7 +99,7 @@ def test_a_joint_that_moves_nothing_in_sight_is_not_taken_for_an_arm_that_does_n
     """What a hundredth of a degree of the other joint had moved seemed to be its doing, so that its images should have
     changed; led by images alone, the arm went to and fro for 300 motions."""
     ending = claims.run_once(NAMED["16 points on rigid groups of links"], [51, k])
-    assert ending.status == "untold" and ending.motions < 30
+    assert ending.status == ServoStatus.UNOBSERVABLE and ending.motions < 30
 
 
 @pytest.mark.parametrize("k", [10, 69, 75])
@@ -156,11 +160,13 @@ def test_of_symmetric_markers_no_claim_is_of_the_mirrored_posture():
 
 
 def test_the_bound_of_each_run_says_which_ones_could_be_claimed():
-    ends = [("converged", 0.2), ("stalled", 0.9), ("converged", 1.0), ("stalled", 1.1), ("untold", np.inf)]
-    found = outcome("one", [Ending(status, 7, True, 0.5, 0.5, bound) for status, bound in ends])
+    ends = [("converged", 0.2), ("stalled", 0.9), ("converged", 1.0), ("stalled", 1.1), ("unobservable", np.inf)]
+    found = outcome("one", [Ending(ServoStatus(status), 7, True, 0.5, 0.5, bound) for status, bound in ends])
     assert (found.claimed_within_bound.count, found.claimed_within_bound.runs) == (2, 3)
     assert found.stalled.count == 2 and found.tellable.count == 4 and found.bound_deg_median == 1.0
-    assert outcome("one", [Ending("untold", 7, True, 50.0, np.inf, np.inf)]).claimed_within_bound is None
+    assert (
+        outcome("one", [Ending(ServoStatus.UNOBSERVABLE, 7, True, 50.0, np.inf, np.inf)]).claimed_within_bound is None
+    )
 
 
 def test_the_bound_is_that_of_the_averaged_frames():

@@ -16,7 +16,7 @@ from viewimit.experiments.bench.compared import compared
 from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
 from viewimit.experiments.bench.success import wilson
 from viewimit.result import RunResult
-from viewimit.servo import SERVOS
+from viewimit.servo import SERVOS, ServoStatus
 from viewimit.session import Session
 from viewimit.settings import Settings
 
@@ -25,7 +25,7 @@ SETTINGS = Settings.paper(transfer="projective")
 
 
 def rows_of(servo, errors, motions=9, status="rests", case="a"):
-    return [Row(case, k, servo, motions, status, error, np.nan, 0.1) for k, error in enumerate(errors)]
+    return [Row(case, k, servo, motions, ServoStatus(status), error, np.nan, 0.1) for k, error in enumerate(errors)]
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)

@@ -19,6 +19,7 @@ from viewimit.experiments.executors.executor import Done, StudyError, carry_out
 from viewimit.experiments.executors.folder import StudyFolder
 from viewimit.experiments.executors.local import LocalPool
 from viewimit.experiments.executors.study import Study, each
+from viewimit.servo import ServoStatus
 
 WHAT = {"command": "bench", "seed": 3}
 TASKS = [(k,) for k in range(7)]
@@ -114,11 +115,11 @@ def array() -> NDArray:
 
 RESULTS_OF = {
     success.run_pair: [success.Run(3, True, {"own_minimum": 0.1}, {"own_minimum": 1 / 3}, math.nan)],
-    claims.run_once: claims.Ending("untold", 4, True, 1e-17, math.inf),
+    claims.run_once: claims.Ending(ServoStatus.UNOBSERVABLE, 4, True, 1e-17, math.inf),
     robustness.run_once: (0.1, 2 / 3, 7, False),
     following.run_once: array(),
     scenes.run_scene: [scenes.Run(array()[0], array()[1], array()[0], 5, np.bool_(True), np.float64(0.7))],
-    compare.run_draw: [compare.Ending(9, "rests", 0.1 + 0.2, math.nan, 5e-324)],
+    compare.run_draw: [compare.Ending(9, ServoStatus.RESTS, 0.1 + 0.2, math.nan, 5e-324)],
 }
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from own_arm import OwnArm
 
 from viewimit import Session, Settings
+from viewimit.servo import ServoStatus
 
 RECORDING = Path(__file__).with_name("runs.npz")
 CLOSE = 1e-9  # rad, and of E, where arithmetic is the same
@@ -183,8 +184,13 @@ def read(path: Path = RECORDING) -> tuple[dict[str, Trace], bool]:
         ends = np.cumsum(moments)[:-1]
         commanded = np.split(kept["commanded"], np.cumsum(moments * joints)[:-1])
         rows = zip(commanded, joints, np.split(kept["status"], ends), np.split(kept["E"], ends), kept["expected_error"])
-        traces = [Trace(one.reshape(-1, m), status, E, float(expected)) for one, m, status, E, expected in rows]
+        traces = [Trace(one.reshape(-1, m), _today(status), E, float(expected)) for one, m, status, E, expected in rows]
         return dict(zip(kept["name"].tolist(), traces)), str(kept["arithmetic"]) == arithmetic()
+
+
+def _today(words: NDArray) -> NDArray:
+    """Statuses in today's words, of recorded ones."""
+    return np.array([str(ServoStatus(word)) for word in words.tolist()])
 
 
 SEVEN = {

@@ -43,7 +43,7 @@ def test_the_learner_names_the_joint_and_does_not_claim_to_have_arrived(course):
     session = Session(msgspec.structs.replace(course.session.settings, servo="trust-region"))
     last = session.run().last
     off = np.degrees(np.abs(last.theta - last.theta_demo).max())
-    assert last.status == "untold" and last.E < 1e-4 and off > 5
+    assert last.status == "unobservable" and last.E < 1e-4 and off > 5
     assert MEASURES["off at rest"].of(course.stage) == pytest.approx(off)
     assert MEASURES["motions to rest"].of(course.stage) == last.motion
     told = words(course)

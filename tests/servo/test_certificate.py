@@ -108,11 +108,11 @@ def test_what_is_too_near_or_too_far_is_no_evidence(far_deg):
     assert not certify(surroundings([(far_deg, 0), (0, 2)])).shown
 
 
-@pytest.mark.parametrize("share, claim", [(0.6, "converged"), (0.4, "rests"), (0.001, "untold")])
+@pytest.mark.parametrize("share, claim", [(0.6, "converged"), (0.4, "rests"), (0.001, "unobservable")])
 def test_a_curvature_that_was_only_predicted_is_no_evidence(share, claim):
     """Along the first joint E rises by a share of what is predicted; where it does not rise the joint is not told."""
     found = certify(surroundings(BOTH, true=(share * FLAT, STEEP)))
-    assert found.claim == claim and found.told.tolist() == [claim != "untold", True]
+    assert found.claim == claim and found.told.tolist() == [claim != "unobservable", True]
     assert np.isfinite(found.expected).tolist() == found.told.tolist()
 
 
@@ -138,7 +138,7 @@ def test_what_points_seen_rarely_should_tell_can_be_learned():
     level, tells = np.diag([1e-9, STEEP]), np.diag([FLAT, STEEP])
     for foreseen, learnable in ((level, False), (tells, True)):
         found = certify(surroundings([], hessian=level, foreseen=foreseen))
-        assert found.claim == "untold" and found.learnable == learnable
+        assert found.claim == "unobservable" and found.learnable == learnable
         assert np.abs(found.check).argmax() == 0
     assert not certify(surroundings(BOTH)).learnable
 
@@ -147,7 +147,7 @@ def test_what_points_seen_rarely_should_tell_can_be_learned():
 def test_where_noise_explains_all_curvature_nothing_is_told_and_nothing_overflows():
     here = replace(surroundings(BOTH, hessian=np.zeros((2, 2))), noise_px=0.1, gradients=np.ones((3, 2)))
     found = certify(here)
-    assert found.claim == "untold" and not found.told.any() and np.isinf(found.expected).all()
+    assert found.claim == "unobservable" and not found.told.any() and np.isinf(found.expected).all()
 
 
 def test_noise_hides_rises_and_asks_for_longer_motions():

@@ -11,7 +11,7 @@ from sameness import assert_same
 from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.history import EARLY, STRIDE
-from viewimit.servo import SERVOS
+from viewimit.servo import SERVOS, ServoStatus
 from viewimit.session import Session
 from viewimit.settings import Settings
 from viewimit.transfer import TRANSFERS
@@ -76,6 +76,25 @@ def test_what_snapshots_share_is_kept_once():
 
 def packed(*content) -> bytes:
     return zstandard.compress(msgspec.msgpack.encode(content))
+
+
+def test_statuses_in_the_words_of_earlier_versions_are_read_in_todays():
+    session = Session(Settings(points=5, start_deg=(25, -45)))
+    session.run()
+    objects, values = msgspec.msgpack.decode(
+        zstandard.ZstdDecompressor().decompressobj().decompress(encode([session.snapshot]))
+    )
+    stored = [content[0] for _, *content in objects if isinstance(content[0], dict) and "status" in content[0]]
+    assert len(stored) == 2  # the servo's state and the moment
+    for one in stored:
+        one["status"] = "untold"
+    stored[0]["ending"] = ""
+    back = decode(packed(*(objects, values)))
+    assert_same(back[0], session.snapshot)
+    assert back[0].status is back[0].servo_state.status is ServoStatus.UNOBSERVABLE
+    stored[1]["status"] = "busy"
+    with pytest.raises(ValueError, match="busy"):
+        decode(packed(*(objects, values)))
 
 
 @pytest.mark.parametrize(

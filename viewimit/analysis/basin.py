@@ -67,7 +67,7 @@ def find_basin(
         session.begin(msgspec.structs.replace(settings, start_deg=tuple(np.degrees(start).tolist())))
         last = session.run(MOST_MOTIONS, patience=1).last
         place = place_of(last.theta, last.theta_demo, lowest)
-        ending = Ending(start, last.theta, place, last.status == "converged")
+        ending = Ending(start, last.theta, place, last.status.is_claim)
         found = Basin(found.starts, (*found.endings, ending))
         tell(len(found.endings) / len(found.starts), found)
     return found

@@ -169,7 +169,7 @@ def claims_table(outcomes: Sequence[claims.Outcome]) -> str:
     lines = [" " * (names + 2) + "".join(f"{head:>{width}}" for head, width in zip(heads, widths))]
     for o in outcomes:
         of_runs = o.within, o.tellable, o.within_tellable, o.claimed, o.claimed_within_bound
-        ends = o.untold, o.stalled, o.unended
+        ends = o.unobservable, o.stalled, o.unended
         of_claims = o.beyond, o.falsely, o.covered
         cells = (
             *("–" if share is None else _share(share) for share in (*of_runs, *ends)),

@@ -163,7 +163,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
         "motions": last.motion,
         "travel_deg": ended.travel_deg,
         **({} if last.body is None else {"rehearsed": len(last.body), "rehearsal_holds": last.rehearsal_holds}),
-        "converged": last.status == "converged",
+        "converged": last.status.is_claim,
         "status": last.status,
         "history": [
             {"theta_deg": np.degrees(past.theta), "E": past.E, "probe": past.probe} for past in session.history

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..settings import Settings
 
+FORMAT = 2  # of the object: it grows whenever a key or a word of it is renamed or changes its meaning
 DIGITS = 6  # of a number below one, significant, so that nothing small becomes 0; behind the point of all others
 UNPRINTABLE = re.compile(r"[\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]")  # which terminals may obey
 HOW_TOLD = {"command", "run", "json"}  # what is no option of the result
@@ -23,11 +24,12 @@ OPTIONS_OF = {"demonstrator_deg": "demonstrator", "start_deg": "start"}  # setti
 
 
 def print_json(args: argparse.Namespace, result: dict, settings: Settings | None = None) -> None:
-    """The result with the version, the command, all settings by name, exact, and the options that are no settings.
+    """The result with the version, the number of the format, the command, all settings by name, exact, and the options
+    that are no settings.
 
     What is not a number becomes null. Where the console's encoding lacks a character it is escaped.
     """
-    told = {"version": __version__, "command": args.command}
+    told = {"version": __version__, "format": FORMAT, "command": args.command}
     among = set()
     if settings is not None:
         told["settings"] = msgspec.to_builtins(settings)

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
-from ..servo import SERVOS
+from ..servo import SERVOS, ServoStatus
 from ..simulation.scene import Scene
-from ..snapshot import AT_REST, Snapshot
+from ..snapshot import Snapshot
 from ..transfer import TRANSFERS
 from . import svg
 from .axes import Axes, decade_ticks, decades, log10
@@ -32,7 +32,7 @@ LEAST_DEG = 1e-3  # of the axis of errors
 LIMIT = 240  # vertices of a curve or path
 ONE_DIGIT_TO = 100  # of the figures beneath, so that they do not meet
 OF = ("own", "opponent")  # their classes
-STATES = {"ready": "is at the start", "moving": "is still moving"}
+STATES = {ServoStatus.READY: "is at the start", ServoStatus.MOVING: "is still moving"}
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
 WHY = (
     "Choose the opponent's transfer and servo above, then begin:",
@@ -203,7 +203,7 @@ def _wrap(inside: str) -> str:
 
 
 def _rests(snapshot: Snapshot) -> bool:
-    return snapshot.status in (*AT_REST, "stopped")
+    return snapshot.status.has_ended
 
 
 def _state(snapshot: Snapshot) -> str:

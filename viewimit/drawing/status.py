@@ -13,9 +13,9 @@ from ..analysis.self_assessment import Assessment
 from ..equations import with_minus
 from ..geometry.affine import MIN_POINTS
 from ..history import MAX_HISTORY
-from ..servo import Certificate
+from ..servo import Certificate, ServoStatus
 from ..servo.surroundings import UNTOLD
-from ..snapshot import AT_REST, Snapshot
+from ..snapshot import Snapshot
 from ..transfer.transfer import FLAT, FLATNESS
 from . import svg
 from .glossary import ask, glossary
@@ -26,16 +26,16 @@ EXACT = np.radians(0.05)  # off, which reads as 0.0°
 WHOLE = np.radians(1.0)  # from which a room is told in whole degrees
 ANY = np.radians(90.0)  # a pixel's cost, or a room, that says no more than "any posture"
 TITLES = {
-    "ready": "Ready",
+    ServoStatus.READY: "Ready",
     "paused": "Paused",
-    "moving": "Moving",
+    ServoStatus.MOVING: "Moving",
     "arrived": "Arrived",
     "least": "Rests where E is least nearby",
-    "rests": "Rests",
-    "untold": "Cannot tell",
-    "stalled": "Stalled",
+    ServoStatus.RESTS: "Rests",
+    ServoStatus.UNOBSERVABLE: "Cannot tell",
+    ServoStatus.STALLED: "Stalled",
     "lost": "Lost",
-    "stopped": "Stopped",
+    ServoStatus.STOPPED: "Stopped",
     "message": "Note",
     "recording": "Recording",
     "replaying": "Replaying",
@@ -66,14 +66,14 @@ AIM = (
 )
 IDLE = RING.format("secondary")
 SHAPES = {
-    "moving": DOT.format("learner"),
+    ServoStatus.MOVING: DOT.format("learner"),
     "arrived": DOT.format("recovered"),
     "least": RING.format("recovered"),
-    "rests": RING.format("recovered"),
-    "untold": DIAMOND,
-    "stalled": DIAMOND,
+    ServoStatus.RESTS: RING.format("recovered"),
+    ServoStatus.UNOBSERVABLE: DIAMOND,
+    ServoStatus.STALLED: DIAMOND,
     "lost": SQUARE,
-    "stopped": SQUARE,
+    ServoStatus.STOPPED: SQUARE,
     "recording": DOT.format("stopped"),
     "replaying": PLAY,
     "see-through": AIM,
@@ -119,20 +119,22 @@ def describe(
     if snapshot.to_rehearse is not None and snapshot.rehearses:
         left = len(snapshot.to_rehearse)
         sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
-        return Said("moving" if playing else "paused", sentence)
+        return Said(ServoStatus.MOVING if playing else "paused", sentence)
     if snapshot.transfer is None:
         return Said("lost", _too_few(int(snapshot.usable.sum())))
     E, doubt = f"E {svg.short_E(snapshot.E)} px²", _exchanged(snapshot) or _ill_conditioned(snapshot)
-    if snapshot.status == "stopped":
+    if snapshot.status == ServoStatus.STOPPED:
         advice = "; reset to go on" if advises else ""
-        return Said("stopped", f"{E} after {MAX_HISTORY} motions, the most that are made{advice}.", doubt=doubt)
-    if snapshot.status in AT_REST:
+        return Said(
+            ServoStatus.STOPPED, f"{E} after {MAX_HISTORY} motions, the most that are made{advice}.", doubt=doubt
+        )
+    if snapshot.status.is_at_rest:
         said = _resting(snapshot, E, assessment, joints, advises)
         return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
         advice = "; press space, or drag the demonstrator" if advises else ""
-        return Said("ready", f"{E}{advice}.", doubt=doubt)
-    state, doing = "moving" if playing else "paused", _says(snapshot)
+        return Said(ServoStatus.READY, f"{E}{advice}.", doubt=doubt)
+    state, doing = ServoStatus.MOVING if playing else "paused", _says(snapshot)
     trend = "" if snapshot.probe else _trend(snapshot, previous)
     return Said(state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt, probe=snapshot.probe)
 
@@ -141,20 +143,20 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
     says, after = _says(snapshot), f"after {_motions(snapshot.motion)}"
     why = f"; {says}." if says else "."
     known = snapshot.certificate if assessment is None else assessment.certificate
-    if snapshot.status == "converged":
+    if snapshot.status.is_claim:
         if known is not None and known.worst > EXACT:
             why = f"; expects to be about {svg.short(float(np.degrees(known.worst)))}° off."
         return Said("arrived", f"{E} {after}{why}")
     untold = [] if known is None else known.named(snapshot.status)
     if known is not None and untold:
         names = " and ".join(svg.joint_symbol(joints[k]) for k in untold)
-        return Said("untold", f"{_costs(known, joints)} {E} {after}{why}", names)
+        return Said(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
     if assessment is not None and assessment.least:
         return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")
-    if snapshot.status == "rests":
-        return Said("rests", f"{E} {after}{why}")
+    if snapshot.status == ServoStatus.RESTS:
+        return Said(ServoStatus.RESTS, f"{E} {after}{why}")
     advice = "; move an arm or reset" if advises else ""
-    return Said("stalled", f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
+    return Said(ServoStatus.STALLED, f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:

@@ -16,7 +16,7 @@ from ..drawing.landscape import LandscapePicture
 from ..drawing.status import describe, describe_truth, draw_status
 from ..session import Session
 from ..simulation.appearance import Bodies
-from ..snapshot import AT_REST, Snapshot
+from ..snapshot import Snapshot
 from ..viewer.appearance import Appearance
 from ..viewer.landscapes import TOO_FEW, MadeLandscape, landscape_key, make_landscape
 from .weaving import Woven, weave
@@ -73,7 +73,7 @@ def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) ->
         appearance.of(history[k])
     landscapes = _Landscapes(session, [history[k] for k in motions])
     last = history[-1].motion
-    assessment = assess(session) if session.cursor == last and history[-1].status in AT_REST else None
+    assessment = assess(session) if session.cursor == last and history[-1].status.is_at_rest else None
     for k in motions:
         moment, made = history[k], landscapes.of(history[k])
         bodies, windows = appearance.of(moment)

@@ -21,6 +21,7 @@ from .gradient import RETUNED_LAW, Gradient
 from .kalman import Kalman
 from .observation import Conflict, Observation, Weighting
 from .servo import MinimalServo, Moment, Servo, ServoState, completed_servo
+from .status import ServoStatus
 from .trust_region import TrustRegion
 
 
@@ -55,6 +56,7 @@ __all__ = [
     "Observation",
     "Servo",
     "ServoState",
+    "ServoStatus",
     "Servos",
     "TrustRegion",
     "Weighting",

@@ -18,6 +18,7 @@ from .image_model import ImageModel
 from .minimise import minimise
 from .observation import Conflict, Observation, probe_of
 from .servo import Moment
+from .status import ServoStatus
 from .visit import Visit
 
 _LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
@@ -39,7 +40,7 @@ class BroydenState:
     probes: tuple[int, ...]
     promised: float | None = None
     best_E: float | None = None
-    status: str = "moving"
+    status: ServoStatus = ServoStatus.MOVING
     probe: bool = False
     judged: tuple[float, float] | None = None
 
@@ -61,7 +62,7 @@ class Broyden:
 
     def retarget(self, state: BroydenState, seen: Observation) -> BroydenState:
         """What was learned of the own images stays; the region and the promise were about another E."""
-        return replace(state, radius=float(FIRST_RADIUS), promised=None, best_E=None, status="moving")
+        return replace(state, radius=float(FIRST_RADIUS), promised=None, best_E=None, status=ServoStatus.MOVING)
 
     def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
         state = _judge(_learn(state, seen), seen.E, conflict)
@@ -82,9 +83,10 @@ class Broyden:
         step = found.theta - seen.displacement
         if np.max(np.abs(step)) < DONE_STEP:
             bounded = state.radius < 2 * DONE_STEP and promised > GAIN_LEFT * seen.E
-            status = "stalled" if bounded else "rests"  # the region, not the model, made the step short
+            # the region, not the model, made the step short
+            status = ServoStatus.STALLED if bounded else ServoStatus.RESTS
             return replace(state, promised=None, status=status, probe=False), np.zeros_like(step)
-        return replace(state, promised=promised, status="moving", probe=False), step
+        return replace(state, promised=promised, status=ServoStatus.MOVING, probe=False), step
 
     def equations(self, state: BroydenState | None, moment: Moment) -> tuple[Equation, ...]:
         if state is None:
@@ -95,16 +97,16 @@ class Broyden:
             note = f"D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
         return (Equation("", "servo: the images are learned, not E", _LAW, note=note),)
 
-    def says(self, state: BroydenState, status: str) -> str:
-        if status == "moving":
+    def says(self, state: BroydenState, status: ServoStatus) -> str:
+        if status == ServoStatus.MOVING:
             return "a probe, to learn how the images move" if state.probe else ""
-        return f"next step under {np.degrees(DONE_STEP):g}°" if status == "rests" else ""
+        return f"next step under {np.degrees(DONE_STEP):g}°" if status == ServoStatus.RESTS else ""
 
 
 def _outcome(state: BroydenState, moment: Moment) -> str:
     """What the last motion has promised and brought; where points are missing, E at both ends is of others, and only
     the motion before has been judged, on points known at both."""
-    if moment.status in ("rests", "stalled"):
+    if moment.status in (ServoStatus.RESTS, ServoStatus.STALLED):
         return f"The next step would be below {np.degrees(DONE_STEP):g}°: the servo rests."
     if state.promised is None or state.best_E is None or not np.isfinite(moment.E):
         return ""
@@ -157,4 +159,6 @@ def _told(model: ImageModel, own: NDArray) -> NDArray:
 
 def _probe(state: BroydenState, seen: Observation) -> tuple[BroydenState, NDArray]:
     joint, *rest = state.probes
-    return replace(state, probes=tuple(rest), promised=None, status="moving", probe=True), probe_of(joint, seen)
+    return replace(state, probes=tuple(rest), promised=None, status=ServoStatus.MOVING, probe=True), probe_of(
+        joint, seen
+    )

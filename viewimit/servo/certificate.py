@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.kinematics.fit import FORESEEN
+from .status import ServoStatus
 from .surroundings import UNTOLD, Surroundings, enough_points
 
 LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
@@ -58,9 +59,11 @@ class Certificate:
         return replace(self, spread=self.spread / unit_px)
 
     @property
-    def claim(self) -> str:
+    def claim(self) -> ServoStatus:
         """The status in which a servo may rest where E is small."""
-        return "untold" if not self.told.all() else "converged" if self.shown else "rests"
+        if not self.told.all():
+            return ServoStatus.UNOBSERVABLE
+        return ServoStatus.CONVERGED if self.shown else ServoStatus.RESTS
 
     @property
     def lost(self) -> bool:
@@ -79,10 +82,10 @@ class Certificate:
         """Indices of the joints that nothing tells, the worst first."""
         return [int(j) for j in np.argsort(-self.spread, kind="stable") if not self.told[j]]
 
-    def named(self, status: str) -> list[int]:
+    def named(self, status: ServoStatus) -> list[int]:
         """Of these, those that may be named where a servo rests: none, unless it names them itself, if only the visits
         leave them open."""
-        return self.untold if status == "untold" or not (self.learnable or self.untried) else []
+        return self.untold if status == ServoStatus.UNOBSERVABLE or not (self.learnable or self.untried) else []
 
 
 def certify(here: Surroundings) -> Certificate:

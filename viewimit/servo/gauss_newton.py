@@ -19,6 +19,7 @@ from .observation import Conflict, Observation
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
+from .status import ServoStatus
 from .visit import Visit
 
 FORGETTING = 0.5  # λ, a motion
@@ -53,13 +54,13 @@ class GaussNewton:
 
     def retarget(self, state: GaussNewtonState, seen: Observation) -> GaussNewtonState:
         """What was learned of the own images stays; the damping was about another E."""
-        return replace(state, best_E=np.inf, damping=DAMPING, before=None, since_best=0, status="moving")
+        return replace(state, best_E=np.inf, damping=DAMPING, before=None, since_best=0, status=ServoStatus.MOVING)
 
     def step(self, state: GaussNewtonState, seen: Observation, conflict: Conflict) -> tuple[GaussNewtonState, NDArray]:
         model = state.model.learn(seen, FORGETTING, forgetting=FORGETTING)
         state = learned(_judged(state, seen.E), model, seen.E)
         state, step = next_motion(state, seen, conflict, partial(_damped, damping=state.damping))
-        if state.status == "stalled":
+        if state.status == ServoStatus.STALLED:
             return state, step
         return replace(state, before=None if state.probe else seen.E), step
 
@@ -77,7 +78,7 @@ class GaussNewton:
             weighted,
         )
 
-    def says(self, state: GaussNewtonState, status: str) -> str:
+    def says(self, state: GaussNewtonState, status: ServoStatus) -> str:
         return said(state, status)
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..equations import HOLE, Equation, angles, column, each, number, row, short
 from .observation import Conflict, Observation
 from .servo import Moment
+from .status import ServoStatus
 
 _LAW = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
 PATIENCE, PROGRESS = 30, 0.99  # motions without E falling to this share of its least, after which it has stalled
@@ -52,7 +53,7 @@ class GradientState:
     E: float
     best_E: float
     since_best: int = 0
-    status: str = "moving"
+    status: ServoStatus = ServoStatus.MOVING
     probe: bool = False
 
 
@@ -76,7 +77,9 @@ class Gradient:
 
     def retarget(self, state: GradientState, seen: Observation) -> GradientState:
         """The jump of E is no effect of the last motion, and says nothing of progress."""
-        return replace(state, displacement=seen.displacement, E=seen.E, best_E=np.inf, since_best=0, status="moving")
+        return replace(
+            state, displacement=seen.displacement, E=seen.E, best_E=np.inf, since_best=0, status=ServoStatus.MOVING
+        )
 
     def step(self, state: GradientState, seen: Observation, conflict: Conflict) -> tuple[GradientState, NDArray]:
         moved = np.degrees(seen.displacement - state.displacement)
@@ -86,7 +89,7 @@ class Gradient:
         progress = seen.E < PROGRESS * state.best_E
         since_best = 0 if progress else state.since_best + 1
         best_E = seen.E if progress else state.best_E
-        status = "stalled" if since_best >= PATIENCE else "moving"
+        status = ServoStatus.STALLED if since_best >= PATIENCE else ServoStatus.MOVING
         state = GradientState(jacobian, P, seen.displacement, seen.E, best_E, since_best, status)
         low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
         inside = np.radians(u).clip(low, high)  # the dither comes after, to excite a joint that leans on its limit
@@ -108,8 +111,8 @@ class Gradient:
         numbers = (f"{c.gain:g}", *each(state.jacobian, 2), short(state.E), *asked)
         return (Equation("(13)", "this motion", latex, numbers, note, wide=True),)
 
-    def says(self, state: GradientState, status: str) -> str:
-        return f"not lower for {state.since_best} motions" if status == "stalled" else ""
+    def says(self, state: GradientState, status: ServoStatus) -> str:
+        return f"not lower for {state.since_best} motions" if status == ServoStatus.STALLED else ""
 
     def _learn(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:
         """Weighted recursive least squares, ρ the forgetting factor."""

@@ -16,6 +16,7 @@ from .observation import Conflict, Observation
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
+from .status import ServoStatus
 from .visit import Visit
 
 GAIN = 1.0  # g
@@ -47,7 +48,7 @@ class Kalman:
 
     def retarget(self, state: KalmanState, seen: Observation) -> KalmanState:
         """What was learned of the own images stays."""
-        return replace(state, best_E=np.inf, since_best=0, status="moving")
+        return replace(state, best_E=np.inf, since_best=0, status=ServoStatus.MOVING)
 
     def step(self, state: KalmanState, seen: Observation, conflict: Conflict) -> tuple[KalmanState, NDArray]:
         r = BEND**2 + 2 * seen.noise_px**2  # of a difference of two images
@@ -67,7 +68,7 @@ class Kalman:
         title = "servo: a share of the residual a motion"
         return (Equation("", title, latex, (*asked, f"{GAIN:g}"), wide=True), share)
 
-    def says(self, state: KalmanState, status: str) -> str:
+    def says(self, state: KalmanState, status: ServoStatus) -> str:
         return said(state, status)
 
 

@@ -15,6 +15,7 @@ from ..equations import angles
 from .observation import Conflict, Observation, probe_of
 from .recursive_jacobian import RecursiveJacobian
 from .servo import Moment
+from .status import ServoStatus
 
 LONGEST, DONE_STEP = np.radians((25.0, 0.1))  # a joint and motion; a motion shorter than this is not worth making
 PATIENCE, PROGRESS = 30, 0.99  # motions without E falling to this share of its least, after which it has stalled
@@ -33,7 +34,7 @@ class RecursiveState:
     probes: tuple[int, ...]
     best_E: float
     since_best: int = 0
-    status: str = "moving"
+    status: ServoStatus = ServoStatus.MOVING
     probe: bool = False
 
 
@@ -46,7 +47,7 @@ def begun(kind: type[S], seen: Observation, variance: float) -> S:
 def learned(state: S, model: RecursiveJacobian, E: float) -> S:
     """With what the last motion told. E: px²"""
     since_best, best_E = (0, E) if E < PROGRESS * state.best_E else (state.since_best + 1, state.best_E)
-    return replace(state, model=model, best_E=best_E, since_best=since_best, status="moving", probe=False)
+    return replace(state, model=model, best_E=best_E, since_best=since_best, status=ServoStatus.MOVING, probe=False)
 
 
 def next_motion(state: S, seen: Observation, conflict: Conflict, law: Law) -> tuple[S, NDArray]:
@@ -56,12 +57,12 @@ def next_motion(state: S, seen: Observation, conflict: Conflict, law: Law) -> tu
         return replace(state, probes=tuple(rest), probe=True), probe_of(joint, seen)
     e, J = state.model.linearised(conflict)
     if not np.isfinite(e).all() or state.since_best >= PATIENCE:
-        return replace(state, status="stalled"), np.zeros_like(seen.displacement)
+        return replace(state, status=ServoStatus.STALLED), np.zeros_like(seen.displacement)
     low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
     asked = law(J, e, low, high)
     step = np.clip(asked * min(1.0, LONGEST / max(np.abs(asked).max(), 1e-12)), low, high)
     if np.abs(step).max() < DONE_STEP:
-        return replace(state, asked=asked, status="rests"), np.zeros_like(step)
+        return replace(state, asked=asked, status=ServoStatus.RESTS), np.zeros_like(step)
     return replace(state, asked=asked), step
 
 
@@ -70,10 +71,10 @@ def probe_note(moment: Moment) -> str:
     return f"This motion, ({angles(moment.moved)}), is a probe: it teaches a first column of Ĵ."
 
 
-def said(state: RecursiveState, status: str) -> str:
+def said(state: RecursiveState, status: ServoStatus) -> str:
     """Why it moves or rests."""
-    if status == "stalled":
+    if status == ServoStatus.STALLED:
         return f"not lower for {state.since_best} motions" if state.since_best >= PATIENCE else "no way on from here"
-    if status == "rests":
+    if status == ServoStatus.RESTS:
         return f"next step under {np.degrees(DONE_STEP):g}°"
-    return "a probe, to learn how the images move" if state.probe and status == "moving" else ""
+    return "a probe, to learn how the images move" if state.probe and status == ServoStatus.MOVING else ""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..equations import Equation
 from .observation import Conflict, Observation
+from .status import ServoStatus
 
 NEEDED = {"start": "start(seen)", "step": "step(state, seen, conflict)"}  # of a servo, by name
 
@@ -19,8 +20,8 @@ class ServoState(Protocol):
     arrive. It may have a `certificate` of the posture in which E is least, and what it takes to be `exchanged` of the
     demonstrator's points, pairs of indices: what it is told and asks from then on has them exchanged back.
 
-    status: moving; converged, which only a certificate allows; rests, where the next motion would be too small to be
-    worth it, without evidence; untold, as converged but for joints that nothing tells; stalled, for want of a way on.
+    status: moving, or one of those `ServoStatus` at which a servo is at rest, as a member or as its word; converged is
+    allowed by a certificate only.
     """
 
     @property
@@ -35,14 +36,14 @@ class Moment:
     """What the equations of a law are shown for.
 
     E: px², NaN with too few points; seen: (N, 2) bool, own points in L, in R; displacement: (m,) rad, asked for since
-    the start; moved: (m,) rad, the last motion as it was made; status: as of a `ServoState`, ready or stopped.
+    the start; moved: (m,) rad, the last motion as it was made; status: as of the `Snapshot`.
     """
 
     E: float
     seen: NDArray
     displacement: NDArray
     moved: NDArray
-    status: str
+    status: ServoStatus
 
 
 class Servo(Protocol):
@@ -89,7 +90,7 @@ class Servo(Protocol):
         """The law with the numbers of a moment. state: None before the first motion."""
         ...
 
-    def says(self, state: Any, status: str) -> str:
+    def says(self, state: Any, status: ServoStatus) -> str:
         """What it does, or why it rests, in a few words; "" if there is nothing to add to the status."""
         ...
 
@@ -165,6 +166,6 @@ class _CompletedServo:
         own = getattr(self.law, "equations", None)
         return () if own is None else own(state, moment)
 
-    def says(self, state: Any, status: str) -> str:
+    def says(self, state: Any, status: ServoStatus) -> str:
         own = getattr(self.law, "says", None)
         return "" if own is None else own(state, status)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .certificate import EQUAL
 from .observation import Observation, probe_of
+from .status import ServoStatus
 from .trust_state import TrustState
 from .visit import Visit
 
@@ -20,7 +21,7 @@ EITHER_WAY = (1.0, -1.0, 0.5, -0.5)
 
 def probe(state: TrustState, seen: Observation) -> tuple[TrustState, NDArray]:
     joint, *rest = state.probes
-    return replace(state, probes=tuple(rest), status="moving", probe=True), probe_of(joint, seen)
+    return replace(state, probes=tuple(rest), status=ServoStatus.MOVING, probe=True), probe_of(joint, seen)
 
 
 def check(state: TrustState, seen: Observation, place: NDArray, away: NDArray) -> tuple[TrustState, NDArray]:
@@ -49,7 +50,7 @@ def move(
     longest = np.abs(step).max()
     if longest > LONGEST and not state.foresees:
         step, changes["promised"] = step * (LONGEST / longest), None
-    return replace(state, status="moving", probe=probe, **changes), step
+    return replace(state, status=ServoStatus.MOVING, probe=probe, **changes), step
 
 
 def towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustState, NDArray]:
@@ -60,7 +61,7 @@ def towards(state: TrustState, seen: Observation, goal: NDArray) -> tuple[TrustS
     state, step = move(state, seen, goal, promised=None, goal=None if there else goal)
     expected = 0.0 if state.certificate is None else float(state.certificate.expected.max())
     if state.ending and np.abs(step).max() < np.clip(RESTS * expected, DONE_STEP / 10, DONE_STEP):
-        return replace(state, ending="", status=state.ending), np.zeros_like(step)
+        return replace(state, ending=None, status=state.ending), np.zeros_like(step)
     return state, step
 
 

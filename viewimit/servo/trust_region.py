@@ -36,6 +36,7 @@ from .images.learned import Learned
 from .observation import Conflict, Observation
 from .outlook import Outlook, last_least, look_out, measure
 from .servo import Moment
+from .status import ServoStatus
 from .surroundings import freedom_of
 from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
 from .trust_state import (
@@ -123,7 +124,9 @@ class TrustRegion:
         if _worthwhile(state, seen, ahead):
             return _onwards(state, seen, ahead, weighted=measured.weighting is not None, chasing=chasing)
         if chasing:
-            return replace(state, promised=None, status="moving", probe=False), np.zeros_like(seen.displacement)
+            return replace(state, promised=None, status=ServoStatus.MOVING, probe=False), np.zeros_like(
+                seen.displacement
+            )
         state, place = _placed(state, seen, ahead, weighted=measured.weighting is not None)
         if _lines_may_tell(state, seen):
             state = replace(state, lines=True, radius=first_radius(state.rehearsed), failures=0, promised=None)
@@ -136,7 +139,7 @@ class TrustRegion:
     def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
         return equations(state, moment)
 
-    def says(self, state: TrustState, status: str) -> str:
+    def says(self, state: TrustState, status: ServoStatus) -> str:
         return says(state, status)
 
 
@@ -285,7 +288,8 @@ def _settle(
         return None
     told = certificate is None or bool(certificate.told.all())
     limited = bool((np.minimum(ahead.found.theta - seen.lower, seen.upper - ahead.found.theta) < CLOSE).any())
-    return _to_rest(replace(state, limited=limited), seen, place, "stalled" if told else "untold")
+    ending = ServoStatus.STALLED if told else ServoStatus.UNOBSERVABLE
+    return _to_rest(replace(state, limited=limited), seen, place, ending)
 
 
 def _lines_may_tell(state: TrustState, seen: Observation) -> bool:
@@ -300,11 +304,11 @@ def _shown(state: TrustState, seen: Observation) -> int:
     return seen.shown + (seen.half_shown if state.lines else 0)
 
 
-def _to_rest(state: TrustState, seen: Observation, place: NDArray, ending: str) -> tuple[TrustState, NDArray]:
+def _to_rest(state: TrustState, seen: Observation, place: NDArray, ending: ServoStatus) -> tuple[TrustState, NDArray]:
     """There, what did not come true from there is not tried once more. By the third time at a posture that is best by
     turns with another, here."""
     if state.ending and _often(state, seen):
-        return replace(state, ending="", status=ending), np.zeros_like(place)
+        return replace(state, ending=None, status=ending), np.zeros_like(place)
     return towards(replace(state, ending=ending, failures=MOST_FAILURES), seen, place)
 
 

@@ -12,6 +12,7 @@ from .certificate import Certificate
 from .images.learned import seen_at
 from .images.standing import contradicts, standing
 from .observation import Observation
+from .status import ServoStatus
 from .visit import Visit
 
 FIRST_RADIUS, LAST_RADIUS = np.radians((25.0, 12.0))
@@ -50,12 +51,12 @@ class TrustState:
     phase: int = 0
     promised: float | None = None
     goal: NDArray | None = None
-    ending: str = ""
+    ending: ServoStatus | None = None
     restarts: int = 0
     checks: int = 0
     failures: int = 0
     slight: int = 0
-    status: str = "moving"
+    status: ServoStatus = ServoStatus.MOVING
     probe: bool = False
     certificate: Certificate | None = None
     moved: bool = False

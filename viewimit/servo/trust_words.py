@@ -4,6 +4,7 @@ import numpy as np
 
 from ..equations import Equation, angles, short
 from .servo import Moment
+from .status import ServoStatus
 from .trust_state import CERTAIN, PHASES, TrustState
 
 _LAW = (
@@ -31,17 +32,17 @@ def equations(state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
     return (Equation("", "servo: the images are predicted, E is asked", law, note=note, wide=True),)
 
 
-def says(state: TrustState, status: str) -> str:
+def says(state: TrustState, status: ServoStatus) -> str:
     """As `Servo.says`."""
-    if status == "converged" and state.strayed is not None:
+    if status == ServoStatus.CONVERGED and state.strayed is not None:
         return "E rises every way, and its motions lead no nearer"
-    if status == "converged":
+    if status == ServoStatus.CONVERGED:
         return f"E leaves no room for {np.degrees(CERTAIN):.1g}° and rises every way"
-    if status == "rests":
+    if status == ServoStatus.RESTS:
         return "no evidence yet that E rises every way"
-    if status == "untold":
+    if status == ServoStatus.UNOBSERVABLE:
         return "E does not rise every way"
-    if status == "stalled":
+    if status == ServoStatus.STALLED:
         found = f"nothing lower in {state.restarts} searches elsewhere" if state.restarts else "nothing lower nearby"
         return f"{found}; {SENT_TO_LIMIT}" if state.limited else found
     if state.ending:
@@ -67,9 +68,9 @@ def _outcome(state: TrustState, moment: Moment) -> str:
     made = f"This motion, ({angles(moment.moved)}), "
     if state.probe:
         return f"{made}is a probe: it teaches what the predictions know least."
-    if moment.status == "converged":
+    if moment.status == ServoStatus.CONVERGED:
         return "What is left of E leaves no room for a displacement worth a motion: the servo rests."
-    if moment.status == "stalled":
+    if moment.status == ServoStatus.STALLED:
         return "Neither transfer nor restart led further: the servo rests."
     if state.promised is not None:
         return f"{made}was to lower E by <b>{short(state.promised * state.unit_px**2)}</b> px²."

@@ -3,14 +3,13 @@
 import numpy as np
 
 from viewimit.drawing.svg import thinned
+from viewimit.servo import ServoStatus
 from viewimit.session import Session
-from viewimit.snapshot import AT_REST, Snapshot
+from viewimit.snapshot import Snapshot
 
 from ...classroom.messages import MOST_NAME, MOST_PATH, Answer, Summary
 from ...lessons.course import Course
 from ..page_model import PageModel
-
-STATES = {"converged": "arrived", "rests": "rests", "untold": "stalled", "stalled": "stalled", "stopped": "stopped"}
 
 
 def name_of(text: str) -> str:
@@ -54,12 +53,14 @@ def answer_of(course: Course) -> Answer | None:
 
 def _state(present: Snapshot, playing: bool, course: Course | None):
     if course is not None:
-        return "moving" if present.motion else "ready"
+        return (ServoStatus.MOVING if present.motion else ServoStatus.READY).value
     if present.transfer is None:
         return "lost"
-    if present.status == "stopped" or present.status in AT_REST:
-        return STATES[present.status]
-    return "ready" if present.motion == 0 else "moving" if playing else "paused"
+    if present.status.has_ended:
+        return "arrived" if present.status.is_claim else present.status.value
+    if present.motion and not playing:
+        return "paused"
+    return (ServoStatus.MOVING if present.motion else ServoStatus.READY).value
 
 
 def _in_plane(session: Session, moments):

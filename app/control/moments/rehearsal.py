@@ -7,7 +7,6 @@ from viewimit.export.citation import motions
 from viewimit.rehearsal import motions_of_imitation
 from viewimit.servo import SERVOS
 from viewimit.session import Session
-from viewimit.snapshot import AT_REST
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ def rehearsal_of(session: Session) -> Rehearsal:
     now = session.snapshot
     seen = 0 if now.body is None else len(now.body)
     to_go = 0 if now.to_rehearse is None else len(now.to_rehearse)
-    made, rests = motions_of_imitation(session), now.status in AT_REST
+    made, rests = motions_of_imitation(session), now.status.is_at_rest
     return Rehearsal(seen, to_go, now.settings.servo, now.rehearsal_holds, made, rests)
 
 

@@ -12,7 +12,7 @@ from viewimit.drawing.lessons.formula import draw_formula
 from viewimit.drawing.lessons.progress import draw_progress
 from viewimit.drawing.lessons.standings import Row, draw_standings
 from viewimit.drawing.lessons.view import draw_view
-from viewimit.servo import SERVOS
+from viewimit.servo import SERVOS, ServoStatus
 
 from ..format import Place
 from ..measures import MEASURES
@@ -26,11 +26,11 @@ from .see_through import see_through
 ROLES = {"trust-region": "learner", "broyden": "opponent"}  # of races; all others are slow
 ORDER = ("slow", "learner", "opponent")  # in which ways are drawn, so that where two coincide both are seen
 WHY = {
-    "converged": "says: arrived",
-    "rests": "rests where E is least",
-    "untold": "says: a joint is not told",
-    "stalled": "found nothing lower",
-    "stopped": "too few points are seen",
+    ServoStatus.CONVERGED: "says: arrived",
+    ServoStatus.RESTS: "rests where E is least",
+    ServoStatus.UNOBSERVABLE: "says: a joint is not told",
+    ServoStatus.STALLED: "found nothing lower",
+    ServoStatus.STOPPED: "too few points are seen",
 }
 
 

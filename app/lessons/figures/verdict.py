@@ -7,6 +7,7 @@ import numpy as np
 from viewimit.drawing import svg
 from viewimit.drawing.lessons import verdict
 from viewimit.drawing.lessons.verdict import draw_verdict
+from viewimit.servo import ServoStatus
 from viewimit.snapshot import Snapshot
 from viewimit.views import Pairs
 
@@ -17,10 +18,10 @@ from ..stage import Stage
 from .figure_kind import FigureKind
 
 ELSE = {
-    "converged": "I have arrived.",
-    "rests": "I rest where E is least, and do not know whether I have arrived.",
-    "stalled": "I have found nothing lower, and have not arrived.",
-    "stopped": "I see too few points.",
+    ServoStatus.CONVERGED: "I have arrived.",
+    ServoStatus.RESTS: "I rest where E is least, and do not know whether I have arrived.",
+    ServoStatus.STALLED: "I have found nothing lower, and have not arrived.",
+    ServoStatus.STOPPED: "I see too few points.",
 }
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from viewimit.drawing.classroom.tile import SHAPES, STUCK, Tile, draw_tile
 from viewimit.drawing.over.links import button, link, sink
 from viewimit.drawing.svg import escape
+from viewimit.servo import ServoStatus
 
 from ...classroom.messages import HILLS, Summary
 from ...control.classroom.lecturer import SORTS, ClassView
@@ -103,10 +104,14 @@ def _banner(view: ClassView, question_here: bool, address: str | None) -> str:
 
 def _head(view: ClassView, address: str | None, shared: str | None) -> str:
     counts = (
-        (sum(one.state in STUCK for one in view.students), "stuck", SHAPES["stalled"]),
-        (sum(one.state in ("moving", "paused") for one in view.students), "on the way", SHAPES["moving"]),
-        (sum(one.state == "ready" for one in view.students), "not begun", SHAPES["ready"]),
-        (sum(one.state == "rests" for one in view.students), "at rest", SHAPES["rests"]),
+        (sum(one.state in STUCK for one in view.students), "stuck", SHAPES[ServoStatus.STALLED]),
+        (
+            sum(one.state in (ServoStatus.MOVING, "paused") for one in view.students),
+            "on the way",
+            SHAPES[ServoStatus.MOVING],
+        ),
+        (sum(one.state == ServoStatus.READY for one in view.students), "not begun", SHAPES[ServoStatus.READY]),
+        (sum(one.state == ServoStatus.RESTS for one in view.students), "at rest", SHAPES[ServoStatus.RESTS]),
         (sum(one.state == "arrived" for one in view.students), "there", SHAPES["arrived"]),
     )
     told = "".join(

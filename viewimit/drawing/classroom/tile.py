@@ -10,31 +10,34 @@ from functools import lru_cache
 import numpy as np
 from PIL import Image
 
+from ...servo import ServoStatus
 from .. import svg
 from ..status import DIAMOND, DOT, RING, SQUARE
 
 SIZE = 180, 92  # units
 SHAPES = {
     "lost": SQUARE,
-    "stopped": SQUARE,
-    "stalled": DIAMOND,
-    "moving": DOT.format("learner"),
+    ServoStatus.STOPPED: SQUARE,
+    ServoStatus.STALLED: DIAMOND,
+    ServoStatus.UNOBSERVABLE: DIAMOND,
+    ServoStatus.MOVING: DOT.format("learner"),
     "paused": RING.format("learner"),
-    "ready": RING.format("secondary"),
-    "rests": RING.format("recovered"),
+    ServoStatus.READY: RING.format("secondary"),
+    ServoStatus.RESTS: RING.format("recovered"),
     "arrived": DOT.format("recovered"),
 }
 WORDS = {
     "lost": "lost",
-    "stopped": "stopped",
-    "stalled": "stuck",
-    "moving": "moving",
+    ServoStatus.STOPPED: "stopped",
+    ServoStatus.STALLED: "stuck",
+    ServoStatus.UNOBSERVABLE: "cannot tell",
+    ServoStatus.MOVING: "moving",
     "paused": "paused",
-    "ready": "not begun",
-    "rests": "rests",
+    ServoStatus.READY: "not begun",
+    ServoStatus.RESTS: "rests",
     "arrived": "arrived",
 }
-STUCK = {"lost", "stopped", "stalled"}
+STUCK = {"lost", ServoStatus.STOPPED, ServoStatus.STALLED, ServoStatus.UNOBSERVABLE}
 _OWN, _ids = secrets.token_hex(3), itertools.count()
 
 

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 
 from ...rehearsal import rehearse
+from ...servo.status import ServoStatus
 from ...session import Session
 from ...settings import Settings
 from ...simulation.eyes import ProjectedEyes
@@ -77,7 +78,7 @@ class Ending:
     demonstrator shows, of points that the learner sees of itself anywhere in its range, own images granted without
     noise; inf if that tells some joint nothing."""
 
-    status: str
+    status: ServoStatus
     motions: int
     ended: bool
     error: float
@@ -91,7 +92,7 @@ class Ending:
 
     @property
     def claimed(self) -> bool:
-        return self.status == "converged"
+        return self.status.is_claim
 
     def within(self, times: float) -> bool:
         return self.error <= times * self.expected
@@ -104,18 +105,18 @@ class Ending:
 @dataclass(frozen=True)
 class Outcome:
     """Of a case. tellable: of all runs; within: NEAR_DEG of the demonstrator, of all runs, and of those that are
-    `tellable`, None if there are none; claimed, untold: shares of all runs; beyond: claims more than FALSE_DEG off,
-    falsely: those of them beyond TIMES the expected error as well; covered: claims within COVERED times it; unended:
-    runs without an end; stalled: of all runs; claimed_within_bound: of the runs whose `Ending.bound` is FALSE_DEG at
-    most, None if there are none. rms_deg, expected_deg: of claims; bound_deg_median: of all runs, inf if half of them
-    have joints that nothing tells."""
+    `tellable`, None if there are none; claimed, unobservable: shares of all runs; beyond: claims more than
+    FALSE_DEG off, falsely: those of them beyond TIMES the expected error as well; covered: claims within COVERED times
+    it; unended: runs without an end; stalled: of all runs; claimed_within_bound: of the runs whose `Ending.bound` is
+    FALSE_DEG at most, None if there are none. rms_deg, expected_deg: of claims; bound_deg_median: of all runs, inf if
+    half of them have joints that nothing tells."""
 
     case: str
     tellable: Share
     within: Share
     within_tellable: Share | None
     claimed: Share
-    untold: Share
+    unobservable: Share
     beyond: Share | None
     falsely: Share | None
     covered: Share | None
@@ -200,7 +201,7 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
         within=near(found),
         within_tellable=near(tellable) if tellable else None,
         claimed=Share.of(ending.claimed for ending in found),
-        untold=Share.of(ending.status == "untold" for ending in found),
+        unobservable=Share.of(ending.status == ServoStatus.UNOBSERVABLE for ending in found),
         beyond=of_claims(lambda ending: ending.error > FALSE_DEG),
         falsely=of_claims(lambda ending: ending.false),
         covered=of_claims(lambda ending: ending.within(COVERED)),
@@ -209,7 +210,7 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
         motions_95=float(np.percentile(motions, 95)),
         rms_deg=rms(lambda ending: ending.error),
         expected_deg=rms(lambda ending: ending.expected),
-        stalled=Share.of(ending.status == "stalled" for ending in found),
+        stalled=Share.of(ending.status == ServoStatus.STALLED for ending in found),
         claimed_within_bound=Share.of(within_bound) if within_bound else None,
         bound_deg_median=float(np.median([ending.bound for ending in found])),
     )

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 import msgspec
 import numpy as np
 
+from ...servo.status import ServoStatus
 from ...settings import Settings
 from ..executors.study import Study, each
 from .compare_draws import CASES, Case, drawn
@@ -22,7 +23,7 @@ class Ending:
     that, NaN if nothing; E: px², NaN with too few points in sight."""
 
     motions: int
-    status: str
+    status: ServoStatus
     error_deg: float
     expected_deg: float
     E: float

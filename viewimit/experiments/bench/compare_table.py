@@ -8,6 +8,7 @@ from typing import get_type_hints
 
 import numpy as np
 
+from ...servo.status import ServoStatus
 from ..files import write_csv
 
 
@@ -19,7 +20,7 @@ class Row:
     run: int
     servo: str
     motions: int
-    status: str
+    status: ServoStatus
     error_deg: float
     expected_deg: float
     E_px2: float

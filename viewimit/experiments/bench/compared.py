@@ -50,7 +50,7 @@ def compared(rows: Sequence[Row]) -> list[Compared]:
 
 def _compared(cell: Sequence[Row], paper: Sequence[Row] | None) -> Compared:
     error, motions = _column(cell, "error_deg"), _column(cell, "motions")
-    claimed = np.array([row.status == "converged" for row in cell])
+    claimed = np.array([row.status.is_claim for row in cell])
     gained = error_less = motions_less = None
     if paper is not None and cell[0].servo != PAPER_LAW:
         if [row.run for row in paper] != [row.run for row in cell]:

@@ -81,7 +81,7 @@ def run_one(settings: Settings, path: Path, runs: int, seed: int, max_motions: i
         last = session.run(max_motions).last
         errors.append(float(np.degrees(np.max(np.abs(last.theta - last.theta_demo)))))
         motions.append(last.motion)
-        claimed += last.status == "converged"
+        claimed += last.status.is_claim
     robot = session.world.robot
     return Found(
         str(path),

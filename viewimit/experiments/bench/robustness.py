@@ -118,7 +118,7 @@ def run_once(settings: Settings, case: Case, seed: list[int], max_motions: int) 
     last = session.run(max_motions, PATIENCE).last
     error = np.degrees(np.abs(last.theta - last.theta_demo)).max()
     expected = np.degrees(last.expected_error or 0.0)
-    return float(error), float(expected), last.motion, last.status == "converged"
+    return float(error), float(expected), last.motion, last.status.is_claim
 
 
 def _outcome(name: str, found: Sequence[tuple[float, float, int, bool]]) -> Outcome:

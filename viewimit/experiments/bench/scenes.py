@@ -140,7 +140,7 @@ def run_once(settings: Settings, size: float, max_motions: int) -> Run:
     left_as_seen = least([moment.theta for moment in session.history]) if settings.noise_px else left
     error = np.degrees(np.abs(last.theta - last.theta_demo))
     expected = np.inf if last.expected_error is None else float(np.degrees(last.expected_error))
-    return Run(error, np.degrees(left), np.degrees(left_as_seen), last.motion, last.status == "converged", expected)
+    return Run(error, np.degrees(left), np.degrees(left_as_seen), last.motion, last.status.is_claim, expected)
 
 
 def open_resized(camera: str, scene: Scene, points: int, size: float) -> SimulatedEyes:

@@ -151,7 +151,7 @@ def run_pair(
         visited = np.array([snapshot.theta for snapshot in session.history])
         errors = {name: _error_deg(visited, target) for name, target in targets.items()}
         ended, nearest = ({name: float(pick(e)) for name, e in errors.items()} for pick in (lambda e: e[-1], np.min))
-        runs.append(Run(last.motion, last.status == "converged", ended, nearest, float(bias)))
+        runs.append(Run(last.motion, last.status.is_claim, ended, nearest, float(bias)))
     return runs
 
 

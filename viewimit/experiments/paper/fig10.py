@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...analysis.motion import MOTIONS, Motion
 from ...analysis.trajectory import Imitation, Trajectory, follow, hand_points
+from ...servo.status import ServoStatus
 from ...session import Session
 from ...settings import Settings
 from ...transfer import FittedTransfer
@@ -42,7 +43,7 @@ class Fig10:
     motion: Motion
     recorded: bool
     motions: int
-    status: str
+    status: ServoStatus
     fitted_deg: dict[str, NDArray]
     converged: FittedTransfer
     runs: dict[str, Trajectory]

@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ...servo.status import ServoStatus
 from ...session import Session
 from ...settings import Settings, given
 from ...snapshot import Snapshot
@@ -33,7 +34,7 @@ class Run:
     theta_deg: NDArray
     E: NDArray
     probe: NDArray
-    status: str
+    status: ServoStatus
 
     @property
     def error_deg(self) -> NDArray:

@@ -1,0 +1,41 @@
+"""The status of a learner: a word to whoever reads it, with what follows from it."""
+
+import csv
+import io
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+from viewimit.servo import ServoStatus
+
+
+@pytest.mark.parametrize("status", ServoStatus)
+def test_a_status_is_its_word_wherever_it_is_written(status):
+    word = status.value
+    assert status == word and {word: 1}[status] == 1
+    assert str(status) == f"{status}" == f"{status:s}" == word and f"{status:>20}" == word.rjust(20)
+    assert json.dumps({"status": status}) == json.dumps({"status": word})
+    assert np.array([status]).tolist() == [word]
+    csv.writer(text := io.StringIO()).writerow([status])
+    assert text.getvalue().strip() == word
+
+
+@pytest.mark.parametrize("status", ServoStatus)
+def test_a_status_is_the_same_member_when_it_is_read(status):
+    assert ServoStatus(status.value) is ServoStatus(status) is pickle.loads(pickle.dumps(status)) is status
+
+
+def test_a_word_of_an_earlier_version_is_read_and_an_unknown_one_refused():
+    assert ServoStatus("untold") is ServoStatus.UNOBSERVABLE
+    with pytest.raises(ValueError, match="busy"):
+        ServoStatus("busy")
+
+
+def test_a_claim_is_at_a_minimum_at_rest_and_an_end():
+    said = lambda asked: {status.value for status in ServoStatus if asked(status)}
+    claims, least = said(lambda one: one.is_claim), said(lambda one: one.is_at_minimum)
+    rests, ends = said(lambda one: one.is_at_rest), said(lambda one: one.has_ended)
+    assert claims == {"converged"} and least == claims | {"rests", "unobservable"}
+    assert rests == least | {"stalled"} and ends == rests | {"stopped", "max_motions"}

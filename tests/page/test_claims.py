@@ -9,7 +9,6 @@ from browsing import (
     open_page,
     pause,
     press,
-    status,
     wait,
     wait_for_count,
     wait_for_status,
@@ -97,7 +96,7 @@ def test_the_pages_keys_act_after_a_question_by_pointer_and_beside_one_by_keys(p
     wait_for_count(page, CARD, 1, exactly=True)
     press(page, " ")
     wait_for_count(page, CARD, 0, exactly=True)
-    assert status(page).startswith("Paused")
+    wait_for_status(page, "^Paused")
 
 
 def test_a_question_is_reached_and_asked_by_keys(page):

@@ -410,8 +410,18 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
     [
         (Settings(start_deg=(25, -45)), 100, "converged", "the learner claims to have arrived"),
         (Settings.paper(start_deg=(25, -45)), 100, "rests", "it rests, without evidence of having arrived"),
-        (Settings(points=5, demonstrator_deg=(20, -30)), 100, "unobservable", "some joint is not told"),
-        (Settings.paper(servo="gradient", start_deg=(25, -45)), 3, "max_motions", "no more motions"),
+        (
+            Settings(points=5, demonstrator_deg=(20, -30)),
+            100,
+            "unobservable",
+            "the points do not determine every joint",
+        ),
+        (
+            Settings.paper(servo="gradient", start_deg=(25, -45)),
+            3,
+            "max_motions",
+            "it made as many motions as it was allowed",
+        ),
         (Settings(), 0, "max_motions", "no motion was made"),
         (Settings(missing=1.0), 5, "stopped", "too few points are seen in all four images"),
     ],

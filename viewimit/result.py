@@ -11,10 +11,10 @@ from .snapshot import Snapshot
 WHY = {
     ServoStatus.CONVERGED: "the learner claims to have arrived",
     ServoStatus.RESTS: "it rests, without evidence of having arrived",
-    ServoStatus.UNOBSERVABLE: "some joint is not told",
+    ServoStatus.UNOBSERVABLE: "the points do not determine every joint",
     ServoStatus.STALLED: "stalled",
     ServoStatus.STOPPED: "too few points are seen in all four images",
-    ServoStatus.MAX_MOTIONS: "no more motions",
+    ServoStatus.MAX_MOTIONS: "it made as many motions as it was allowed",
 }
 
 

@@ -98,6 +98,7 @@ class TrustRegion:
 
     def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
+        seen = replace(seen, rehearsed=())  # the state has it, in units
         state, seen = arrived(state, in_units(seen, state.unit_px))
         conflict = ConflictInUnits(conflict, state.unit_px)
         conflict = conflict.with_half_seen() if state.lines else conflict

@@ -4,8 +4,8 @@ A small E is none: a joint that no point tells leaves E flat, and the prediction
 About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For each eigenvector v of H, the flattest first,
 a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of v's own
 was measured beyond what the others should make: more than noise makes or, without noise, than the share CONFLICTING of
-what the own images moved by. Where there is none a check motion along v asks; if E does not rise as it should, v is not told,
-and no joint that it turns. Of too few points E is next to 0 and rises all around at wrong postures as well: they allow
+what the own images moved by. Where there is none a check motion along v asks; if E does not rise as it should, v is
+unobservable, and so is each joint that it turns. Of too few points E is next to 0 and rises all around at wrong postures as well: they allow
 no claim. Nor has a point a part in H that was seen too rarely to tell how its images move: what is not known of that
 looks like a curvature.
 

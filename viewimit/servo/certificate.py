@@ -1,13 +1,13 @@
 """What a servo may claim of the posture in which it rests: measured evidence that E rises in every direction from it.
 
 A small E is none: a joint that no point tells leaves E flat, and the predictions' own errors look like a curvature.
-About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For each eigenvector v of H, the flattest first,
-a posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of v's own
+About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For each eigenvector v of H, the flattest first, a
+posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of v's own
 was measured beyond what the others should make: more than noise makes or, without noise, than the share CONFLICTING of
 what the own images moved by. Where there is none a check motion along v asks; if E does not rise as it should, v is
-unobservable, and so is each joint that it turns. Of too few points E is next to 0 and rises all around at wrong postures as well: they allow
-no claim. Nor has a point a part in H that was seen too rarely to tell how its images move: what is not known of that
-looks like a curvature.
+unobservable, and so is each joint that it turns. Of too few points E is next to 0 and rises all around at wrong
+postures as well: they allow no claim. Nor has a point a part in H that was seen too rarely to tell how its images move:
+what is not known of that looks like a curvature.
 
 How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more, and
 by H⁻¹g, g the gradients that the noise of the own images makes, and those that another head would, as far as matches

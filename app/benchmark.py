@@ -9,8 +9,8 @@ import time
 
 import numpy as np
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.viewer.landscapes import make_landscape
 
 from .control.commands.display import ChoosePoint

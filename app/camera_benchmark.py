@@ -12,7 +12,7 @@ import time
 import msgspec
 import numpy as np
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 from .control.commands.method import switch_camera
 from .control.commands.session import ChooseSpeed, Play

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from viser import ClientHandle
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 from .control.classroom.attendance import Attendance
 from .control.command_loop import CommandLoop

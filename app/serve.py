@@ -9,7 +9,7 @@ import threading
 import webbrowser
 from dataclasses import replace
 
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 from .server.address import address, invite, invite_lecturer, listen, require_free
 from .server.options import ServerOptions

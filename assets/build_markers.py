@@ -22,7 +22,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
-from ..evaluation import conflict
+from ..estimation.evaluation import conflict
 from ..geometry.affine import MIN_POINTS
 from ..simulation.markers import Markers
 from ..simulation.physics.model import write_urdf
@@ -30,8 +30,8 @@ from ..simulation.physics.studio import Studio
 from ..simulation.robot import BodyPoints
 from ..simulation.scene import load_scene
 from ..simulation.world import World
-from ..transfer import TRANSFERS
-from ..views import FourViews
+from ..estimation.transfers import TRANSFERS
+from ..estimation.views import FourViews
 from . import ROOT
 from .sightings import Sightings, sightings
 

@@ -6,4 +6,4 @@ python="${1:-python}"
 export PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 "$python" -m pip install --require-hashes --only-binary=:all: -r deploy/requirements.lock
 "$python" -m pip install --no-deps --no-build-isolation .
-"$python" -I -m viewimit.cli --version
+"$python" -I -m viewimit.commands.cli --version

@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 
 from viewimit import Session, Settings, replay
-from viewimit.settings import PAPER_FIELDS
+from viewimit.loop.settings import PAPER_FIELDS
 
 HERE = Path(__file__).parent
 INDEX = "index.fragment.html"

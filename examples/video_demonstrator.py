@@ -2,7 +2,7 @@
 
     python examples/video_demonstrator.py left.h5 right.h5
 
-The files are those of any tracker that `viewimit.perception.tracks` reads. Point 0 of the video is point 0 of the
+The files are those of any tracker that `viewimit.sensing.tracks` reads. Point 0 of the video is point 0 of the
 learner, and so on. Put your own arm and eyes in place of the fake robot; the cameras are those that took the video.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from fake_robot import FakeRobot
 
 from viewimit import FourViews, Session
-from viewimit.perception.tracks import read_view
+from viewimit.sensing.tracks import read_view
 
 
 class VideoDemonstrator:

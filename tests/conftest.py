@@ -21,8 +21,8 @@ import pytest
 from serving import Server
 from waiting import wait_until
 
-from viewimit.cli import main
-from viewimit.threads import take_one
+from viewimit.commands.cli import main
+from viewimit.geometry.blas_threads import take_one
 
 LONG = "test_types.py", "test_readme.py", "test_extension.py", "test_random_scenes.py"
 WAITING = (

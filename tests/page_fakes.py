@@ -58,7 +58,7 @@ from viewimit.app.panels.status import StatusPanel
 from viewimit.app.quiet_client import quiet_client
 from waiting import wait_until
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.markers import load_markers
 from viewimit.simulation.world import World
 

@@ -17,7 +17,7 @@ from viewimit.app.panels.panel import Reach
 from viewimit.app.quiet_client import QuietClient, QuietHandle
 from waiting import wait_until
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 PERSON = 1  # a client's id
 ALONE = Attendee()

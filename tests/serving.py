@@ -29,7 +29,7 @@ from viewimit.app.sessions.autosave import HEAD, Autosave, SavedPage
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
 
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 STARTS_WITHIN_S = 90  # on a busy machine
 ENDS_WITHIN_S = 10
@@ -43,7 +43,7 @@ class Server:
     def __init__(self, *options: str):
         isolated = [sys.executable, "-I"]  # what is installed, not the folder that happens to be the current one
         kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
-        command = [*isolated, "-m", "viewimit.cli", "serve", "--port", "0", *kept, *options]
+        command = [*isolated, "-m", "viewimit.commands.cli", "serve", "--port", "0", *kept, *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.lines: list[str] = []
         self._news, self._ended = threading.Condition(), False

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, norm
 
-from viewimit.evaluation import conflict, noise_conflict
+from viewimit.estimation.evaluation import conflict, noise_conflict
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.transfers.transfer import Transfer
+from viewimit.estimation.views import FourViews
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
-from viewimit.transfer.transfer import Transfer
-from viewimit.views import FourViews
 
 
 class Constant(Transfer):

@@ -26,18 +26,18 @@ from viewimit.app.sessions.sqlite_store import SqliteStore
 from viewimit.analysis import landscape
 from viewimit.drawing import equations as drawing
 from viewimit.drawing import status
-from viewimit.equations import HOLE, Equation, number
+from viewimit.estimation.equations import HOLE, Equation, number
+from viewimit.estimation.transfers import TRANSFERS, TransferMethod
+from viewimit.estimation.transfers.affine_map import AffineTransfer
 from viewimit.experiments import EXPERIMENTS, Experiment
 from viewimit.experiments.bench import speed
 from viewimit.experiments.paper import fig7, fig9
 from viewimit.experiments.paper.claims import Claims
 from viewimit.geometry.affine import centred
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, Broyden
 from viewimit.servo.broyden import BroydenState
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS, TransferMethod
-from viewimit.transfer.affine_map import AffineTransfer
 
 SHRINKAGE = 1e-6  # of the demonstrator's scatter
 

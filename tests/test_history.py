@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from viewimit.history import EARLY, RECENT, STRIDE, History
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.history import EARLY, RECENT, STRIDE, History
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 BEGUN = Session(Settings.paper(transfer="linear")).snapshot
 

@@ -15,13 +15,13 @@ from pathlib import Path
 import pytest
 from viewimit.app.sessions.link import read
 
-from viewimit.cli import COMMANDS, main
 from viewimit.commands import BadInput
+from viewimit.commands.cli import COMMANDS, main
 from viewimit.commands.docs import first_page
 from viewimit.drawing.glossary import glossary
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
+from viewimit.loop.wording import as_python
 from viewimit.simulation.eyes import has_wheel
-from viewimit.wording import as_python
 
 try:
     import tomllib
@@ -87,7 +87,9 @@ def test_an_sdist_holds_what_the_wheel_is_made_of_and_is_built_without_a_warning
 
 
 def test_the_wheel_runs(wheel, tmp_path):
-    code = "import sys, viewimit.cli; print(viewimit.__file__); sys.exit(viewimit.cli.main(['imitate']))"
+    code = (
+        "import sys, viewimit.commands.cli; print(viewimit.__file__); sys.exit(viewimit.commands.cli.main(['imitate']))"
+    )
     there = os.environ | {"PYTHONPATH": str(wheel)}
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=there, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -114,7 +116,7 @@ def pages_of(wheel):
 
 
 def test_the_wheel_holds_the_documentation_and_says_where(wheel, tmp_path):
-    code = "import sys, viewimit.cli; sys.exit(viewimit.cli.main(['docs', '--print']))"
+    code = "import sys, viewimit.commands.cli; sys.exit(viewimit.commands.cli.main(['docs', '--print']))"
     there = os.environ | {"PYTHONPATH": str(wheel)}
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=there, capture_output=True, text=True)
     assert done.returncode == 0 and Path(done.stdout.rstrip()) == wheel / "viewimit/site/index.html"

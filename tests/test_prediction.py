@@ -3,14 +3,14 @@
 import msgspec
 import numpy as np
 
-from viewimit.prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
+from viewimit.estimation.transfers.weighted import Weighted
+from viewimit.estimation.views import FourViews
+from viewimit.loop.prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 from viewimit.servo.identities import exchanged, with_exchanged
 from viewimit.servo.observation import Weighting
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.snapshot import Snapshot
-from viewimit.transfer.weighted import Weighted
-from viewimit.views import FourViews
 
 
 def drift_of(session):

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import viewimit
-from viewimit.cli import COMMANDS, main
+from viewimit.commands.cli import COMMANDS, main
 
 try:
     import tomllib

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from viewimit.assets import ROOT
 
-from viewimit.embodiment.in_scene import complete
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines
-from viewimit.history import EARLY, MOST_OLD, RECENT, STRIDE, History
+from viewimit.loop.embodiment.in_scene import complete
+from viewimit.loop.history import EARLY, MOST_OLD, RECENT, STRIDE, History
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings, warn_of_radians
 from viewimit.servo import SERVOS
-from viewimit.session import Session
-from viewimit.settings import Settings, warn_of_radians
 from viewimit.simulation.scene import Scene
-from viewimit.transfer import TRANSFERS
 
 DISTURBED = Settings.paper(transfer="linear", noise_px=0.3, missing=0.1, seed=3)
 RESTLESS = Settings.paper(servo="gradient-retuned", noise_px=0.2, start_deg=(25, -45))  # it never rests

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.transfer import TRANSFERS
-from viewimit.views import FourViews
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.views import FourViews
 
 
 def images(count=6, batch=()):

@@ -24,33 +24,33 @@ __version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape, landscape
-    from .embodiment.interface import Arm, Eyes
-    from .evaluation import conflict
+    from .estimation.evaluation import conflict
+    from .estimation.transfers import TRANSFERS
+    from .estimation.views import FourViews
     from .export.replay import replay
     from .geometry.affine import fit_affine_fundamental
-    from .result import RunResult
+    from .loop.embodiment.interface import Arm, Eyes
+    from .loop.result import RunResult
+    from .loop.session import Session
+    from .loop.settings import Settings
+    from .loop.snapshot import Snapshot
     from .servo import SERVOS
-    from .session import Session
-    from .settings import Settings
     from .simulation.scene import load_scene
     from .simulation.world import World
-    from .snapshot import Snapshot
-    from .transfer import TRANSFERS
-    from .views import FourViews
 
 _MODULES = {
-    "Arm": ".embodiment.interface",
-    "Eyes": ".embodiment.interface",
-    "FourViews": ".views",
+    "Arm": ".loop.embodiment.interface",
+    "Eyes": ".loop.embodiment.interface",
+    "FourViews": ".estimation.views",
     "Landscape": ".analysis.landscape",
-    "RunResult": ".result",
+    "RunResult": ".loop.result",
     "SERVOS": ".servo",
-    "Session": ".session",
-    "Settings": ".settings",
-    "Snapshot": ".snapshot",
-    "TRANSFERS": ".transfer",
+    "Session": ".loop.session",
+    "Settings": ".loop.settings",
+    "Snapshot": ".loop.snapshot",
+    "TRANSFERS": ".estimation.transfers",
     "World": ".simulation.world",
-    "conflict": ".evaluation",
+    "conflict": ".estimation.evaluation",
     "fit_affine_fundamental": ".geometry.affine",
     "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",

@@ -3,9 +3,9 @@
 from functools import partial
 
 from viewimit.drawing.transfers import draw_together, waiting
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
-from viewimit.transfer import TRANSFERS
 from viewimit.viewer.landscapes import landscape_key
 
 from ..jobs.landscapes import ComparedTransfer, LandscapeWorker, make_compared

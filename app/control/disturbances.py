@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from viewimit.disturbances import ArmDisturbance, Disturbance, SightDisturbance
-from viewimit.settings import Settings, disturbances
+from viewimit.loop.settings import Settings, disturbances
+from viewimit.simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 
 from .checks import number
 

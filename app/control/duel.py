@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.joint_errors import ErrorTrace
 from viewimit.drawing.duel import ARRIVED_DEG, Standing
-from viewimit.rehearsal import begin_rehearsal
+from viewimit.loop.rehearsal import begin_rehearsal
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.session import Session
-from viewimit.settings import Settings
 
 from ..jobs.camera_images import CameraProcess
 from ..jobs.session_eyes import SessionEyes

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import msgspec
 
 from viewimit.experiments import EXPERIMENTS
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from .commands.command import Arrival

@@ -1,7 +1,7 @@
 """Which joints imitate: those of the scene, as the paper's two, or all of the robot's."""
 
 from viewimit.drawing import svg
-from viewimit.settings import Settings, given
+from viewimit.loop.settings import Settings, given
 from viewimit.simulation.scene import Scene, load_robot, load_scene
 
 MANY_POINTS = 16  # that more joints than the scene's need at least

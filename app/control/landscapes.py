@@ -6,11 +6,11 @@ import msgspec
 
 from viewimit.drawing import duel as drawing
 from viewimit.drawing.landscape import LandscapePicture
-from viewimit.equations import with_minus
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.estimation.equations import with_minus
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 from viewimit.viewer.landscapes import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
 
 from ..jobs.experiments import ExperimentWorker, Request, Run

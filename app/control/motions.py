@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.motion import FRAMES, MOTIONS, STEP_S, TITLES, Motion, decode, encode, require_motion
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 from .queue import Aside
 from .recorder import NAME as RECORDED

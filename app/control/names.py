@@ -1,7 +1,7 @@
 """What dropdowns call what they offer."""
 
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
-from viewimit.transfer import TRANSFERS
 
 SPEEDS = {
     "1 in 2 s": 0.5,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from viewimit.export.panels import farthest_off
 from viewimit.export.perspective import Eye
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 from ..sessions.link import Linked
 from .classroom.role import Role

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from numpy.typing import NDArray
 
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 MOTION_SHARE, LONGEST_MOTION = 0.85, 1.2  # of the period; s: how long the arm is seen to move
 SINGLE_STEP = 0.45  # s a motion takes that was asked for singly

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from viewimit.embodiment.in_scene import complete
-from viewimit.settings import Settings
+from viewimit.loop.embodiment.in_scene import complete
+from viewimit.loop.settings import Settings
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Hashable, Iterable
 
 import numpy as np
 
-from viewimit.snapshot import Snapshot
+from viewimit.loop.snapshot import Snapshot
 
 EARLY = 0.9  # of a period: ticks jitter
 Drawing = tuple[Hashable, Callable[[], None]]  # of what kind it is, and what draws it

@@ -17,7 +17,7 @@ from viewimit.export.figures import Figure, beneath, four_images, laid_over, sta
 from viewimit.export.formulas import TYPESETTER, can_typeset, draw_formulas, require_typesetter
 from viewimit.export.perspective import Eye, draw_space
 from viewimit.export.replay import replay
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 from ..jobs.landscapes import LandscapeWorker
 from ..jobs.png_child import render

@@ -3,7 +3,7 @@
 import os
 import signal
 
-from viewimit import threads
+from viewimit.geometry import blas_threads as threads
 
 
 def stand_back(niceness: int) -> None:

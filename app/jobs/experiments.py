@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 
 from viewimit.analysis.trajectory import Imitation
 from viewimit.experiments.paper.claims import Claim
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 from . import experiment_child
 

@@ -11,8 +11,8 @@ from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.study import study
 from viewimit.drawing import duel
 from viewimit.drawing.transfers import draw_compared, draw_costs
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 from viewimit.viewer.landscapes import compute
 
 

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.eyes import SimulatedEyes, open_eyes, require_eyes
 from viewimit.simulation.markers import load_markers
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 
 from .camera_images import CameraProcess
 

@@ -9,9 +9,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.snapshot import Snapshot
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 
 from .answering import Ask, choices, chosen, guessed, is_answered, placed, selected, settings_selected, with_outcome
 from .format import Do, Lesson, Pose, Select, Step

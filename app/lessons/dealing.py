@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import Head, Scene, load_scene
 from viewimit.simulation.world import World
 

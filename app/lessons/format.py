@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from viewimit.settings import PAPER_FIELDS, Settings
+from viewimit.loop.settings import PAPER_FIELDS, Settings
 
 MOST_WORDS = 60  # of a step's text
 CHANGEABLE = ("head", "demonstrator", "learner", "points")  # of a scene, in a step

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.landscape import Landscape
 from viewimit.drawing.lessons.view import Window, window_of
-from viewimit.session import Session
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.appearance import Bodies
-from viewimit.snapshot import Snapshot
 
 from .format import Do, Pose, Step
 from .progress import Given

@@ -8,11 +8,11 @@ from typing import Any
 import msgspec
 from numpy.typing import NDArray
 
-from viewimit.session import Session
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.appearance import Bodies, Silhouettes
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 
 from .dealing import deal, deal_start
 from .format import Step, settings_of

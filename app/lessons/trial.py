@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 from .course import Course
 from .format import Do, Lesson, Number, Place, Pose, Step, settings_of

@@ -1,6 +1,6 @@
 """One slider for each of the demonstrator's joints that move."""
 
-from viewimit.settings import given
+from viewimit.loop.settings import given
 
 from ..control.commands.session import PoseJoint
 from ..control.state import PageState

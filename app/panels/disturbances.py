@@ -3,7 +3,7 @@
 from functools import partial
 
 from viewimit.drawing.glossary import beside, key_of
-from viewimit.settings import MOST_SEED, Settings
+from viewimit.loop.settings import MOST_SEED, Settings
 
 from ..control.commands.method import change_disturbance, change_seed
 from ..control.disturbances import OF_ARMS, OF_IMAGES, Amount

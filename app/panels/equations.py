@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from viewimit.drawing.equations import draw_conflict, draw_equations, draw_law
 from viewimit.drawing.glossary import asks
-from viewimit.snapshot import Snapshot
+from viewimit.loop.snapshot import Snapshot
 
 from ..control.state import PageState
 from .panel import SLOWEST, Layout, Panel

@@ -4,7 +4,7 @@ folded: a slider a joint, which asks for the same as a click on the landscape.""
 from numpy.typing import NDArray
 
 from viewimit.drawing.learner_bars import draw_learner
-from viewimit.settings import given
+from viewimit.loop.settings import given
 
 from ..control.commands.session import StartJoint
 from ..control.state import PageState

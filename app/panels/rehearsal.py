@@ -2,7 +2,7 @@
 
 from viser import Icon
 
-from viewimit.rehearsal import POSTURES
+from viewimit.loop.rehearsal import POSTURES
 
 from ..control.commands.session import ToggleRehearsal
 from ..control.moments.rehearsal import Rehearsal

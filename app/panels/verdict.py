@@ -1,7 +1,7 @@
 """How far an experiment is, in a bar and a few words; and when it is done, what the paper says beside what is found."""
 
 from viewimit.drawing import svg
-from viewimit.equations import with_minus
+from viewimit.estimation.equations import with_minus
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.claims import Claim, verdict
 

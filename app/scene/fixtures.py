@@ -6,6 +6,7 @@ import numpy as np
 from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
 
 from viewimit.drawing.theme import rgb
+from viewimit.estimation.views import VIEWS
 from viewimit.simulation.camera import Camera
 from viewimit.simulation.world import World
 from viewimit.viewer import shapes
@@ -26,7 +27,6 @@ from viewimit.viewer.furniture import (
     on_plate,
     solids,
 )
-from viewimit.views import VIEWS
 
 from .. import viser_private
 from .colours import linear

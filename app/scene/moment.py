@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from viser import ClientHandle
 
 from viewimit.drawing.theme import faint, rgb
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.camera import Camera
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 from viewimit.viewer import shapes
 from viewimit.viewer.furniture import VIEW_ROLES, on_plate
 

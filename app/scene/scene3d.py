@@ -8,10 +8,10 @@ from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from viewimit.drawing.theme import rgb
 from viewimit.export.perspective import Eye
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.ray_casting import SurfaceHit, first_hit
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 from viewimit.viewer import shapes
 from viewimit.viewer.furniture import LOOKS, POINT_SIZE, arm_landmarks, landmarks
 from viewimit.viewer.view import BELOW

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 from ..lessons.format import Lesson
 from .limits.connection_limits import Limits

@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 from .saved import CHUNK, HEAD, MOST_BYTES, SavedPage, SavedSession
 from .store import RENEW_EVERY, Store

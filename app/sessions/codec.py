@@ -14,15 +14,15 @@ import msgspec
 import numpy as np
 import zstandard
 
-from viewimit.body_image import Body, BodyImage
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.transfers.rectified import RectifiedTransfer
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification
+from viewimit.loop.body_image import Body, BodyImage
+from viewimit.loop.settings import OWN, Settings
+from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
 from viewimit.servo.visit import Visit
-from viewimit.settings import OWN, Settings
-from viewimit.snapshot import Snapshot
-from viewimit.transfer import TRANSFERS
-from viewimit.transfer.rectified import RectifiedTransfer
-from viewimit.views import FourViews
 
 from .kinds import fields_of, require_fields
 

@@ -8,10 +8,10 @@ from typing import Annotated
 import msgspec
 import zstandard
 
-from viewimit.history import MAX_HISTORY
-from viewimit.reading import file_name, is_text
-from viewimit.script import Began, Changed, Deed, Posed, Rehearsed, Script
-from viewimit.settings import OWN, Settings
+from viewimit.loop.history import MAX_HISTORY
+from viewimit.loop.script import Began, Changed, Deed, Posed, Rehearsed, Script
+from viewimit.loop.settings import OWN, Settings
+from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.robots import robot_names
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_reading import scene_names

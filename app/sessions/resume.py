@@ -13,7 +13,7 @@ from viser import ClientHandle, ViserServer
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 from .. import viser_private
 from .autosave import Autosave, SavedSession

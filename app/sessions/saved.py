@@ -7,10 +7,10 @@ import msgspec
 import numpy as np
 
 from viewimit import __version__
-from viewimit.history import MAX_HISTORY
-from viewimit.script import Log
-from viewimit.settings import OWN, Settings
-from viewimit.snapshot import Snapshot
+from viewimit.loop.history import MAX_HISTORY
+from viewimit.loop.script import Log
+from viewimit.loop.settings import OWN, Settings
+from viewimit.loop.snapshot import Snapshot
 
 from ..lessons.progress import Progress
 from . import codec

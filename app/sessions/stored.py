@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from viewimit.settings import Settings
-from viewimit.snapshot import Snapshot
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 
 from . import codec
 from .saved import CHUNK, HEAD, SavedPage, SavedSession, chunks, decoded

@@ -6,7 +6,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from viewimit import cli
+from viewimit.commands import cli
 
 
 class Commands(SphinxDirective):

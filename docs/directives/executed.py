@@ -22,7 +22,7 @@ from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
-from viewimit.cli import main
+from viewimit.commands.cli import main
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NOTHING = object()

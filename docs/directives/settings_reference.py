@@ -5,7 +5,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from viewimit.settings import DISTURBANCES, Settings
+from viewimit.loop.settings import DISTURBANCES, Settings
 
 
 class SettingsTable(SphinxDirective):

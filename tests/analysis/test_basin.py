@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.basin import MOST_MOTIONS, NEAR_DEG, find_basin, place_of, smallest_E, spread_starts
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 FEW = Settings.paper(points=5)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.construction import construct
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS
-from viewimit.views import FourViews
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.views import FourViews
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 POINT = 3
 

@@ -8,14 +8,14 @@ import pytest
 
 from viewimit.analysis import landscape as landscape_module
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape, landscape_over
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench import baselines
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
-from viewimit.views import FourViews
 
 replace = msgspec.structs.replace
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.leave_one_out import FRAMES, POINTS, leave_one_out
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.transfers.rectified import fit
+from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.tracks import Case, draw
 from viewimit.geometry.rectification import rectification_of, rectification_with_prior
+from viewimit.loop.suspects import suspects
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.suspects import suspects
-from viewimit.transfer import TRANSFERS
-from viewimit.transfer.rectified import fit
-from viewimit.views import FourViews
 
 DRAWS = 20
 

@@ -8,8 +8,8 @@ from viewimit.analysis.convexity import GOOD, RADII_DEG, convexity, hessian
 from viewimit.analysis.landscape import Landscape
 from viewimit.analysis.minima import local_minima
 from viewimit.experiments.paper.fig7 import conflict_of, over_grid
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 AXES = tuple(np.radians(np.linspace(low, high, n)) for low, high, n in ((0, 90, 46), (-180, 0, 91)))
 BOUNDS = np.radians([[0.0, 90.0], [-180.0, 0.0]])

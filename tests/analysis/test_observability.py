@@ -5,10 +5,10 @@ import pytest
 from scipy.optimize import least_squares
 
 from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, uncertainty, weak_joints
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS
-from viewimit.views import FourViews
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.views import FourViews
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 SEVEN = Settings.paper(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
 

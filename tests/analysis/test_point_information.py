@@ -6,8 +6,8 @@ import pytest
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.point_information import best_next, point_information, with_point
 from viewimit.geometry.affine import flatness
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.derived.candidates import candidates
 from viewimit.simulation.robot import BodyPoints
 

@@ -6,8 +6,8 @@ import pytest
 from viewimit.analysis.landscape import conflict_at
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.scatter import scatter
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 RUNS = 400
 SESSION = Session(Settings.paper(transfer="projective", points=16, demonstrator_deg=(45, -90)))

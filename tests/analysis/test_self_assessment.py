@@ -6,11 +6,11 @@ import pytest
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.self_assessment import NEAR, assess
 from viewimit.drawing.status import describe
-from viewimit.history import History
+from viewimit.loop.history import History
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 from viewimit.servo.trust_region import CERTAIN
-from viewimit.session import Session
-from viewimit.settings import Settings
 
 
 def rested(settings):

@@ -7,9 +7,9 @@ import pytest
 
 from viewimit.analysis import motion
 from viewimit.analysis.trajectory import follow, hand_points, learned_images
-from viewimit.history import History
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.history import History
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.kinematics import hand_position
 
 QUICK = {"start_deg": (30, -70)}

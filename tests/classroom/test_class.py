@@ -20,10 +20,10 @@ from viewimit.app.control.commands.method import change_transfer
 from viewimit.app.control.commands.session import Play, PoseJoint, Reset, Step, Undo
 from viewimit.app.control.memory import memory_of
 
-from viewimit.script import Changed, Posed, Script, Stepped
-from viewimit.script_player import play
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.script import Changed, Posed, Script, Stepped
+from viewimit.loop.script_player import play
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 
 @pytest.fixture
@@ -405,7 +405,7 @@ def test_the_rest_of_a_script_leads_on_to_the_same_state(count):
     whole, begun = Session(Settings.paper()), Session(Settings.paper())
     play(Script(SETTINGS, DEEDS), whole)
     play(Script(SETTINGS, DEEDS[:count]), begun)
-    from viewimit.script_player import do
+    from viewimit.loop.script_player import do
 
     for deed in rest(begun.script, whole.script):
         do(begun, deed)

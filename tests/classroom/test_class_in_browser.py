@@ -8,8 +8,8 @@ from browsing import posture as posture_of
 from serving import Server
 from waiting import wait_until
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 pytestmark = pytest.mark.browser
 CLASS, TILE, BANNER, QUESTION = ".vi-class-head", ".vi-tile", ".vi-banner", ".vi-class-question"

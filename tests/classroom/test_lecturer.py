@@ -120,6 +120,6 @@ def test_a_secret_of_ones_own_must_not_be_guessed(secret):
 
 
 def test_a_bad_secret_is_said_on_the_command_line():
-    command = [sys.executable, "-I", "-m", "viewimit.cli", "serve", "--lecturer", "--port", "0"]
+    command = [sys.executable, "-I", "-m", "viewimit.commands.cli", "serve", "--lecturer", "--port", "0"]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "VIEWIMIT_LECTURER": "short"})
     assert done.returncode == 2 and "VIEWIMIT_LECTURER" in done.stderr and "short" not in done.stderr

@@ -21,14 +21,14 @@ import viewimit
 from viewimit.analysis.landscape import landscape_over
 from viewimit.commands import imitate, json_output
 from viewimit.commands.json_output import rounded
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import robustness, speed
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation import eyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
 
 HEADING = ("version", "format", "command", "options")  # of every object
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
@@ -510,7 +510,7 @@ def test_version(ask):
 def test_a_console_that_lacks_characters_is_told_all_the_same(encoding, tmp_path):
     code = (
         "import sys\n"
-        "from viewimit.cli import COMMANDS, main\n"
+        "from viewimit.commands.cli import COMMANDS, main\n"
         "helps = [['--help'], *([name, '--help'] for name in COMMANDS)]\n"
         "runs = ['imitate', 'bench success --runs 1 --max-motions 0 --servo broyden', 'reproduce fig10',\n"
         "        'reproduce fig10 --json']\n"
@@ -549,7 +549,7 @@ def test_linear_algebra_is_held_to_one_thread_before_numpy_is_loaded(monkeypatch
         "    if name == 'numpy' and 'numpy' not in sys.modules: print(os.environ.get('OPENBLAS_NUM_THREADS'))\n"
         "    return load(name, *rest, **more)\n"
         "builtins.__import__ = watch\n"
-        "from viewimit.cli import main\n"
+        "from viewimit.commands.cli import main\n"
         "main(['imitate', '--max-motions', '0'])\n"
     )
     assert in_a_new_process("-c", code).stdout.splitlines()[0] == "1"

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from axle_markers import axle_markers
 
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.views import VIEWS, FourViews
 from viewimit.experiments.bench.tracks import Case, draw
 from viewimit.geometry.rectification import rectification_of
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
-from viewimit.views import VIEWS, FourViews
 
 
 def write(path, views, confidence=lambda frame, view, point: 1.0):

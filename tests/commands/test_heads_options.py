@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from viewimit.cli import main
+from viewimit.commands.cli import main
+from viewimit.estimation.views import VIEWS
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.views import VIEWS
 
 BENT = """extends = "panda-toed"
 [head.left]

@@ -15,8 +15,8 @@ import pytest
 from viewimit.assets import ROOT
 
 from viewimit.commands.options import option
-from viewimit.reading import MOST_ARRAYS, parse_toml
-from viewimit.views import VIEW_NAMES
+from viewimit.estimation.views import VIEW_NAMES
+from viewimit.sensing.files import MOST_ARRAYS, parse_toml
 
 WITHIN_S, MOST_KB = 5.0, 500_000
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
@@ -54,7 +54,7 @@ def refused(ask):
 # A process begins with the most memory that the one had which began it, so a small one stands between.
 SMALL = """
 import json, resource, subprocess, sys
-status = subprocess.run([sys.executable, "-I", "-m", "viewimit.cli", *sys.argv[1:]]).returncode
+status = subprocess.run([sys.executable, "-I", "-m", "viewimit.commands.cli", *sys.argv[1:]]).returncode
 used = resource.getrusage(resource.RUSAGE_CHILDREN)
 print(json.dumps([status, used.ru_utime + used.ru_stime, used.ru_maxrss]))
 """

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from viewimit.cli import main
-from viewimit.quoting import MOST_NAME, printable
-from viewimit.reading import parse_toml
+from viewimit.commands.cli import main
+from viewimit.sensing.files import parse_toml
+from viewimit.sensing.quoting import MOST_NAME, printable
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

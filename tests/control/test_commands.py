@@ -18,11 +18,11 @@ from viewimit.app.control.queue import PENDING_LIMIT, CommandQueue
 from viewimit.app.jobs.experiments import Run
 
 from viewimit.analysis.motion import motion
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.settings import Settings
 from viewimit.simulation.kinematics import hand_position
-from viewimit.transfer import TRANSFERS
 
 AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 

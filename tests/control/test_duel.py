@@ -9,8 +9,8 @@ from viewimit.app.control.player import Player
 
 from viewimit.analysis.joint_errors import RECENT, ErrorTrace, recent_errors_deg
 from viewimit.drawing.curves import following
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from viewimit.drawing.learner_bars import draw_learner
 from viewimit.experiments import EXPERIMENTS
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.geometry.pairs import PAIRS
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0
 

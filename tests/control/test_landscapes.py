@@ -7,8 +7,8 @@ import pytest
 from viewimit.app.control.landscapes import OwnLandscape
 from viewimit.app.control.queue import CommandQueue
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.viewer.landscapes import COARSE_DEG, FINE_DEG, compute, make_landscape
 
 

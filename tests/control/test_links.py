@@ -20,9 +20,9 @@ from waiting import wait_until
 
 from viewimit.export.citation import cite
 from viewimit.export.replay import replay
-from viewimit.script_player import play
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.script_player import play
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 ROOT = Path(__file__).parents[2]
 BY_POINTS = [preset for preset in PRESETS if preset.settings.camera == "points"]
@@ -139,7 +139,7 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
     assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
     session = Session(Settings.paper())
-    from viewimit.script_player import play
+    from viewimit.loop.script_player import play
 
     play(read(text, Settings.paper()).script, session)
     assert np.array_equal(session.snapshot.theta, model.session.snapshot.theta)

@@ -12,8 +12,8 @@ from viewimit.app.control.shedding import AIM, SLOWEST, STEPS, LoadShedding
 from viewimit.app.server.seat_counts import SeatCounts
 from waiting import wait_until
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 
 def after(load: LoadShedding, ticks: int, busy: float) -> tuple[float, float]:

@@ -11,8 +11,8 @@ from viewimit.app.sessions import codec
 from viewimit.app.sessions.autosave import SavedSession
 
 from viewimit.analysis.point_information import point_information
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 PLACE = PlacePoint(3, (0.05, 0.08123456, 0.04))

@@ -10,9 +10,9 @@ from viewimit.app.server.options import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.metrics import RED
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.snapshot import Snapshot
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 
 MOTIONS = 600  # within which all but the paper's own laws rest
 PATIENCE = 20

@@ -9,8 +9,8 @@ from viewimit.app.control.motions import FILE, MOST_BYTES, Motions
 from viewimit.app.control.recorder import Playback, Recorder
 
 from viewimit.analysis.motion import MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 SCENE = load_scene("panda")

@@ -6,7 +6,7 @@ from quiet_page import QuietPage
 from viewimit.app.control.redraw import EARLY, Redraw
 from viewimit.app.panels.images import ImagesPanel
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 PERIOD = 0.1
 

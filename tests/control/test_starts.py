@@ -9,7 +9,7 @@ from viewimit.app.jobs import basin_child
 from viewimit.app.jobs.experiments import ExperimentWorker, Request, Run
 from waiting import wait_until
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from viewimit.app.control.commands.session import Reset, Step
 from viewimit.app.control.queue import APART, HELD_UP, CommandQueue
 from viewimit.app.control.shedding import AT_ONCE, SHARE, LoadShedding, TimeBudget
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 TICK = 0.05
 

@@ -12,8 +12,8 @@ from viewimit.app.control.commands.touch import TOUCHES
 from viewimit.app.control.names import NO_POINT
 from viewimit.app.control.state import LARGE
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 NOISY = Settings.paper(start_deg=(25, -45), noise_px=0.5)
 

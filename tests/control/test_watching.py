@@ -13,9 +13,9 @@ from viewimit.app.jobs import session_eyes
 from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
-from viewimit.rehearsal import POSTURES, motions_of_imitation, rehearse
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.rehearsal import POSTURES, motions_of_imitation, rehearse
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 SETTINGS = Settings(start_deg=(25.0, -45.0), seed=7)
 WATCH, STOP, FORGET = "Watch yourself first", "Stop", "Forget"

@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from viewimit import cli
+from viewimit.commands import cli
 from viewimit.commands.options import settings_from
 
 try:

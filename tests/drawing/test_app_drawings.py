@@ -41,16 +41,16 @@ from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.images import panel
 from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import fit_affine_fundamental
 from viewimit.geometry.pairs import EYES, PAIRS
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
 from viewimit.servo.surroundings import UNTOLD
-from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
-from viewimit.transfer import TRANSFERS
-from viewimit.views import FourViews
 
 MINUS = "−"
 MATHML = "{http://www.w3.org/1998/Math/MathML}"

@@ -9,9 +9,9 @@ from viewimit.app.control.queue import CommandQueue
 
 from viewimit.analysis.study import study
 from viewimit.drawing.transfers import draw_compared, draw_together
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 
 class LaterWorker(dict):

@@ -7,8 +7,8 @@ from viewimit.analysis.construction import construct
 from viewimit.drawing.images.construction import describe, last_stage
 from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.planes import image_windows
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
 
 POINT = 3

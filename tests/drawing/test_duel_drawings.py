@@ -37,11 +37,11 @@ from viewimit.drawing import duel as duel_drawing
 from viewimit.drawing.images import planes
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.small_landscape import WIDTH, small_plane
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import ServoStatus
-from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation.appearance import places, reach
-from viewimit.transfer import TRANSFERS
 
 PAGE_CSS = stylesheet()
 SEVEN = Settings.paper(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))

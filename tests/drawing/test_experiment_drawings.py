@@ -42,12 +42,12 @@ from viewimit.app.static import PAGE_CSS
 from viewimit.drawing import plots, svg, theme
 from viewimit.drawing.axes import Axes, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper import fig7, fig7_figure, fig9, fig9_figure, fig10, fig10_figure
 from viewimit.experiments.paper.claims import Claim
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
-from viewimit.transfer import TRANSFERS
 
 MINUS = "−"
 SCENE = load_scene("panda")

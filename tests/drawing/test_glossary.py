@@ -13,9 +13,9 @@ from viewimit.app.panels.guide.help import help_html
 
 from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES
-from viewimit.embodiment.in_scene import complete
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.embodiment.in_scene import complete
+from viewimit.loop.settings import Settings
 
 ENTRIES = glossary.glossary()
 

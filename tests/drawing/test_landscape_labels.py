@@ -13,9 +13,9 @@ from viewimit.drawing import path_labels
 from viewimit.drawing.labels import CHARACTER, LINE, Labels
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.posture_plane import PosturePlane
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 SITUATIONS = {
     "default": Settings.paper(),

@@ -15,8 +15,8 @@ from viewimit.drawing.over.links import SINK
 from viewimit.drawing.over.points import LEAST, point_links, point_places
 from viewimit.drawing.over.postures import posture_links
 from viewimit.drawing.posture_plane import PosturePlane
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 ADDRESS = "/touch/0.abc"

@@ -6,11 +6,11 @@ from drawn import parsed, words
 
 from viewimit.analysis.construction import construct
 from viewimit.drawing.images.rectified import AS_THEY_ARE, OFF, draw_rectified, row_distance
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.pairs import INTO, SOURCE
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes
-from viewimit.views import FourViews
 
 
 def seen(**settings):

@@ -9,10 +9,10 @@ import pytest
 from quiet_page import QuietPage
 
 import viewimit
-from viewimit.disturbances import GROSS_PX, ArmDisturbance, ImageDisturbance, drive, spoil, spoil_frames
 from viewimit.drawing.plots import described
-from viewimit.session import Session
-from viewimit.settings import DISTURBANCES, Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import DISTURBANCES, Settings
+from viewimit.simulation.disturbances import GROSS_PX, ArmDisturbance, ImageDisturbance, drive, spoil, spoil_frames
 
 POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 # the fields, cases made of them, and a noise that was measured

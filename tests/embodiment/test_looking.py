@@ -4,10 +4,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.looking import Observer
-from viewimit.perception.latency import MOST_LAG
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.looking import Observer
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.sensing.latency import MOST_LAG
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings, strategies
 
 from viewimit import Session
-from viewimit.embodiment.motion_limits import waypoints
-from viewimit.history import MAX_HISTORY
-from viewimit.rehearsal import rehearse
-from viewimit.script_player import play
+from viewimit.loop.embodiment.motion_limits import waypoints
+from viewimit.loop.history import MAX_HISTORY
+from viewimit.loop.rehearsal import rehearse
+from viewimit.loop.script_player import play
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.settings import Settings
 
 FakeRobot = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "fake_robot.py"))["FakeRobot"]
 ROUNDING = 1e-9  # rad
@@ -322,6 +322,6 @@ def test_waypoints_lead_straight_to_the_target_by_as_few_motions_as_that_takes(t
 
 
 def test_a_history_that_is_full_ends_on_the_way_too(monkeypatch):
-    monkeypatch.setattr("viewimit.session.MAX_HISTORY", 4)
+    monkeypatch.setattr("viewimit.loop.session.MAX_HISTORY", 4)
     session = Session(changed(max_step_deg=1.0))
     assert session.run(MAX_HISTORY).last.motion == 4 and session.snapshot.status == "stopped"

@@ -8,13 +8,13 @@ import pytest
 
 from viewimit import FourViews, Session
 from viewimit.analysis.self_assessment import assess
-from viewimit.body_image import BodyImage
-from viewimit.perception.latency import MOST_LAG
-from viewimit.rehearsal import rehearse
-from viewimit.settings import Settings
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.body_image import BodyImage
+from viewimit.loop.rehearsal import rehearse
+from viewimit.loop.settings import Settings
+from viewimit.sensing.latency import MOST_LAG
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
 
 ONE = Settings(frames=1)
 DEMO = np.radians((45.0, -90.0))

@@ -7,10 +7,10 @@ import pytest
 from viewimit.app.sessions import codec
 
 from viewimit import SERVOS, TRANSFERS, FourViews, Session, Settings, replay
+from viewimit.estimation.transfers import TransferMethod, linear_combination, transfer_method
 from viewimit.export.citation import cite
+from viewimit.loop.settings import OWN
 from viewimit.servo import GaussNewton
-from viewimit.settings import OWN
-from viewimit.transfer import TransferMethod, linear_combination, transfer_method
 
 START = {"demonstrator_deg": (45, -90), "start_deg": (25, -45)}
 

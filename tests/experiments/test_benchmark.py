@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from viewimit.analysis import landscape
-from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
+from viewimit.commands.cli import main
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines, opencv_baseline, speed
+from viewimit.loop.session import Session
 from viewimit.servo import SERVOS
-from viewimit.session import Session
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
 
 
 @pytest.fixture

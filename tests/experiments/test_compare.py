@@ -15,10 +15,10 @@ from viewimit.experiments.bench.compare_table import Row, read, write
 from viewimit.experiments.bench.compared import compared
 from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
 from viewimit.experiments.bench.success import wilson
-from viewimit.result import RunResult
+from viewimit.loop.result import RunResult
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, ServoStatus
-from viewimit.session import Session
-from viewimit.settings import Settings
 
 DOCS = Path(__file__).parents[2] / "docs"
 SETTINGS = Settings.paper(transfer="projective")

@@ -5,11 +5,11 @@ import pytest
 
 from viewimit.analysis import motion
 from viewimit.analysis.trajectory import follow, hand_points
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
 from viewimit.experiments.paper import claims, fig7, fig9, fig10
 from viewimit.experiments.paper.claims import Claims
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 
 def by_name(result):

@@ -17,7 +17,7 @@ from viewimit.drawing.theme import ROLES
 from viewimit.experiments import EXPERIMENTS, ON_PICTURES, files
 from viewimit.experiments.paper import fig7, fig8, fig9, fig10
 from viewimit.experiments.paper.claims import verdict
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 COARSE = {
     "fig7": lambda: fig7.run(Settings.paper(), step_deg=15.0, study=(2, 2)),

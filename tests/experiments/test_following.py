@@ -5,8 +5,8 @@ import pytest
 
 from viewimit.experiments.bench import following
 from viewimit.experiments.bench.following import Case, path, run
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 NOISY = Case("noise", Settings(noise_px=0.5), 1.0)
 SETTINGS = [Settings.paper(), Settings.paper(joints=(2, 4, 6), points=16), Settings.paper(scene="iiwa")]

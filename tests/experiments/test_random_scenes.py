@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import projective
 from viewimit.experiments.bench import random_scenes
 from viewimit.experiments.bench.random_scenes import draw, resize, write
 from viewimit.experiments.bench.scenes import ROWS, Run, outcome, run
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import projective
 
 
 @pytest.mark.parametrize("any_head", [False, True])

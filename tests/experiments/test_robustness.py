@@ -5,8 +5,8 @@ import pytest
 
 from viewimit.experiments.bench import robustness
 from viewimit.experiments.bench.robustness import CASES, Case, run, run_once
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 
 def test_every_case_can_be_set():

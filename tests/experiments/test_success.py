@@ -12,15 +12,15 @@ import pytest
 from waiting import wait_until
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.cli import main
 from viewimit.commands import bench_tables as tables
+from viewimit.commands.cli import main
 from viewimit.commands.json_output import rounded
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines, success
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
-from viewimit.transfer import TRANSFERS
 
 
 @pytest.fixture(scope="module")
@@ -209,7 +209,7 @@ def busy():
     code = (
         "from viewimit.experiments.bench import success\n"
         "from viewimit.simulation.scene import load_scene\n"
-        "from viewimit.settings import Settings\n"
+        "from viewimit.loop.settings import Settings\n"
         "pairs = success.random_pairs(load_scene('panda'), 5000, 0)\n"
         "success.run(Settings.paper(), pairs, ['linear'], ['gradient'], 100, 2,\n"
         "            tell=lambda share: print(share, flush=True))\n"

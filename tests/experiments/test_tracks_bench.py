@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from viewimit.cli import main
+from viewimit.commands.cli import main
 from viewimit.experiments.bench.tracks import CASES, HEIGHT, NOISE_PX, WIDTH, Case, draw, run
 from viewimit.geometry.fundamental import fit_fundamental, sampson_distance
-from viewimit.perception.degeneracy import extents
+from viewimit.sensing.degeneracy import extents
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)

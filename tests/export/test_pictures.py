@@ -19,7 +19,7 @@ import viewimit
 from viewimit.drawing import standalone
 from viewimit.drawing.equations import equations_of, filled
 from viewimit.drawing.theme import ROLES
-from viewimit.equations import Equation
+from viewimit.estimation.equations import Equation
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.claims import Claim
 from viewimit.export import formulas
@@ -28,8 +28,8 @@ from viewimit.export.figures import drawings_in, four_images, laid_over, stacked
 from viewimit.export.formulas import can_typeset, draw_formulas
 from viewimit.export.panels import draw_panels
 from viewimit.export.perspective import Eye, default_eye, draw_space
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.viewer.furniture import bases_of
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -21,9 +21,9 @@ from viewimit.export import panels as panels_module
 from viewimit.export.citation import cite
 from viewimit.export.panels import MOST_MOMENTS, farthest_off, kept_motions
 from viewimit.export.weaving import Woven, weave
-from viewimit.script import Posed
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.script import Posed
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.viewer.appearance import Appearance
 
 replace = msgspec.structs.replace

@@ -182,8 +182,8 @@ LOOKING = """
 import sys
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.session_eyes import SessionEyes
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 if __name__ == "__main__":
     camera = CameraProcess()
@@ -204,8 +204,8 @@ def test_the_server_itself_loads_neither_pybullet_nor_opencv(tmp_path):
 
 def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
     pytest.importorskip("pybullet"), pytest.importorskip("cv2")
-    from viewimit.session import Session
-    from viewimit.settings import Settings
+    from viewimit.loop.session import Session
+    from viewimit.loop.settings import Settings
 
     pictured = {name: getattr(Settings(), name) for name in ("transfer", "servo")} | {"camera": "rendered"}
     alone = Session(Settings.paper(**pictured))

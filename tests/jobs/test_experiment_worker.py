@@ -23,7 +23,7 @@ from viewimit.app.server.seat_counts import SeatCounts
 from waiting import wait_until
 
 from viewimit.experiments.paper import fig9
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 SHORT = Request("fig9", Settings.paper(), {"starts": (1, 1), "max_motions": 20})
 LONG = Request("fig9", Settings.paper(), {"starts": (9, 9)})

@@ -16,8 +16,8 @@ from viewimit.app.lessons.works import WORKS
 from viewimit.app.lessons.works.work import Task
 from walking import at_once
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 
 def begun():

@@ -10,10 +10,10 @@ from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.works.four_points import best_order, fit_any, pressed
 from walking import course_at
 
+from viewimit.estimation.transfers import epipolar
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import flatness
 from viewimit.simulation.world import World
-from viewimit.transfer import epipolar
-from viewimit.views import FourViews
 
 
 @pytest.fixture(scope="module")

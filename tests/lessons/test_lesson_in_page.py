@@ -15,7 +15,7 @@ from viewimit.app.panels.guide.lesson import LessonPanel
 from viewimit.app.sessions.autosave import SavedPage, SavedSession
 from walking import answer
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 ADDRESS = "/touch/0.x"
 FIRST = next(iter(shipped()))

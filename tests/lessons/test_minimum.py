@@ -14,9 +14,9 @@ from walking import course_at, told, works_kept
 
 from viewimit.analysis.landscape import conflict_at, grid_axes, landscape_over
 from viewimit.analysis.minima import descend
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -10,7 +10,7 @@ from viewimit.app.lessons.sliders import draw_sliders
 from viewimit.app.lessons.source import load
 from walking import begun, course_at
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 LESSON = """
 title = "Guess"

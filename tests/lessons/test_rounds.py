@@ -19,8 +19,8 @@ from viewimit.app.lessons.works.work import Task
 from viewimit.assets import ROOT
 from walking import at_once
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -14,7 +14,7 @@ from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.measures.exchange import named, true_pairs
 from walking import course_at, words
 
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 
 @pytest.fixture(scope="module")

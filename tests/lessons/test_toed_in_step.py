@@ -10,7 +10,7 @@ from viewimit.app.lessons.measures import MEASURES
 from walking import course_at, words
 
 from viewimit.analysis.study import study
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 
 @pytest.fixture(scope="module")

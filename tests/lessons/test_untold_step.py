@@ -8,7 +8,7 @@ from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.reveal import verdict
 from walking import course_at, words
 
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 
 @pytest.fixture(scope="module")

@@ -57,8 +57,8 @@ from viewimit.app.control.names import servo_names, transfer_names
 from viewimit.app.control.presets import PRESETS
 from viewimit.app.sessions.link import Linked, written
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 pytestmark = pytest.mark.browser
 EXPERIMENT_S = 2 * PATIENCE_S  # of a process that lets all others go first

@@ -6,7 +6,7 @@ from quiet_page import QuietPage
 from viewimit.app.control.commands.session import Scrub, Step
 from viewimit.app.panels.status import StatusPanel
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 
 def numbers(page):

@@ -12,7 +12,7 @@ from viewimit.app.panels.panel import Panel
 from viewimit.app.sessions.autosave import SavedSession
 from waiting import wait_until
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 VIEWS = ["L", "R", "l", "r"]
 

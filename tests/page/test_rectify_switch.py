@@ -4,7 +4,7 @@ import numpy as np
 from quiet_page import QuietPage
 from viewimit.app.control.commands.session import Step
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 from viewimit.viewer.furniture import PLATE, corners, on_plate

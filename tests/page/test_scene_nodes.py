@@ -20,8 +20,8 @@ from viewimit.app.scene.scene3d import Scene3D, share_light
 from viewimit.app.viser_private import wake_in_loop
 from waiting import wait_until
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.viewer.furniture import cameras_of, on_plate
 
 

@@ -8,8 +8,8 @@ from viewimit.app.control.commands.session import Step
 from viewimit.app.control.motions import NAMES
 from viewimit.app.control.presets import PRESETS
 
-from viewimit.equations import with_minus
-from viewimit.settings import Settings
+from viewimit.estimation.equations import with_minus
+from viewimit.loop.settings import Settings
 
 HYPHEN = re.compile(r"(?<![\w)\]])-[\d.]")
 

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("cv2")
 
-from viewimit.perception.detection import as_large_in_both, detect, pictures  # noqa: E402
+from viewimit.sensing.detection import as_large_in_both, detect, pictures  # noqa: E402
 from viewimit.simulation.markers import colours, load_markers, marker_names  # noqa: E402
 
 HUES = np.array([0.0, 40.0, 80.0, 120.0, 200.0, 280.0])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from viewimit.disturbances import ImageDisturbance, spoil_frames
-from viewimit.perception.frames import merge, noise
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
+from viewimit.sensing.frames import merge, noise
+from viewimit.simulation.disturbances import ImageDisturbance, spoil_frames
 
 TRUE = np.random.default_rng(0).uniform(0, 240, (200, 4))
 SEEN = np.ones((200, 2), bool)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from viewimit.disturbances import ImageDisturbance, spoil
-from viewimit.perception.latency import MOST_LAG, lag_of
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.sensing.latency import MOST_LAG, lag_of
+from viewimit.simulation.disturbances import ImageDisturbance, spoil
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
 SEEN = np.ones((10, 2), bool)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.perception.rounding import FEWEST, rounding
+from viewimit.sensing.rounding import FEWEST, rounding
 
 
 def scattered(rng, *shape):

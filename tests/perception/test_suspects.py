@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from axle_markers import axle_markers, one_pair
 
+from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.random_scenes import draw, resize
 from viewimit.geometry.distortion import Radial
+from viewimit.loop.suspects import FEWEST_POINTS, rounding_of, suspects
 from viewimit.simulation.lens import undistorted
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.suspects import FEWEST_POINTS, rounding_of, suspects
-from viewimit.views import FourViews
 
 FRAMES = 10
 

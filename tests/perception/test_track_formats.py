@@ -15,8 +15,8 @@ import pytest
 from trackers import Seen, analysis, frame_of_pandas, sleap_csv, slp
 
 from viewimit.commands.options import option
-from viewimit.perception.tracks import read_files, read_tidy, read_view
-from viewimit.views import VIEW_NAMES, VIEWS, view_of
+from viewimit.estimation.views import VIEW_NAMES, VIEWS, view_of
+from viewimit.sensing.tracks import read_files, read_tidy, read_view
 
 ROOT = Path(__file__).parent.parent.parent
 PARTS, FRAMES = ("tip", "elbow", "base"), np.array([0, 1, 4])
@@ -416,7 +416,7 @@ def write_as_named(path, images):
         import cv2
         from tags import picture_of
 
-        from viewimit.perception.fiducials import Fiducials
+        from viewimit.sensing.fiducials import Fiducials
 
         dictionary = Fiducials("APRILTAG_36h11").dictionary
         cv2.imwrite(str(path), picture_of(dictionary, dict(enumerate(images[view])), shape=(1920, 2560)))

@@ -9,10 +9,10 @@ from drawn import RESIDUALS, written_path
 from viewimit import TRANSFERS
 from viewimit.commands.options import option
 from viewimit.drawing import standalone
-from viewimit.perception.tracks import read_files, read_tidy, read_view, write_tidy
+from viewimit.estimation.views import VIEW_NAMES, VIEWS, FourViews, view_of
+from viewimit.sensing.tracks import read_files, read_tidy, read_view, write_tidy
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.views import VIEW_NAMES, VIEWS, FourViews, view_of
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sameness import assert_same
 
-from viewimit.body_image import FEWEST, Body, BodyImage, postures_apart, rehearsal_postures
+from viewimit.loop.body_image import FEWEST, Body, BodyImage, postures_apart, rehearsal_postures
 from viewimit.servo.visit import Visit
 
 PANDA = Body("panda", (2, 4), (90.0, 180.0), 10, "points", (0.0, 0.0))

@@ -5,7 +5,7 @@ import pytest
 from sameness import error_deg
 
 from viewimit import Session, Settings
-from viewimit.rehearsal import rehearse
+from viewimit.loop.rehearsal import rehearse
 
 SEVEN = (1, 2, 3, 4, 5, 6, 7)
 

@@ -6,11 +6,11 @@ import pytest
 from sameness import assert_same, error_deg
 from viewimit.app.sessions import codec
 
-from viewimit.body_image import FEWEST
-from viewimit.rehearsal import rehearse
+from viewimit.loop.body_image import FEWEST
+from viewimit.loop.rehearsal import rehearse
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo.trust_state import FIRST_RADIUS
-from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import Scene
 

@@ -29,8 +29,8 @@ from viewimit.app.sessions.saved import SavedSession, decoded
 from viewimit.app.sessions.stores import open_store
 from waiting import wait_until
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 OPTIONS = ("--servo", "gradient-retuned", "--transfer", "epipolar", "--frames", "1", "--workers", "2")
 STARTS = (-50.0, -40.0, -30.0, -20.0, -10.0)  # degrees of θ₄, one a client in turn

@@ -21,7 +21,7 @@ from viewimit.app.server import pages
 from viewimit.app.server.limits.connection_limits import Limits
 from waiting import stays, wait_until
 
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 
 @pytest.fixture
@@ -215,7 +215,7 @@ def test_turns_that_do_not_end_hold_a_stop_up_once_not_each(tmp_path, monkeypatc
 
 def test_a_server_that_cannot_end_by_itself_is_ended(tmp_path):
     hangs = "import time; from viewimit.app.server import pages; pages.App.stop = lambda app: time.sleep(60)"
-    serves = f"import sys; {hangs}; from viewimit.cli import main; sys.exit(main(sys.argv[1:]))"
+    serves = f"import sys; {hangs}; from viewimit.commands.cli import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-I", "-c", serves, "serve", "--port", "0", "--store", str(tmp_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
         assert "listening" in server.stdout.readline()

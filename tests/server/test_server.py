@@ -10,7 +10,7 @@ from viewimit.app.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
 from viewimit.app.server.address import PortInUse, address, invite, require_free
 from viewimit.app.server.origins import is_loopback
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 
 def test_a_taken_port_is_named_with_the_next_free_one():

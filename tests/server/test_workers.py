@@ -24,8 +24,8 @@ from viewimit.app.server.workers import LOOK_EVERY, Signs, working
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="processes cannot hand over sockets here")
 HEAD = "GET / HTTP/1.1\r\nHost: here:80\r\nCookie: viewimit-80={}\r\n\r\n"

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from viewimit import evaluation
+from viewimit.estimation import evaluation
 from viewimit.servo import Observation
 
 

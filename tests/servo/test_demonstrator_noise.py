@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench.distances import scene_text
-from viewimit.prediction import PredictedConflict
+from viewimit.loop.prediction import PredictedConflict
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo.observation import Weighting
-from viewimit.session import Session
-from viewimit.settings import Settings
 
 NOISE_PX = 0.25
 FALSE_DEG, TIMES = 1.0, 3.0  # off, and times the expected error: beyond both a claim is false

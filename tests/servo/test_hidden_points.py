@@ -4,8 +4,8 @@ import numpy as np
 from sameness import error_deg
 
 from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 

@@ -9,11 +9,11 @@ from sameness import error_deg
 from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.drawing.status import describe
-from viewimit.looking import MATCH
+from viewimit.estimation.views import FourViews
+from viewimit.loop.looking import MATCH
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo.identities import exchanged, likely_exchange, with_exchanged
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.views import FourViews
 
 replace = msgspec.structs.replace
 

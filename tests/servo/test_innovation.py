@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.body_image import postures_apart
+from viewimit.loop.body_image import postures_apart
 from viewimit.servo.images.innovation import PANNED_PX, holds
 from viewimit.servo.visit import Visit
 from viewimit.simulation.scene import load_scene

@@ -6,10 +6,10 @@ from axle_markers import axle_markers, in_plane, one_pair
 from sameness import error_deg
 
 from viewimit.experiments.bench.surface import SurfaceEyes
-from viewimit.prediction import PredictedConflict
+from viewimit.loop.prediction import PredictedConflict
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo.identities import likely_exchange, with_exchanged
-from viewimit.session import Session
-from viewimit.settings import Settings
 
 PARALLEL = 'extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\n'
 HEADS = {"parallel": PARALLEL, "toed in": PARALLEL + "[head]\ntoe_in_deg = 12\n"}

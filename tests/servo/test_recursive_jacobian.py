@@ -7,12 +7,12 @@ import pytest
 from linear_world import LinearWorld
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, GaussNewton, Kalman, Observation
 from viewimit.servo.image_model import ImageModel
 from viewimit.servo.recursive_jacobian import RecursiveJacobian
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS
 
 LAWS = {"kalman": Kalman(), "gauss-newton": GaussNewton()}
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from linear_world import LinearWorld
 
-from viewimit import looking
 from viewimit.analysis.landscape import grid_axes, landscape_over
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop import looking
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
 from viewimit.servo.gradient import PAPER, RETUNED
-from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.1])

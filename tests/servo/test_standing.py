@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 from viewimit.servo.images.standing import contradicts, standing
 from viewimit.servo.visit import Visit
-from viewimit.session import Session
-from viewimit.settings import Settings
 
 JOINTS, POINTS = 2, 8
 J = np.random.default_rng(3).normal(0, 200, (POINTS, 4, JOINTS))  # px/rad

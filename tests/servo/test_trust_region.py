@@ -6,19 +6,20 @@ import numpy as np
 import pytest
 from linear_world import LinearWorld
 
-from viewimit import Session, Settings, evaluation
-from viewimit.disturbances import NOISE, spoil
+from viewimit import Session, Settings
+from viewimit.estimation import evaluation
+from viewimit.estimation.transfers import linear_combination, projective
+from viewimit.estimation.transfers.noise import noise_weight
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
 from viewimit.servo.certificate import EQUAL
 from viewimit.servo.trust_motions import aside, farthest
 from viewimit.servo.trust_region import TrustRegion
 from viewimit.servo.visit import Visit
+from viewimit.simulation.disturbances import NOISE, spoil
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import linear_combination, projective
-from viewimit.transfer.noise import noise_weight
-from viewimit.views import FourViews
 
 FITS = {None: projective.fit, "linear": linear_combination.fit}
 

@@ -4,8 +4,8 @@ from functools import cache
 
 from viewimit.app.sessions.saved import SavedPage, SavedSession
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 BEGUN = Settings.paper(servo="trust-region", noise_px=0.2)
 

@@ -10,9 +10,9 @@ from viewimit.app.sessions.autosave import CHUNK, Autosave, SavedPage, SavedSess
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
 
-from viewimit.history import RECENT, STRIDE
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.history import RECENT, STRIDE
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 KEY, BEGUN = "key", Settings.paper()
 

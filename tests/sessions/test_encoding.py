@@ -10,11 +10,11 @@ import zstandard
 from sameness import assert_same
 from viewimit.app.sessions.codec import decode, encode
 
-from viewimit.history import EARLY, STRIDE
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.history import EARLY, STRIDE
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, ServoStatus
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.transfer import TRANSFERS
 
 
 def run(session: Session, passes: int, seed: int) -> None:

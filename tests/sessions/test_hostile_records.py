@@ -23,8 +23,8 @@ from viewimit.app.sessions.sqlite_store import SqliteStore
 from viewimit.app.sessions.stores import open_store
 from waiting import wait_until
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 
 KEY = "key"
 TOO_LARGE = bytes(codec.MOST_BYTES + 1)

@@ -13,11 +13,11 @@ from viewimit.app.control.presets import PRESETS
 from viewimit.app.sessions import link
 from viewimit.app.sessions.link import Linked, files_named, read, written
 
-from viewimit.rehearsal import begin_rehearsal
-from viewimit.script import Began, Changed, Posed, Rehearsed, Script, Stepped
-from viewimit.script_player import play
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.rehearsal import begin_rehearsal
+from viewimit.loop.script import Began, Changed, Posed, Rehearsed, Script, Stepped
+from viewimit.loop.script_player import play
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 BY_POINTS = [preset for preset in PRESETS if preset.settings.camera == "points"]

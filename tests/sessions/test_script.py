@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from viewimit.rehearsal import begin_rehearsal
-from viewimit.script import MOST_DEEDS, Deed, Log, Posed, Script, Stepped
-from viewimit.script_player import do, play
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.snapshot import Snapshot
+from viewimit.loop.rehearsal import begin_rehearsal
+from viewimit.loop.script import MOST_DEEDS, Deed, Log, Posed, Script, Stepped
+from viewimit.loop.script_player import do, play
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 
 replace = msgspec.structs.replace
 LOSSY = Settings.paper(points=16, missing=0.3, transfer="linear", start_deg=(25, -45))

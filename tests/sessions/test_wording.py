@@ -13,11 +13,11 @@ from viewimit.app.control.presets import PRESETS
 from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
 from viewimit.commands.options import settings_from
-from viewimit.rehearsal import begin_rehearsal
-from viewimit.session import Session
-from viewimit.settings import DISTURBANCES, SAFETY, Settings
+from viewimit.loop.rehearsal import begin_rehearsal
+from viewimit.loop.session import Session
+from viewimit.loop.settings import DISTURBANCES, SAFETY, Settings
+from viewimit.loop.wording import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
 from viewimit.simulation.scene import load_scene
-from viewimit.wording import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
 
 SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.camera == "points"]
 

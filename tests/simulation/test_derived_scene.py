@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from urdfs import LIMIT, arm, gripper, joint, link, write
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.camera import Cameras
 from viewimit.simulation.derived import body_points
 from viewimit.simulation.derived.motion import image_jacobian, resting, turning_range

@@ -9,9 +9,10 @@ import pytest
 pybullet = pytest.importorskip("pybullet")
 pytest.importorskip("cv2")
 
+from viewimit.estimation.views import VIEWS  # noqa: E402
 from viewimit.geometry.rigid import look_rotation, rigid_transform  # noqa: E402
-from viewimit.session import Session  # noqa: E402
-from viewimit.settings import Settings  # noqa: E402
+from viewimit.loop.session import Session  # noqa: E402
+from viewimit.loop.settings import Settings  # noqa: E402
 from viewimit.simulation.camera import Camera  # noqa: E402
 from viewimit.simulation.eyes.rendered import RenderedEyes  # noqa: E402
 from viewimit.simulation.lens import Lens  # noqa: E402
@@ -21,7 +22,6 @@ from viewimit.simulation.physics.client import connect  # noqa: E402
 from viewimit.simulation.physics.model import write_urdf  # noqa: E402
 from viewimit.simulation.physics.studio import LIGHT, SAMPLES, Studio, matrices  # noqa: E402
 from viewimit.simulation.scene import load_scene  # noqa: E402
-from viewimit.views import VIEWS  # noqa: E402
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from viewimit.geometry.distortion import Radial
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.lens import Lens
 from viewimit.simulation.robots import robot_names

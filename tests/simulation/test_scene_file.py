@@ -5,7 +5,7 @@ from page_fakes import Hands, quiet_model
 from urdfs import arm, joint, link, write
 from viewimit.app.control.commands.points import PlacePoint
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 

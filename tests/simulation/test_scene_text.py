@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from viewimit.drawing.plots import described
-from viewimit.reading import file_name, is_text
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.wording import as_command, as_python
+from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.scene import Scene, load_scene, scene_names
 from viewimit.simulation.scene_text import scene_text
-from viewimit.wording import as_command, as_python
 
 MINE = 'title = "Eyes <wider> a/part"\nextends = "panda"\n\n[head]\nbaseline = 0.7654321012345678\n'
 OTHERS = {  # what is other than in a shipped scene

@@ -4,11 +4,11 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.contradictions import believed
-from viewimit.disturbances import GROSS_PX
-from viewimit.session import Session
-from viewimit.settings import Settings
-from viewimit.views import FourViews
+from viewimit.estimation.views import FourViews
+from viewimit.loop.contradictions import believed
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.simulation.disturbances import GROSS_PX
 
 ONE_FRAME = Settings(points=16, frames=1)
 

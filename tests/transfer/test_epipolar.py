@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import TRANSFERS, epipolar
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import fit_affine_fundamental
-from viewimit.transfer import TRANSFERS, epipolar
-from viewimit.views import FourViews
 
 PX = 60.0  # size of the random bodies
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from viewimit.evaluation import conflict
-from viewimit.transfer import linear_combination
-from viewimit.views import FourViews
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import linear_combination
+from viewimit.estimation.views import FourViews
 
 
 def perspective_views(rng, count=10, flat=1.0):

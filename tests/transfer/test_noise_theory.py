@@ -20,17 +20,17 @@ from functools import partial
 import numpy as np
 import pytest
 
+from viewimit.estimation.transfers import linear_combination, rank3
+from viewimit.estimation.transfers.noise import noise_weight
+from viewimit.estimation.transfers.weighted import Weighted
+from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.random_scenes import draw, resize, write
 from viewimit.geometry.rectification import level, rectification_of
-from viewimit.prediction import PredictedConflict
+from viewimit.loop.prediction import PredictedConflict
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo.observation import Weighting
-from viewimit.session import Session
-from viewimit.settings import Settings
 from viewimit.simulation.world import World
-from viewimit.transfer import linear_combination, rank3
-from viewimit.transfer.noise import noise_weight
-from viewimit.transfer.weighted import Weighted
-from viewimit.views import FourViews
 
 PX = 0.005  # so little that squares of the noise have no part
 DRAWS, RIGS = 200, 12

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from viewimit.estimation.transfers import linear_combination
+from viewimit.estimation.transfers.noise import noise_weight
+from viewimit.estimation.views import FourViews
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import linear_combination
-from viewimit.transfer.noise import noise_weight
-from viewimit.views import FourViews
 
 
 def test_weighed_residuals_of_noise_are_even():

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import projective
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.rigid import rotation_from_rpy
 from viewimit.simulation.camera import StereoHead
 from viewimit.simulation.lens import Lens
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import projective
-from viewimit.views import FourViews
 
 replace = msgspec.structs.replace
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import rank3
+from viewimit.estimation.views import FourViews
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import rank3
-from viewimit.views import FourViews
 
 
 def seen(demo, own):

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.transfers.rectified import fit
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification, rectification_of
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer import TRANSFERS
-from viewimit.transfer.rectified import fit
-from viewimit.views import FourViews
 
 SAME = Rectification(np.eye(3), np.eye(3))
 

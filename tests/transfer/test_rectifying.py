@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from viewimit.app.sessions.codec import decode, encode
 
-from viewimit.rectifying import POOLED
+from viewimit.loop.rectifying import POOLED
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.servo import TrustRegion
-from viewimit.session import Session
-from viewimit.settings import Settings
 
 TOED = Settings(scene="panda-toed", start_deg=(25, -45))
 

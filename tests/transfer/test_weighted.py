@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from viewimit.evaluation import conflict
+from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.transfers.weighted import Weighted
+from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.bound import bound
 from viewimit.geometry.rectification import rectification_of
 from viewimit.servo.minimise import minimise
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.transfer.weighted import Weighted
-from viewimit.views import FourViews
 
 THERE = np.radians([45.0, -90.0])
 

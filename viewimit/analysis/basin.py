@@ -11,8 +11,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..session import Session
-from ..settings import Settings
+from ..loop.session import Session
+from ..loop.settings import Settings
 from ..simulation.scene import Scene
 from .landscape import grid_axes, landscape_over
 

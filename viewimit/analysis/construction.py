@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.pairs import INTO, SOURCE
-from ..snapshot import Snapshot
+from ..loop.snapshot import Snapshot
 
 ASIDE = 0.5  # px, of the differences
 NEAR = ASIDE * np.concatenate([np.eye(4), -np.eye(4), np.zeros((1, 4))])  # each coordinate aside, and the point itself

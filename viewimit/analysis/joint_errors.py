@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..snapshot import Snapshot
+from ..loop.snapshot import Snapshot
 
 RECENT = 20  # motions over which the rms is taken
 

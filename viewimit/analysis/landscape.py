@@ -13,13 +13,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimation.transfers import TRANSFERS
+from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
 from ..geometry.batches import keep_freed_memory
-from ..session import Session
+from ..loop.session import Session
 from ..simulation.robot import Angles
 from ..simulation.world import World
-from ..transfer import TRANSFERS
-from ..views import FourViews
 
 BLOCK = 55_000  # points of postures evaluated together: their arrays stay in the processor's cache
 STEP_DEG = {"points": 1.0, "rendered": 10.0}  # of the grid, by camera; two pictures take a tenth of a second

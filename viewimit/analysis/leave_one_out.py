@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimation.transfers import TRANSFERS
+from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
 from ..geometry.fundamental import FREE, fit_fundamental_with_prior, sampson_distance
 from ..geometry.rectification import Rectification, rectification_of, rectification_with_prior, rectify
-from ..perception.degeneracy import dimensions
-from ..suspects import telling
-from ..transfer import TRANSFERS
-from ..views import FourViews
+from ..loop.suspects import telling
+from ..sensing.degeneracy import dimensions
 
 FRAMES, POINTS = 50, 50  # evenly spaced: frames, and points of each, that are left out one by one
 POOLED, MATCHES = 200, 2000  # frames whose matches tell a rectification, and matches of those

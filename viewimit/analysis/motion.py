@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reading import MEGABYTE, read_bytes
+from ..sensing.files import MEGABYTE, read_bytes
 from ..simulation.kinematics import hand_jacobian, hand_position, pose_for_hand
 from ..simulation.scene import Scene
 from ..simulation.world import World

@@ -9,10 +9,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
 from ..servo.surroundings import UNTOLD
 from ..simulation.world import World
-from ..views import FourViews
 
 STEP = 1e-3  # rad, of the differences
 SINGULAR = 1e-9  # of the largest singular value

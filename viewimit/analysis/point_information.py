@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS, flatness
+from ..loop.snapshot import Snapshot
 from ..simulation.robot import BodyPoints
 from ..simulation.world import World
-from ..snapshot import Snapshot
 from .observability import joint_uncertainty, untold_joints
 
 

@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.views import FourViews
 from ..simulation.world import World
-from ..views import FourViews
 
 ROUNDS = 6
 STEP = 1e-3  # rad, of the differences

@@ -10,14 +10,14 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from ..loop.session import Session
+from ..loop.snapshot import Snapshot
 from ..servo.certificate import Certificate, certify
 from ..servo.images.surrogate import LEAST_NOISE, learn
 from ..servo.minimise import Minimum, minimise
 from ..servo.surroundings import Known, survey
 from ..servo.units import ConflictInUnits, in_units, unit_of
 from ..servo.visit import Visit
-from ..session import Session
-from ..snapshot import Snapshot
 
 VISITS = 60  # evenly from all motions
 REACH = np.radians(8.0)  # about the posture, within which a lower E is looked for

@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from ..loop.snapshot import Snapshot
 from ..simulation.world import World
-from ..snapshot import Snapshot
 from .landscape import Landscape, conflict_at, grid_axes, landscape_over
 from .minima import Minima, local_minima
 

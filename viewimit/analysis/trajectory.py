@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..looking import merged_look
+from ..estimation.transfers import FittedTransfer
+from ..loop.looking import merged_look
+from ..loop.session import Session
+from ..loop.settings import Settings
 from ..servo import Observation
 from ..servo.image_based import towards
 from ..servo.image_model import ImageModel
-from ..session import Session
-from ..settings import Settings
 from ..simulation.kinematics import hand_position
-from ..transfer import FittedTransfer
 from .motion import Motion
 
 APPROACH = 20  # motions at most to the first frame; then one a frame

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from ..analysis.landscape import grid_axes
-from ..body_image import FEWEST
+from ..estimation.transfers import TRANSFERS
 from ..experiments.executors import fingerprint
 from ..experiments.executors.cluster import Cluster
 from ..experiments.executors.executor import StudyError
@@ -14,12 +14,12 @@ from ..experiments.executors.folder import StudyFolder
 from ..experiments.executors.local import LocalPool
 from ..experiments.executors.study import Study
 from ..geometry.affine import require_points
-from ..history import MAX_HISTORY
-from ..quoting import printable
+from ..loop.body_image import FEWEST
+from ..loop.history import MAX_HISTORY
+from ..sensing.quoting import printable
 from ..servo import SERVOS
 from ..simulation.scene import load_scene, scene_names
 from ..simulation.world import World
-from ..transfer import TRANSFERS
 from . import BadInput
 from . import bench_tables as tables
 from .bench_parts import CASES, PARTS

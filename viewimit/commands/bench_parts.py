@@ -9,6 +9,7 @@ from functools import partial
 import msgspec
 from tqdm import tqdm
 
+from ..estimation.transfers import TRANSFERS
 from ..experiments.bench import (
     claims,
     compare,
@@ -23,12 +24,11 @@ from ..experiments.bench import (
     tracks,
 )
 from ..experiments.executors.study import Study
-from ..quoting import printable
+from ..loop.settings import CAMERAS, Settings
+from ..sensing.quoting import printable
 from ..servo import SERVOS
-from ..settings import CAMERAS, Settings
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene
-from ..transfer import TRANSFERS
 from . import BadInput
 from . import bench_tables as tables
 from .options import naming

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
-from ..perception.tracks import Row, write_tidy
+from ..estimation.views import VIEW_NAMES, VIEWS, view_of
+from ..sensing.tracks import Row, write_tidy
 from ..simulation.markers import load_markers, marker_names
-from ..views import VIEW_NAMES, VIEWS, view_of
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -73,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput(f"--out: {args.out}: its name must end in .csv")
     files = _by_view(args)
     names, detect = _balls(args) if args.aruco is None else _square_markers(args)
-    from ..perception.detection import pictures  # loads OpenCV
+    from ..sensing.detection import pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
     told = {}
@@ -104,7 +104,7 @@ def _balls(args: argparse.Namespace) -> tuple[list[str], Detect]:
     """Names of the points that there can be, and how they are found. Raises BadInput."""
     with naming("--markers"):
         hue_deg = load_markers(args.markers).hue_deg
-    from ..perception.detection import detect  # loads OpenCV
+    from ..sensing.detection import detect  # loads OpenCV
 
     def found(picture: NDArray) -> Iterator[Found]:
         balls = detect(picture, hue_deg, args.middle)
@@ -117,7 +117,7 @@ def _balls(args: argparse.Namespace) -> tuple[list[str], Detect]:
 
 def _square_markers(args: argparse.Namespace) -> tuple[list[str], Detect]:
     """As `_balls`; which numbers there are, the pictures say. Raises BadInput."""
-    from ..perception.fiducials import Fiducials  # loads OpenCV
+    from ..sensing.fiducials import Fiducials  # loads OpenCV
 
     with naming("--aruco"):
         fiducials = Fiducials(args.aruco)

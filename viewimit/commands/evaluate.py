@@ -11,20 +11,20 @@ from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
 from ..drawing.metrics import AMBER
-from ..evaluation import conflict
+from ..estimation.evaluation import conflict
+from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
+from ..estimation.transfers.rectified import fit
+from ..estimation.transfers.transfer import FLAT, FLATNESS
+from ..estimation.views import VIEW_NAMES, VIEWS, FourViews
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.distortion import Radial
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
-from ..perception.degeneracy import extents, why_degenerate
-from ..perception.tracks import TrackedPoints, read_files, read_tidy
-from ..quoting import MOST_NAME, printable
+from ..loop.suspects import rounding_of, suspects, telling
+from ..sensing.degeneracy import extents, why_degenerate
+from ..sensing.quoting import MOST_NAME, printable
+from ..sensing.tracks import TrackedPoints, read_files, read_tidy
 from ..simulation.lens import undistorted
-from ..suspects import rounding_of, suspects, telling
-from ..transfer import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
-from ..transfer.rectified import fit
-from ..transfer.transfer import FLAT, FLATNESS
-from ..views import VIEW_NAMES, VIEWS, FourViews
 from . import BadInput, evaluate_report, evaluate_suspects, evaluate_transfers
 from .json_output import print_json
 from .options import (

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..drawing import standalone
 from ..drawing.tracked import draw_view, draw_views
-from ..views import VIEW_NAMES
+from ..estimation.views import VIEW_NAMES
 from . import evaluate_suspects, evaluate_transfers
 
 MIRRORED = (

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from ..suspects import Suspect, Suspects
-from ..views import VIEW_NAMES
+from ..estimation.views import VIEW_NAMES
+from ..loop.suspects import Suspect, Suspects
 
 SHOWN = 6  # frames that are named in words
 

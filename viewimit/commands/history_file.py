@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..history import History
+from ..loop.history import History
 
 TABLES = (".csv", ".npz")
 DIGITS = 12  # of a number in a table: without those that conversion to degrees adds

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment, assess
-from ..body_image import BodyImage
-from ..history import MAX_HISTORY
-from ..quoting import MOST_NAME, printable
-from ..result import RunResult
+from ..loop.body_image import BodyImage
+from ..loop.history import MAX_HISTORY
+from ..loop.result import RunResult
+from ..loop.session import Session
+from ..loop.settings import Settings
+from ..sensing.quoting import MOST_NAME, printable
 from ..servo import SERVOS
-from ..session import Session
-from ..settings import Settings
 from . import BadInput, history_file
 from .json_output import print_json
 from .options import (

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..settings import Settings
+from ..loop.settings import Settings
 
 FORMAT = 2  # of the object: it grows whenever a key or a word of it is renamed or changes its meaning
 DIGITS = 6  # of a number below one, significant, so that nothing small becomes 0; behind the point of all others

@@ -8,8 +8,8 @@ import msgspec
 import numpy as np
 
 from ..analysis.landscape import conflict_at, landscape
-from ..session import Session
-from ..transfer import default_transfer
+from ..estimation.transfers import default_transfer
+from ..loop.session import Session
 from . import landscape_file
 from .json_output import print_json
 from .options import (

@@ -9,8 +9,8 @@ from ..analysis.landscape import Landscape
 from ..drawing import standalone
 from ..drawing.landscape import LandscapePicture
 from ..drawing.plots import described
+from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
-from ..snapshot import Snapshot
 
 PICTURES, TABLES = (".png", ".svg"), (".npz", ".csv")
 TITLE = "E over the postures of the learner"

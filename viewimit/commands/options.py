@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from ..disturbances import ArmDisturbance, Disturbance, SightDisturbance
-from ..embodiment.motion_limits import within, workspace
+from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS
+from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import Radial
-from ..quoting import MOST_NAME, printable
+from ..loop.embodiment.motion_limits import within, workspace
+from ..loop.settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
+from ..sensing.quoting import MOST_NAME, printable
 from ..servo import SERVOS
-from ..settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
+from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..simulation.eyes import require_eyes
 from ..simulation.robots import robot_names
 from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
 from ..simulation.urdf.descriptions import description_path, is_description
 from ..simulation.urdf.formats import require_urdf
 from ..simulation.urdf.reference import PARTS, is_reference, parse_reference
-from ..transfer import PROJECTIVE_FROM, TRANSFERS
-from ..views import VIEW_NAMES
 from . import BadInput
 
 if TYPE_CHECKING:

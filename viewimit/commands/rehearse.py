@@ -7,14 +7,14 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from ..body_image import FEWEST
-from ..disturbances import ImageDisturbance
 from ..geometry.affine import MIN_POINTS
-from ..quoting import printable
-from ..rehearsal import POSTURES, rehearse
-from ..session import Session
-from ..settings import Settings
-from ..wording import as_imitation
+from ..loop.body_image import FEWEST
+from ..loop.rehearsal import POSTURES, rehearse
+from ..loop.session import Session
+from ..loop.settings import Settings
+from ..loop.wording import as_imitation
+from ..sensing.quoting import printable
+from ..simulation.disturbances import ImageDisturbance
 from . import BadInput
 from .json_output import print_json
 from .options import (

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ..analysis.observability import untold_joints
 from ..analysis.point_information import PointInformation, Proposal
+from ..estimation.transfers.transfer import FLATNESS
 from ..geometry.affine import MIN_POINTS
-from ..transfer.transfer import FLATNESS
 from . import svg
 from .observability import described, draw_bars
 

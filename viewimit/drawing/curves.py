@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.joint_errors import RECENT
-from ..snapshot import Snapshot
+from ..loop.snapshot import Snapshot
 from . import svg
 from .axes import Axes, Tick, decade_ticks, decades, log10
 from .over.links import link

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
+from ..estimation.transfers import TRANSFERS
+from ..loop.snapshot import Snapshot
 from ..servo import SERVOS, ServoStatus
 from ..simulation.scene import Scene
-from ..snapshot import Snapshot
-from ..transfer import TRANSFERS
 from . import svg
 from .axes import Axes, decade_ticks, decades, log10
 from .plots import Style

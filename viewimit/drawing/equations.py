@@ -7,11 +7,11 @@ import numpy as np
 from latex2mathml.converter import convert
 from numpy.typing import NDArray
 
-from ..equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
+from ..estimation.equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
+from ..estimation.transfers.rectified import RectifiedTransfer
 from ..geometry.rectification import Rectification
+from ..loop.snapshot import Snapshot
 from ..servo import Moment
-from ..snapshot import Snapshot
-from ..transfer.rectified import RectifiedTransfer
 from . import svg
 
 

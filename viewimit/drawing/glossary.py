@@ -13,7 +13,7 @@ from pathlib import Path
 import msgspec
 
 from ..assets import ROOT
-from ..settings import PAPER_FIELDS, Settings
+from ..loop.settings import PAPER_FIELDS, Settings
 from . import svg
 from .equations import mathml
 from .over.links import link, sink

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
-from ..settings import Settings
+from ..loop.settings import Settings
+from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
-from ..snapshot import Snapshot
 from . import relief, svg
 from .labels import Label, led
 from .observability import described, draw_observability

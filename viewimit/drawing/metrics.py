@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
-from ..snapshot import Snapshot
+from ..loop.snapshot import Snapshot
 from . import svg
 from .glossary import ask, key_of
 from .theme import OBSERVED, RECOVERED

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..snapshot import Snapshot
+from ..loop.snapshot import Snapshot
 from . import svg
 from .labels import Label, Labels, Put, Rectangle, beside, line_taken, meet, places_beside, text_at
 from .posture_plane import PosturePlane

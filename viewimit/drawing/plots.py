@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..disturbances import Disturbance
-from ..settings import Settings
+from ..loop.settings import Settings
+from ..simulation.disturbances import Disturbance
 from . import svg
 from .labels import CHARACTER
 

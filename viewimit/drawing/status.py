@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
-from ..equations import with_minus
+from ..estimation.equations import with_minus
+from ..estimation.transfers.transfer import FLAT, FLATNESS
 from ..geometry.affine import MIN_POINTS
-from ..history import MAX_HISTORY
+from ..loop.history import MAX_HISTORY
+from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus
 from ..servo.surroundings import UNTOLD
-from ..snapshot import Snapshot
-from ..transfer.transfer import FLAT, FLATNESS
 from . import svg
 from .glossary import ask, glossary
 from .metrics import AMBER, RED

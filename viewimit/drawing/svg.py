@@ -9,8 +9,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import MISSING as MISSING
-from ..equations import number
+from ..estimation.equations import MISSING as MISSING
+from ..estimation.equations import number
 from .forms import BYTE, FAR_OUT, filled, form_of
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.study import Studied
+from ..estimation.transfers import TRANSFERS
 from ..simulation.scene import Scene
-from ..transfer import TRANSFERS
 from . import svg
 from .observability import draw_bars
 from .small_landscape import WIDTH, draw_small, small_plane

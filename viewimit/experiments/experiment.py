@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..analysis.trajectory import Imitation
-from ..settings import Settings
+from ..loop.settings import Settings
 from ..simulation.scene import Scene, load_scene
 from .paper.claims import Claims
 from .tables import Tables

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 from .. import __version__
 from ..drawing.plots import described
-from ..reading import file_name
+from ..estimation.transfers import TRANSFERS
+from ..loop.session import Session
+from ..loop.settings import Settings
+from ..loop.wording import as_command, as_python, as_reproduction
+from ..sensing.files import file_name
 from ..servo import SERVOS
-from ..session import Session
-from ..settings import Settings
-from ..transfer import TRANSFERS
-from ..wording import as_command, as_python, as_reproduction
 
 PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry”, IROS 2001"
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from ..drawing import svg
 from ..drawing.equations import filled
 from ..drawing.standalone import INSTALL
-from ..equations import Equation
+from ..estimation.equations import Equation
 from .figures import GAP, LETTERS, LINE, WIDTH, Figure
 
 TYPESETTER = "ziamath"

@@ -14,9 +14,9 @@ from ..drawing.images.panel import draw_images
 from ..drawing.images.planes import Windows
 from ..drawing.landscape import LandscapePicture
 from ..drawing.status import describe, describe_truth, draw_status
-from ..session import Session
+from ..loop.session import Session
+from ..loop.snapshot import Snapshot
 from ..simulation.appearance import Bodies
-from ..snapshot import Snapshot
 from ..viewer.appearance import Appearance
 from ..viewer.landscapes import TOO_FEW, MadeLandscape, landscape_key, make_landscape
 from .weaving import Woven, weave

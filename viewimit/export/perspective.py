@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ..drawing import svg
 from ..drawing.theme import ROLES, half_white, rgb
+from ..loop.snapshot import Snapshot
 from ..simulation.camera import triangulate
 from ..simulation.link_meshes import link_meshes
 from ..simulation.world import World
-from ..snapshot import Snapshot
 from ..viewer import furniture
 from ..viewer.view import FOV, fitted_view
 from .citation import motions

@@ -17,7 +17,7 @@ import msgspec
 from ..drawing.curves import paired_axis
 from ..drawing.glossary import cards
 from ..drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
-from ..session import Session
+from ..loop.session import Session
 from .citation import Citation, cite, motions
 from .panels import draw_panels, farthest_off, kept_motions
 from .space import describe_space

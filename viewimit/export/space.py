@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..session import Session
+from ..loop.session import Session
+from ..loop.snapshot import Snapshot
 from ..simulation.camera import triangulate
 from ..simulation.link_meshes import link_meshes
 from ..simulation.world import World
-from ..snapshot import Snapshot
 from ..viewer import furniture, view
 
 STEPS = 65_535  # of a coordinate between the ends of its mesh

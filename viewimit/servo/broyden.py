@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import Equation, angles, short
-from ..evaluation import conflict as evaluate
+from ..estimation.equations import Equation, angles, short
+from ..estimation.evaluation import conflict as evaluate
 from .image_model import ImageModel
 from .minimise import minimise
 from .observation import Conflict, Observation, probe_of

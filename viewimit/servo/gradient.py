@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import HOLE, Equation, angles, column, each, number, row, short
+from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
 from .observation import Conflict, Observation
 from .servo import Moment
 from .status import ServoStatus

@@ -12,8 +12,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import conflict as evaluate
-from ..views import Pairs, exchange
+from ..estimation.evaluation import conflict as evaluate
+from ..estimation.views import Pairs, exchange
 from .minimise import minimise
 from .observation import Conflict, Weighting
 

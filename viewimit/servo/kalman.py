@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import HOLE, Equation, column, each, number
+from ..estimation.equations import HOLE, Equation, column, each, number
 from .observation import Conflict, Observation
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import conflict as evaluate
+from ..estimation.evaluation import conflict as evaluate
 
 ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # rad
 SAME = np.radians(1.0)  # starts that head for places nearer than this come to one minimum

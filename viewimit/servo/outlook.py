@@ -7,7 +7,7 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import conflict as evaluate
+from ..estimation.evaluation import conflict as evaluate
 from .certificate import Certificate, certify
 from .images.learned import Images, Learned
 from .minimise import Minimum, minimise

@@ -11,7 +11,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import angles
+from ..estimation.equations import angles
 from .observation import Conflict, Observation, probe_of
 from .recursive_jacobian import RecursiveJacobian
 from .servo import Moment

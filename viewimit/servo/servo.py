@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-from ..equations import Equation
+from ..estimation.equations import Equation
 from .observation import Conflict, Observation
 from .status import ServoStatus
 

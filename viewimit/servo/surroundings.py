@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import conflict as evaluate
+from ..estimation.evaluation import conflict as evaluate
 from .images.learned import Images
 from .images.own_noise import own_noise
 from .minimise import DIFFERENCE, Minimum, aside

@@ -23,8 +23,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import Equation
-from ..evaluation import noise_conflict
+from ..estimation.equations import Equation
+from ..estimation.evaluation import noise_conflict
 from ..geometry.kinematics.fit import FORESEEN
 from ..geometry.kinematics.frame import StereoFrame
 from ..geometry.kinematics.model import ProjectiveKinematics

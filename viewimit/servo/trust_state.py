@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimation.views import Pairs
 from ..geometry.kinematics.fit import fit_kinematics
 from ..geometry.kinematics.model import ProjectiveKinematics
-from ..views import Pairs
 from .certificate import Certificate
 from .images.learned import seen_at
 from .images.standing import contradicts, standing

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..equations import Equation, angles, short
+from ..estimation.equations import Equation, angles, short
 from .servo import Moment
 from .status import ServoStatus
 from .trust_state import CERTAIN, PHASES, TrustState

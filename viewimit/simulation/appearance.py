@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..snapshot import Snapshot
+from ..loop.snapshot import Snapshot
 from .camera import Cameras
 from .world import World
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
-from ..reading import parse_toml, read_toml
+from ..sensing.files import parse_toml, read_toml
 from .robot import BodyPoints
 
 THIRDS = np.radians([0.0, 120.0, 240.0])

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..assets import ROOT
 from ..geometry.affine import MIN_POINTS
 from ..geometry.distortion import Radial
-from ..reading import is_text
-from ..settings import BodyPoint
+from ..loop.settings import BodyPoint
+from ..sensing.files import is_text
 from .camera import StereoHead
 from .lens import Lens
 from .robot import BodyPoints

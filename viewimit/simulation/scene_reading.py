@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import ROOT
-from ..reading import parse_toml, read_toml
+from ..sensing.files import parse_toml, read_toml
 from .robots import robot_names
 
 MOST_EXTENDED = 16  # scenes that one builds on

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.views import FourViews
 from ..geometry.rigid import rigid_transform, rotation_about_axis
-from ..views import FourViews
 from .camera import Camera, Cameras
 from .robot import BodyPoints, Robot
 from .scene import Base, Scene, load_robot

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimation.views import VIEWS
 from ..geometry.rigid import rotation_about_axis
 from ..simulation.appearance import extreme_vertices
 from ..simulation.camera import Camera
 from ..simulation.link_meshes import link_meshes
 from ..simulation.world import World
-from ..views import VIEWS
 from . import shapes
 from .view import looking
 

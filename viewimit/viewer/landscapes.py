@@ -6,12 +6,12 @@ import numpy as np
 
 from ..analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
 from ..analysis.observability import joint_uncertainty
-from ..disturbances import ArmDisturbance
 from ..drawing.landscape import LandscapePicture
 from ..drawing.relief import shades
-from ..settings import disturbances
+from ..loop.settings import disturbances
+from ..loop.snapshot import Snapshot
+from ..simulation.disturbances import ArmDisturbance
 from ..simulation.world import World
-from ..snapshot import Snapshot
 
 HILLS = 12, 24  # rows and columns of a small landscape's shades
 LEARNERS_OWN = ("start_deg", "servo", *disturbances(ArmDisturbance))

@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from functools import lru_cache
 
-from viewimit.script import Deed, Script, Stepped
-from viewimit.settings import Settings
+from viewimit.loop.script import Deed, Script, Stepped
+from viewimit.loop.settings import Settings
 
 from ...sessions.link import Linked, read
 

@@ -3,7 +3,7 @@
 import msgspec
 import numpy as np
 
-from viewimit.script import Script
+from viewimit.loop.script import Script
 
 from ...classroom.messages import Shown
 from ...sessions.link import written

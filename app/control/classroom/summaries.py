@@ -3,9 +3,9 @@
 import numpy as np
 
 from viewimit.drawing.svg import thinned
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import ServoStatus
-from viewimit.session import Session
-from viewimit.snapshot import Snapshot
 
 from ...classroom.messages import MOST_NAME, MOST_PATH, Answer, Summary
 from ...lessons.course import Course

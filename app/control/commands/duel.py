@@ -6,8 +6,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
-from viewimit.transfer import TRANSFERS
 
 from ..checks import named
 from ..page_model import PageModel

@@ -6,8 +6,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
-from viewimit.transfer import TRANSFERS
 
 from ..checks import choice, named, number, switch, words
 from ..disturbances import Amount

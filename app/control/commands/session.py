@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.export.citation import motions
-from viewimit.settings import given
+from viewimit.loop.settings import given
 from viewimit.simulation.kinematics import pose_for_hand
 
 from ...sessions.saved import SavedSession

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from viewimit.script import Log
-from viewimit.session import Session
-from viewimit.snapshot import Snapshot
+from viewimit.loop.script import Log
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 
 from ..player import Player
 from ..presets import Preset, Presets

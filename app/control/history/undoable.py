@@ -8,11 +8,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.rehearsal import POSTURES, begin_rehearsal
-from viewimit.script import Changed, Deed, Posed, Script, Stepped
-from viewimit.script_player import converted, do, play
-from viewimit.session import Session
-from viewimit.settings import BodyPoint, Settings
+from viewimit.loop.rehearsal import POSTURES, begin_rehearsal
+from viewimit.loop.script import Changed, Deed, Posed, Script, Stepped
+from viewimit.loop.script_player import converted, do, play
+from viewimit.loop.session import Session
+from viewimit.loop.settings import BodyPoint, Settings
 
 from ...jobs.camera_images import CameraProcess
 from ...jobs.session_eyes import SessionEyes

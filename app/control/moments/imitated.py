@@ -3,8 +3,8 @@
 import numpy as np
 
 from viewimit.analysis.trajectory import Imitation
-from viewimit.session import Session
-from viewimit.snapshot import Snapshot
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 
 WORLD = ("scene", "robot", "joints", "points")  # settings in which it is to be seen as it was
 

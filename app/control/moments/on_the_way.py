@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from numpy.typing import NDArray
 
-from viewimit.session import Session
-from viewimit.snapshot import Snapshot
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 
 
 class OnTheWay:

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from viewimit.body_image import FEWEST
 from viewimit.export.citation import motions
-from viewimit.rehearsal import motions_of_imitation
+from viewimit.loop.body_image import FEWEST
+from viewimit.loop.rehearsal import motions_of_imitation
+from viewimit.loop.session import Session
 from viewimit.servo import SERVOS
-from viewimit.session import Session
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from numpy.typing import NDArray
 
-from viewimit.session import Session
-from viewimit.snapshot import Snapshot
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 
 
 class SeeThrough:

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.images.construction import last_stage
 from viewimit.drawing.images.planes import Windows
-from viewimit.session import Session
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.appearance import Bodies
-from viewimit.snapshot import Snapshot
-from viewimit.transfer import TRANSFERS
 from viewimit.viewer.appearance import Appearance
 
 from ...jobs.session_eyes import RemoteEyes

@@ -11,15 +11,15 @@ import msgspec
 from numpy.typing import NDArray
 
 from viewimit.analysis.point_information import PointInformation, Proposal, best_next, point_information
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.session import Session
-from viewimit.settings import BodyPoint
+from viewimit.loop.session import Session
+from viewimit.loop.settings import BodyPoint
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.derived.candidates import candidates
 from viewimit.simulation.derived.scene_file import saved_scene
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
-from viewimit.views import FourViews
 
 from ..queue import Aside
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 

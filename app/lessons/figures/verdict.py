@@ -7,9 +7,9 @@ import numpy as np
 from viewimit.drawing import svg
 from viewimit.drawing.lessons import verdict
 from viewimit.drawing.lessons.verdict import draw_verdict
+from viewimit.estimation.views import Pairs
+from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import ServoStatus
-from viewimit.snapshot import Snapshot
-from viewimit.views import Pairs
 
 from ..joint_names import joint_names
 from ..measures.exchange import least_as_seen, named, true_pairs

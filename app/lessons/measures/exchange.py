@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from viewimit.views import Pairs
+from viewimit.estimation.views import Pairs
 
 from ..stage import Stage
 from .measure import Measure

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.session import Session
+from viewimit.estimation.views import FourViews
+from viewimit.loop.session import Session
 from viewimit.simulation.camera import Camera
-from viewimit.views import FourViews
 
 from ..stage import Stage
 from ..works.minimum import Biases

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, untold_joints
-from viewimit.snapshot import Snapshot
-from viewimit.views import FourViews
+from viewimit.estimation.views import FourViews
+from viewimit.loop.snapshot import Snapshot
 
 from ..stage import Stage
 from .measure import Measure

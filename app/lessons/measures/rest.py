@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from viewimit.snapshot import Snapshot
+from viewimit.loop.snapshot import Snapshot
 
 from ..stage import Stage
 from .measure import Measure

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.drawing.lessons.view import line_of
-from viewimit.snapshot import Snapshot
+from viewimit.loop.snapshot import Snapshot
 
 from ..stage import Race, Stage
 from .measure import Measure

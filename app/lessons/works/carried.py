@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.motion import hand_circle
 from viewimit.analysis.trajectory import Trajectory, follow, hand_points
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.camera import Cameras
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 
 from .work import Task, Work
 

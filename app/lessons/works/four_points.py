@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.landscape import Landscape, conflict_of_images, grid_axes
+from viewimit.estimation.transfers import epipolar
+from viewimit.estimation.transfers.epipolar import EpipolarTransfer
+from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS, centred
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.world import World
-from viewimit.transfer import epipolar
-from viewimit.transfer.epipolar import EpipolarTransfer
-from viewimit.views import FourViews
 
 from .work import Task, Work
 

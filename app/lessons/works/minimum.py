@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
-from viewimit.session import Session
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
-from viewimit.transfer import TRANSFERS
 
 from ..scenes import SLIDERS, Staging
 from .work import Task, Work

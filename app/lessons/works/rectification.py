@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape_over
 from viewimit.geometry.rectification import Rectification
-from viewimit.session import Session
+from viewimit.loop.session import Session
 
 from .work import Task, Work
 

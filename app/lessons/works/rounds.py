@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewimit.settings import Settings
+from viewimit.loop.settings import Settings
 
 from ..dealing import deal_start
 from .work import Task, Work

@@ -6,10 +6,10 @@ from typing import Any, Literal
 
 import msgspec
 
-from viewimit.session import Session
-from viewimit.settings import Settings
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.snapshot import Snapshot
 
 from ..format import Step
 from ..scenes import Staging

@@ -3,8 +3,8 @@
 import html
 from typing import Any
 
-from viewimit.reading import file_name
-from viewimit.wording import as_command, as_python
+from viewimit.loop.wording import as_command, as_python
+from viewimit.sensing.files import file_name
 
 from ...control.commands.display import ToggleShare
 from ...control.state import PageState

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
+from ...estimation.views import VIEWS
 from ...geometry.pairs import INTO, SOURCE
+from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
-from ...snapshot import Snapshot
-from ...views import VIEWS
 from .. import svg
 from ..glossary import ask
 from ..metrics import draw_legend, draw_metrics, residual_lengths

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.rectification import Rectification
+from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
-from ...snapshot import Snapshot
 from .. import svg
 from ..metrics import draw_metrics, residual_lengths
 from ..theme import OBSERVED

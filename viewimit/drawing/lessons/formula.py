@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...snapshot import Snapshot
+from ...loop.snapshot import Snapshot
 from .. import svg
 from . import narrow
 

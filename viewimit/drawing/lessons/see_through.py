@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from numpy.typing import NDArray
 
-from ...snapshot import Snapshot
+from ...loop.snapshot import Snapshot
 from .. import svg
 from ..theme import HEAD
 

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
+from ...estimation.views import Pairs
 from ...geometry.pairs import INTO, SOURCE
+from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
-from ...snapshot import Snapshot
-from ...views import Pairs
 from .. import svg
 from ..theme import HEAD
 from . import mark, narrow

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...views import FourViews
+from ...estimation.views import FourViews
 from .. import svg
 from ..images.planes import SIZES, Window, Windows, placed
 from ..metrics import LEGEND_SIZE, METRICS_SIZE

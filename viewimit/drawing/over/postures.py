@@ -6,8 +6,8 @@ Cells are exact at every size and pixel ratio; where in a picture it was clicked
 import numpy as np
 from numpy.typing import NDArray
 
+from ...loop.snapshot import Snapshot
 from ...simulation.scene import Scene
-from ...snapshot import Snapshot
 from .. import svg
 from ..posture_plane import PosturePlane
 from .links import link, sink

@@ -11,10 +11,10 @@ from itertools import product
 
 import numpy as np
 
-from ...rehearsal import rehearse
+from ...loop.rehearsal import rehearse
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ...servo.status import ServoStatus
-from ...session import Session
-from ...settings import Settings
 from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
 from ..executors.study import Study, each

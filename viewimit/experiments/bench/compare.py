@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass
 import msgspec
 import numpy as np
 
+from ...loop.settings import Settings
 from ...servo.status import ServoStatus
-from ...settings import Settings
 from ..executors.study import Study, each
 from .compare_draws import CASES, Case, drawn
 from .compare_table import Row

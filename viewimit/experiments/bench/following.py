@@ -7,8 +7,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ...session import Session
-from ...settings import Settings
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ..executors.study import Study, each
 
 SWING_DEG, TURNS = 25.0, (1.0, 0.7)  # of the path, each joint; rounds a joint, repeated for more joints

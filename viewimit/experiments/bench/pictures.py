@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...estimation.views import VIEWS
 from ...simulation.eyes.rendered import RenderedEyes
 from ...simulation.scene import load_scene
-from ...views import VIEWS
 
 FALSE_PX = 3.0  # farther from its own truth than a ball's radius, a detection is of something else
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from ...session import Session
-from ...settings import Settings
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ...simulation.scene import Scene, load_scene
 from ...simulation.urdf.chain import arm_of
 from ...simulation.urdf.reference import parse_reference

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from ...rehearsal import rehearse
-from ...session import Session
-from ...settings import Settings
+from ...loop.rehearsal import rehearse
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ..executors.study import Study, each
 from .success import Share
 

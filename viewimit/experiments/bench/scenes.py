@@ -13,8 +13,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ...session import Session
-from ...settings import Settings
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ...simulation.eyes import ProjectedEyes, SimulatedEyes
 from ...simulation.scene import Scene
 from ..executors.study import Study, each

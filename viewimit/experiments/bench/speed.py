@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import grid_axes, landscape_over
-from ...evaluation import conflict
+from ...estimation.evaluation import conflict
+from ...estimation.transfers import TRANSFERS
+from ...estimation.views import FourViews
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ...servo import SERVOS
-from ...session import Session
-from ...settings import Settings
 from ...simulation.scene import load_scene
 from ...simulation.world import World
-from ...transfer import TRANSFERS
-from ...views import FourViews
 from . import baselines, opencv_baseline
 from .surface import surface_points
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over
-from ...rehearsal import rehearse
-from ...session import Session
-from ...settings import Settings
+from ...loop.rehearsal import rehearse
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ...simulation.scene import Scene
 from ...simulation.world import World
 from ..executors.study import Study, each

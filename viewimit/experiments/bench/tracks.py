@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.leave_one_out import leave_one_out
+from ...estimation.transfers import TRANSFERS
+from ...estimation.transfers.rectified import fit
+from ...estimation.views import FourViews
 from ...geometry.rectification import Rectification, rectification_of
 from ...geometry.rigid import rigid_transform, rotation_about_axis
+from ...loop.suspects import suspects, telling
 from ...simulation.camera import Camera, Cameras
 from ...simulation.lens import Lens
-from ...suspects import suspects, telling
-from ...transfer import TRANSFERS
-from ...transfer.rectified import fit
-from ...views import FourViews
 from ..executors.study import Study, each
 from .success import Share
 

@@ -4,9 +4,9 @@ import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...disturbances import SightDisturbance
-from ...equations import with_minus
-from ...settings import Settings, disturbances
+from ...estimation.equations import with_minus
+from ...loop.settings import Settings, disturbances
+from ...simulation.disturbances import SightDisturbance
 
 PAPER = Settings.paper()  # the scene and transfer that the paper's own figures stand beside
 PAPER_DEMONSTRATOR_DEG = (45.0, -90.0)

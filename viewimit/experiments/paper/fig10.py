@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from ...analysis.motion import MOTIONS, Motion
 from ...analysis.trajectory import Imitation, Trajectory, follow, hand_points
+from ...estimation.transfers import FittedTransfer
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ...servo.status import ServoStatus
-from ...session import Session
-from ...settings import Settings
-from ...transfer import FittedTransfer
 from ..tables import Tables, joint_columns, stacked
 from .claims import Claims
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...analysis.convexity import Convexity, convexity
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
 from ...analysis.minima import Conflict, Minima, local_minima
-from ...session import Session
-from ...settings import Settings, given
-from ...transfer import TRANSFERS
+from ...estimation.transfers import TRANSFERS
+from ...loop.session import Session
+from ...loop.settings import Settings, given
 from ..tables import Tables, joint_columns, stacked
 from .claims import Claims, in_degrees
 

@@ -12,8 +12,8 @@ from ...drawing.labels import CHARACTER
 from ...drawing.plots import figure, sentence, style_of
 from ...drawing.posture_plane import PosturePlane
 from ...drawing.theme import OBSERVED
+from ...estimation.transfers import TRANSFERS
 from ...simulation.scene import Scene
-from ...transfer import TRANSFERS
 from .claims import PAPER_DEMONSTRATOR_DEG
 from .fig7 import PAPER_MINIMUM_DEG, Fig7, Surface
 

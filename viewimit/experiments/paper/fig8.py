@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_of_images
-from ...session import Session
-from ...settings import Settings
-from ...transfer import TRANSFERS
+from ...estimation.transfers import TRANSFERS
+from ...loop.session import Session
+from ...loop.settings import Settings
 from ..tables import Tables, joint_columns, stacked
 from .claims import Claims, in_degrees
 

@@ -8,10 +8,10 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ...loop.session import Session
+from ...loop.settings import Settings, given
+from ...loop.snapshot import Snapshot
 from ...servo.status import ServoStatus
-from ...session import Session
-from ...settings import Settings, given
-from ...snapshot import Snapshot
 from ..tables import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims
 

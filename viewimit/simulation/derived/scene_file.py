@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ...quoting import MOST_NAME, printable
+from ...sensing.quoting import MOST_NAME, printable
 from ..robot import Robot
 from ..scene import Eye, Scene, load_robot
 from ..urdf.reference import is_reference, parse_reference

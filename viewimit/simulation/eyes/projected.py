@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...disturbances import ArmDisturbance, any_of, drive
-from ...settings import Settings
+from ...loop.settings import Settings
+from ..disturbances import ArmDisturbance, any_of, drive
 from ..robot import Angles
 from ..scene import Scene
 from ..world import World

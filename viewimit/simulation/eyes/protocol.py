@@ -4,7 +4,7 @@ from typing import Protocol
 
 from numpy.typing import NDArray
 
-from ...settings import Settings
+from ...loop.settings import Settings
 from ..robot import Angles
 from ..world import World
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...disturbances import ArmDisturbance, drive
-from ...perception.detection import Detections, as_large_in_both, detect
-from ...settings import Settings
-from ...views import VIEWS
+from ...estimation.views import VIEWS
+from ...loop.settings import Settings
+from ...sensing.detection import Detections, as_large_in_both, detect
 from ..camera import Camera
+from ..disturbances import ArmDisturbance, drive
 from ..markers import load_markers
 from ..physics.arm import Arm
 from ..physics.model import write_urdf

@@ -5,7 +5,7 @@ import shlex
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-from ...reading import MEGABYTE, require_file
+from ...sensing.files import MEGABYTE, require_file
 
 MOST_BYTES = 32 * MEGABYTE
 MOST_LOOKED_AT = 4000  # bytes, of a file whose name does not say what it is

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from ...reading import read_bytes
+from ...sensing.files import read_bytes
 from .packages import NotFound
 
 FORMATS = ("stl", "obj", "dae", "glb", "ply", "off")

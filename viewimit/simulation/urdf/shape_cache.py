@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import platformdirs
 
-from ...reading import MEGABYTE, read_bytes, read_npz
+from ...sensing.files import MEGABYTE, read_bytes, read_npz
 from ..mesh import Mesh
 from .mesh_files import MOST_BYTES
 from .packages import NotFound, mesh_path

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
-from ...reading import read_bytes
+from ...sensing.files import read_bytes
 from .formats import MOST_BYTES, require_urdf_content
 
 TURNING, SLIDING, FREE = ("revolute", "continuous"), ("prismatic",), ("planar", "floating")

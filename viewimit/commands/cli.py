@@ -1,0 +1,109 @@
+"""The command line: degrees at this surface, radians behind it.
+
+Exit status 0: done; 1: ran, but did not reach its target; 2: bad input, or no room for what is printed; 130:
+interrupted; 141: nobody reads what is printed. With --json exactly one JSON object goes to standard output, and all
+messages to standard error.
+"""
+
+import argparse
+import errno
+import importlib
+import io
+import os
+import re
+import sys
+from typing import NoReturn
+
+from .. import __version__
+from ..geometry import blas_threads as threads
+from ..sensing.quoting import printable
+from . import BadInput
+
+BAD_INPUT = 2
+NEWLINE = "\n"
+UNREAD = 141  # as of a program that ends by SIGPIPE
+COMMANDS = {
+    "serve": "Serve the page. The options are what a new tab begins with.",
+    "imitate": "One run of the loop, without a page.",
+    "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --body goes on from that.",
+    "scene": "A scene file for a robot of which only the URDF is known, to be edited.",
+    "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",
+    "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
+    "detect": "Markers in your own pictures or videos, as a table of points.",
+    "evaluate": "The method on your own tracked points: which transfer fits, residuals, E. "
+    "Compare E only between images of like size.",
+    "bench": "How fast E is, and how often and how soon each servo arrives.",
+    "docs": "The documentation, in a browser.",
+}
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command and return its exit status. `viewimit` alone serves the page."""
+    threads.take_one()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a console of another encoding, or a file, may lack ≤ and −
+    argv = list(sys.argv[1:] if argv is None else argv)
+    if not argv or (argv[0].startswith("-") and argv[0] not in ("-h", "--help", "--version")):
+        argv.insert(0, "serve")
+    args = parser_of(argv[0]).parse_args(attached(argv))
+    try:
+        status = args.run(args)
+        sys.stdout.flush()
+        return status
+    except BadInput as error:
+        print(f"viewimit {args.command}: {printable(str(error), keep=NEWLINE)}", file=sys.stderr)
+        return BAD_INPUT
+    except BrokenPipeError:
+        _print_no_more()
+        return UNREAD
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        _print_no_more()
+        print(f"viewimit {args.command}: cannot print: {error.strerror}", file=sys.stderr)
+        return BAD_INPUT
+
+
+def _print_no_more() -> None:
+    """What could not be printed would be tried once more when the process ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+class Parser(argparse.ArgumentParser):
+    """That says what is wrong in one line, as all else does, without all options before it."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {printable(message)}; see {self.prog} --help\n")
+
+
+def parser_of(chosen: str) -> argparse.ArgumentParser:
+    """All commands are listed, but only the chosen one is loaded, with what it needs."""
+    top = Parser(prog="viewimit", description="View-based imitation. Alone: serve.", allow_abbrev=False)
+    top.add_argument("--version", action="version", version=f"viewimit {__version__}")
+    commands = top.add_subparsers(dest="command", metavar="command", required=True)
+    for name, text in COMMANDS.items():
+        parser = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
+        if name == chosen:
+            module = importlib.import_module(f".commands.{name}", __package__)
+            module.add_options(parser)
+            parser.set_defaults(run=module.run)
+    return top
+
+
+TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
+
+
+def attached(argv: list[str]) -> list[str]:
+    """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
+    joined: list[str] = []
+    for word in argv:
+        if joined and joined[-1] in TAKE_NUMBERS and re.match(r"-[\d.]", word):
+            joined[-1] += "=" + word
+        else:
+            joined.append(word)
+    return joined
+
+
+if __name__ == "__main__":
+    sys.exit(main())

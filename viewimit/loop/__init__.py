@@ -1,0 +1,1 @@
+"""The loop of imitation: settings, session, snapshots, and the robot that it drives."""

@@ -1,0 +1,258 @@
+"""One pass of the loop: what it leaves behind, and what follows from that."""
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod, rectified
+from ..estimation.views import FourViews, Pairs
+from ..geometry.affine import MIN_POINTS, flatness
+from ..geometry.pairs import INTO, PairGeometry, fit_pairs
+from ..geometry.rectification import Rectification
+from ..servo import SERVOS, Certificate, Servo, ServoStatus
+from .body_image import BodyImage
+from .settings import OWN, Settings
+
+OF_A_SERVO = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """One moment of a session: its fields are what is kept; all else follows from `views` and `settings`.
+
+    motion, look: how many were made until then; theta, theta_demo: (m,) rad, the truth, for viewers only,
+    NaN where nobody knows it;
+    views: what the learner saw, of all N points; rectification: by which images are rectified for the transfer, None if
+    they are not; E: px², NaN with too few points to fit a transfer;
+    commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
+    moved: (m,) rad, the motion that led here; probe: it was a probe;
+    status: any but max_motions; servo_state: None before the servo was asked;
+    lag: looks that images come late, None until a motion has shown it;
+    frozen: the transfer as it was fitted at the last convergence, None before;
+    body: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
+    to_rehearse: (k, m) rad, postures still to watch itself in, None or (0, m) if there are none;
+    target: (m,) rad, where the servo has sent the arm that is still on its way there, None if it is there;
+    own_transfer, own_servo: that the session was given itself, which settings call OWN; None if it was given none.
+    """
+
+    settings: Settings
+    motion: int
+    look: int
+    theta: NDArray
+    theta_demo: NDArray
+    views: FourViews
+    rectification: Rectification | None
+    E: float
+    commanded: NDArray
+    moved: NDArray
+    probe: bool
+    status: ServoStatus
+    servo_state: Any
+    lag: int | None
+    frozen: FittedTransfer | None
+    body: BodyImage | None = None
+    to_rehearse: NDArray | None = None
+    target: NDArray | None = None
+    own_transfer: TransferMethod | None = None
+    own_servo: Servo | None = None
+
+    @property
+    def method(self) -> TransferMethod:
+        """The transfer that the settings name. Raises ValueError for one that no session was given."""
+        if self.settings.transfer != OWN:
+            return TRANSFERS[self.settings.transfer]
+        return given_own("transfer", self.own_transfer)
+
+    @property
+    def servo(self) -> Servo:
+        """The servo that the settings name. Raises ValueError for one that no session was given."""
+        return SERVOS[self.settings.servo] if self.settings.servo != OWN else given_own("servo", self.own_servo)
+
+    @cached_property
+    def usable(self) -> NDArray:
+        """(N,) bool: seen in all four views."""
+        return self.views.usable
+
+    @property
+    def shown(self) -> int:
+        """How many of the demonstrator's points are in sight in both images."""
+        return int(np.count_nonzero(self.views.visible[:, :2].all(-1)))
+
+    @property
+    def half_shown(self) -> int:
+        """How many are in sight in one image alone, for a transfer that can ask them: on a line of the other image."""
+        asked = self.method.half_seen is not None and self.settings.rectify != "off"
+        return int(np.count_nonzero(self.views.half_seen)) if asked else 0
+
+    @property
+    def shows_demonstrator(self) -> bool:
+        """By as many points as a transfer needs."""
+        return self.shown >= MIN_POINTS
+
+    @cached_property
+    def transfer(self) -> FittedTransfer | None:
+        """Fitted to the usable points; None with too few of them."""
+        if np.count_nonzero(self.usable) < MIN_POINTS:
+            return None
+        return self.fit(self.views.used)
+
+    def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
+        """The transfer chosen, or another one by its name, fitted to any views as this moment rectifies them."""
+        return rectified.fit(TRANSFERS[by] if by else self.method, views, self.rectification)
+
+    @cached_property
+    def flatness(self) -> float:
+        """σ1/σ3 of the demonstrator's usable points in [l, r]; inf with too few of them."""
+        return np.inf if self.transfer is None else _flatness(self.views.used.demo.tobytes())
+
+    @cached_property
+    def residual(self) -> NDArray:
+        """(n, C) px, of the usable points, whose squares make E, of enough of them."""
+        assert self.transfer is not None
+        return self.transfer.residual(self.views.used)
+
+    @cached_property
+    def recovered(self) -> NDArray:
+        """(N, 4) px: the demonstrator's points as the transfer expects them in [L, R]; NaN if not usable."""
+        seen, transfer = self.views.used, self.transfer
+        if transfer is not None and seen is self.views:
+            return transfer.recover(seen.demo_left, seen.demo_right)
+        recovered = np.full_like(self.views.own, np.nan)
+        if transfer is not None:
+            recovered[self.usable] = transfer.recover(seen.demo_left, seen.demo_right)
+        return recovered
+
+    @cached_property
+    def e(self) -> NDArray:
+        """(N, 4) px: residuals in [L, R], from the recovered points to the learner's own; NaN if not usable."""
+        return self.views.own - self.recovered
+
+    @property
+    def rehearses(self) -> bool:
+        """Whether it is to watch itself before it imitates."""
+        return self.to_rehearse is not None and len(self.to_rehearse) > 0
+
+    @property
+    def rehearsal_holds(self) -> bool | None:
+        """Whether the servo still goes by what was rehearsed; None if nothing was, or none was asked yet."""
+        if self.body is None or self.servo_state is None:
+            return None
+        return bool(getattr(self.servo_state, "rehearsed", ()))
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """What the servo can tell of its posture; None if it gives none."""
+        return getattr(self.servo_state, "certificate", None)
+
+    @property
+    def exchanged(self) -> Pairs:
+        """What the servo takes to be exchanged of the demonstrator's points; `views` have them exchanged back."""
+        return exchanged(self.servo_state)
+
+    @property
+    def expected_error(self) -> float | None:
+        """rad, of the worst joint, as the servo reckons: `Certificate.worst`; None if it gives none."""
+        return None if self.certificate is None else self.certificate.worst
+
+    def with_fields(self, **changes) -> "Snapshot":
+        """As dataclasses.replace; what was found already is not found anew if views and transfer stay.
+
+        Raises TypeError for a name that is no field.
+        """
+        if not changes.keys() <= FIELDS:
+            raise TypeError(f"a snapshot has no fields {', '.join(sorted(changes.keys() - FIELDS))}")
+        same_images = "views" not in changes and "rectification" not in changes
+        stays = same_images and changes.get("settings", self.settings).transfer == self.settings.transfer
+        kept = vars(self) if stays else {name: value for name, value in vars(self).items() if name in FIELDS}
+        other = object.__new__(Snapshot)  # a third of what `replace` takes: this is done twice a motion
+        vars(other).update(kept, **changes)
+        return other
+
+    def recovered_by(self, transfer: FittedTransfer) -> "Snapshot":
+        """The same views as a transfer that was fitted elsewhere recovers them."""
+        other = self.without_cache().with_fields()
+        if self.usable.any():
+            vars(other).update(fundamental=self.fundamental, transfer=transfer)
+            square = (other.e[self.usable] ** 2).sum()
+            vars(other)["E"] = float(square / (2 * self.usable.sum()))
+        return other
+
+    def without_cache(self) -> "Snapshot":
+        """A moment that holds its fields only: this one, if nothing that follows from them has been asked for yet."""
+        return self if vars(self).keys() <= FIELDS else replace(self)
+
+    def keeps_the_same(self, other: "Snapshot") -> bool:
+        """Whether the fields of both are the very same objects."""
+        return all(getattr(self, name) is getattr(other, name) for name in FIELDS)
+
+    @cached_property
+    def fundamental(self) -> PairGeometry | None:
+        """Of the six pairs of views, rectified if they are for the transfer, from the usable points, whatever the
+        transfer is; None with too few of them."""
+        views = self.views if self.rectification is None else rectified.rectified(self.views, self.rectification)
+        known = None if self.transfer is None else self.transfer.fundamentals
+        return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.usable], known)
+
+    def epipolar_lines(self, point: int) -> NDArray | None:
+        """(12, 3): `PairGeometry.lines` of a body point, in px as seen: lines in rectified images are mapped back. None
+        with too few points for any."""
+        if self.fundamental is None:
+            return None
+        if point not in self._lines:
+            self._lines[point] = self._lines_of(self.fundamental, point)
+        return self._lines[point]
+
+    @cached_property
+    def _lines(self) -> dict[int, NDArray]:
+        """By body point, of those that were asked for."""
+        return {}
+
+    def _lines_of(self, fundamental: PairGeometry, point: int) -> NDArray:
+        images, by = np.stack([self.views.demo[point], self.views.own[point]]), self.rectification
+        if by is None:
+            return fundamental.lines(images.reshape(4, 2))
+        lines = fundamental.lines(by.apply(images).reshape(4, 2))
+        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
+
+
+T = TypeVar("T")
+
+
+def given_own(what: str, given: T | None) -> T:
+    """What a session was given itself. Raises ValueError if it was given none."""
+    if given is None:
+        raise ValueError(f"{what} {OWN!r} is one of your own that is not here: give it to Session(settings, {what}=…)")
+    return given
+
+
+def exchanged(servo_state: Any) -> Pairs:
+    """Pairs of points, none if the servo tells of none."""
+    return getattr(servo_state, "exchanged", ())
+
+
+def probes(servo_state: Any) -> bool:
+    """Whether the motion asked for last is to learn from; a state without `probe` asks for none."""
+    return bool(getattr(servo_state, "probe", False))
+
+
+def status_of(servo_state: Any, usual: ServoStatus) -> ServoStatus:
+    """Of a `ServoState`; usual: of a state without one. Raises ValueError for a status that there is not."""
+    status = getattr(servo_state, "status", usual)
+    try:
+        found = ServoStatus(status)
+    except ValueError:
+        found = None
+    if found not in OF_A_SERVO:
+        raise ValueError(f"a servo's status must be one of {', '.join(OF_A_SERVO)}, got {status!r}")
+    return found
+
+
+FIELDS = frozenset(field.name for field in fields(Snapshot))
+
+
+@lru_cache(64)  # the demonstrator mostly stands still while the learner moves
+def _flatness(demo: bytes) -> float:
+    return flatness(np.frombuffer(demo).reshape(-1, 4))

@@ -23,7 +23,7 @@ def scene_text(scene: Scene) -> str:
     for name, below in _shipped().items():
         if _all_said(below, fields):
             told.append({"extends": name, "title": scene.title, **_difference(below, fields)})
-    text = min(("\n".join(_lines(one)) + "\n" for one in told), key=len)
+    text = min(("\n".join(_toml_lines(one)) + "\n" for one in told), key=len)
     if load_scene(text) != scene:
         raise ValueError("it cannot be told in words")
     return text
@@ -55,11 +55,11 @@ def _difference(below: dict, above: dict) -> dict:
     return found
 
 
-def _lines(fields: dict, table: str = "") -> Iterator[str]:
+def _toml_lines(fields: dict, table: str = "") -> Iterator[str]:
     """TOML: values first, then tables."""
     tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
     yield from (f"{name} = {toml(value)}" for name, value in fields.items() if name not in tables)
     for name, inside in tables.items():
         within = f"{table}.{name}" if table else name
         yield f"[{within}]"
-        yield from _lines(inside, within)
+        yield from _toml_lines(inside, within)

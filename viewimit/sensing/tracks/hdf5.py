@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..files import MEGABYTE, MOST_ARRAYS, require_file
 
 MOST_BYTES = 1024 * MEGABYTE  # of a file, which may hold pictures beside its tracks
-DAMAGED = (
+HDF5_ERRORS = (
     MemoryError, RecursionError, OSError, RuntimeError, ValueError, TypeError, IndexError, AttributeError,
     OverflowError, ZeroDivisionError,
 )  # fmt: skip
@@ -33,7 +33,7 @@ def opened(path: Path) -> Iterator[Any]:
             yield file
     except KeyError as error:
         raise ValueError(f"{path}: it lacks what files of its kind have: {error.args[0]}") from None
-    except DAMAGED as error:
+    except HDF5_ERRORS as error:
         if isinstance(error, ValueError) and str(error).startswith(f"{path}:"):
             raise
         raise ValueError(f"{path}: damaged, or no file of its kind: {error}; export it again, or as CSV") from None

@@ -9,7 +9,7 @@ from .surface import Surface
 CELL_PX = 6.0  # of a grid in an image: in each the nearest places are in front
 BEHIND = 0.03  # of the distance to a camera, that a place in front may be nearer
 USUALLY = 0.6  # of the looks, in which a place must be seen to be chosen
-FEWEST = 6  # places a part, of which the most often seen are taken where fewer are seen usually
+MIN_PLACES_PER_PART = 6  # places a part, of which the most often seen are taken where fewer are seen usually
 
 
 def seen_from(cameras: list[Camera], T_world_base: NDArray, places: NDArray, normals: NDArray) -> NDArray:
@@ -61,4 +61,4 @@ def layout(surface: Surface, places: NDArray, seen: NDArray, part: NDArray, coun
 def _usual(seen: NDArray, among: NDArray) -> NDArray:
     """Those that are seen usually, or else those seen most."""
     usual = among[seen[among] >= USUALLY]
-    return usual if len(usual) >= FEWEST else among[np.argsort(-seen[among], kind="stable")][: 4 * FEWEST]
+    return usual if len(usual) >= MIN_PLACES_PER_PART else among[np.argsort(-seen[among], kind="stable")][: 4 * MIN_PLACES_PER_PART]

@@ -12,7 +12,7 @@ from ..robot import Robot
 A_LINK, OF_THE_BASE = 80, 400  # places on each
 ALL_OVER = 3_000  # places on each, where all of a body counts
 NEAR_THE_ARM = 0.6  # of the arm's reach: farther off, a base is no part of it
-FEWEST = 24  # places on the base, the nearest if so few are near
+MIN_BASE_PLACES = 24  # places on the base, the nearest if so few are near
 
 
 @dataclass(frozen=True)
@@ -69,5 +69,5 @@ def _near(surface: Surface, T_base_links: NDArray, first: int) -> NDArray:
     moves = surface.link >= first
     reach = away[moves].max() if moves.any() else away.max()
     still = np.sort(away[~moves])
-    limit = max(NEAR_THE_ARM * reach, still[min(FEWEST, len(still)) - 1] if len(still) else 0.0)
+    limit = max(NEAR_THE_ARM * reach, still[min(MIN_BASE_PLACES, len(still)) - 1] if len(still) else 0.0)
     return moves | (away <= limit)

@@ -50,7 +50,7 @@ def kept(key: str) -> tuple[Meshes, list[str]] | None:
         return None
     try:
         arrays = read_npz(path)
-        meshes = {int(link): _mesh(arrays[f"v{link}"], arrays[f"f{link}"]) for link in arrays["links"]}
+        meshes = {int(link): _checked_mesh(arrays[f"v{link}"], arrays[f"f{link}"]) for link in arrays["links"]}
         missing = [str(line) for line in arrays["unread"]]
     except (OSError, ValueError, KeyError, TypeError):
         return None
@@ -99,7 +99,7 @@ def _make_room(folder: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def _mesh(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
+def _checked_mesh(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
     """Raises ValueError for what is none."""
     flat = vertices.ndim == faces.ndim == 2 and vertices.shape[1] == faces.shape[1] == 3
     if not (flat and len(faces) and np.isfinite(vertices).all() and 0 <= faces.min() <= faces.max() < len(vertices)):

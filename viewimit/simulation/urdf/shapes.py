@@ -9,7 +9,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..mesh import Mesh
-from . import rods, shape_cache
+from .rods import rod, stub, foot
+from .shape_cache import key_of, kept, keep
 from .carried import carried_frames
 from .chain import Chain, arm_of
 from .mesh_files import load_mesh
@@ -43,11 +44,11 @@ def shapes_in(tree: Tree, base: str, reference: Reference) -> Shapes:
     if not files:  # others take no time
         meshes, missing = _made(tree, reference)
         return Shapes(meshes, _said(tree, missing))
-    key = shape_cache.key_of(tree.path, tree.digest, str(reference), files)
-    found = shape_cache.kept(key)
+    key = key_of(tree.path, tree.digest, str(reference), files)
+    found = kept(key)
     if found is None:
         found = _made(tree, reference)
-        shape_cache.keep(key, *found)
+        keep(key, *found)
     meshes, missing = found
     return Shapes(meshes, _said(tree, missing))
 
@@ -111,11 +112,11 @@ def _stand_ins(arm: Chain, frames: dict[str, tuple[int, NDArray]]) -> Iterator[t
     if arm.tip in frames and frames[arm.tip][0] == last:
         ends[last] = frames[arm.tip][1][:3, 3]
     length = max(sum(float(np.linalg.norm(end)) for number, end in ends.items() if number), 1e-3)
-    yield 0, rods.foot(ends.get(0, np.zeros(3)), length)
+    yield 0, foot(ends.get(0, np.zeros(3)), length)
     for k, joint in turned:
-        mesh = rods.rod(ends.get(numbers[k], np.zeros(3)), length)
+        mesh = rod(ends.get(numbers[k], np.zeros(3)), length)
         if mesh is None and numbers[k] == last:
-            mesh = rods.stub(joint.axis, length)
+            mesh = stub(joint.axis, length)
         if mesh is not None:
             yield numbers[k], mesh
 

@@ -9,8 +9,8 @@ from viser import ClientHandle, SceneClickEvent, ViserServer
 from viewimit.drawing.theme import rgb
 from viewimit.export.perspective import Eye
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.ray_casting import SurfaceHit, first_hit
+from viewimit.simulation.meshes import SurfaceHit, first_hit
+from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.world import World
 from viewimit.viewer import shapes
 from viewimit.viewer.furniture import LOOKS, POINT_SIZE, arm_landmarks, landmarks

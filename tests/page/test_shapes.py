@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.robots import robot_names
+from viewimit.simulation.robot import link_meshes, robot_names
 from viewimit.viewer import shapes
 
 RADIUS, HEIGHT = 0.2, 0.3  # m, of a pedestal's plate and of all of it

@@ -14,7 +14,7 @@ from ..drawing import svg
 from ..drawing.theme import ROLES, half_white, rgb
 from ..loop.snapshot import Snapshot
 from ..simulation.camera import triangulate
-from ..simulation.link_meshes import link_meshes
+from ..simulation.robot import link_meshes
 from ..simulation.world import World
 from ..viewer import furniture
 from ..viewer.view import FOV, fitted_view

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
 from ..simulation.camera import triangulate
-from ..simulation.link_meshes import link_meshes
+from ..simulation.robot import link_meshes
 from ..simulation.world import World
 from ..viewer import furniture, view
 

@@ -3,7 +3,7 @@
 from ..drawing.images.planes import Windows, holds, image_windows
 from ..loop.snapshot import Snapshot
 from ..simulation.appearance import Bodies, Silhouettes, places, reach
-from ..simulation.link_meshes import link_meshes
+from ..simulation.robot import link_meshes
 from ..simulation.world import World
 
 

@@ -11,7 +11,7 @@ from ..estimation.views import VIEWS
 from ..geometry.rigid import rotation_about_axis
 from ..simulation.appearance import extreme_vertices
 from ..simulation.camera import Camera
-from ..simulation.link_meshes import link_meshes
+from ..simulation.robot import link_meshes
 from ..simulation.world import World
 from . import shapes
 from .view import looking

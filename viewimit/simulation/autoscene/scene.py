@@ -17,10 +17,20 @@ from ..urdf.chain import Chain, arm_of
 from ..urdf.reference import Reference
 from ..urdf.shapes import Shapes, shapes_of
 from ..urdf.tree import FREE, KINDS, MARGIN, SLIDING, Tree, read_tree
-from .body_points import seen_from, parts_of, layout
-from .motion import image_jacobian, movable, resting, turning_range, two_that_move_most
-from .placing import CENTRE, FOCAL, IMAGE, Placing, parted, placed
-from .surface import Surface, sample, whole
+from .placing import (
+    CENTRE,
+    FOCAL,
+    IMAGE,
+    Placing,
+    image_jacobian,
+    movable,
+    parted,
+    placed,
+    resting,
+    turning_range,
+    two_that_move_most,
+)
+from .surface import Surface, layout, parts_of, sample, seen_from, whole
 
 LAYOUTS = 10, 16, 20  # points
 YAWS_DEG = range(0, 360, 45)
@@ -68,11 +78,7 @@ def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int
     seen = _seen(rough, sides)
     part = parts_of(surface.link, moving)
     places = surface.at(robot.link_frames(rest))[0]
-    layouts = {
-        count: chosen
-        for count in LAYOUTS
-        if len(chosen := layout(surface, places, seen, part, count)) == count
-    }
+    layouts = {count: chosen for count in LAYOUTS if len(chosen := layout(surface, places, seen, part, count)) == count}
     used = np.unique(np.concatenate(list(layouts.values())))
     placing = placed(np.array([places[used] for places, _ in sides]), lowest, yaw)
     placing = parted(placing, whole(shapes.meshes, robot, rest))

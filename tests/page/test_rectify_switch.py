@@ -4,10 +4,10 @@ import numpy as np
 from quiet_page import QuietPage
 from viewimit.app.control.commands.session import Step
 
+from viewimit.drawing.scene_geometry import PLATE, corners, on_plate
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
-from viewimit.viewer.furniture import PLATE, corners, on_plate
 
 
 def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():

@@ -5,21 +5,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..analysis.construction import construct
-from ..analysis.self_assessment import assess
-from ..drawing import svg
-from ..drawing.curves import draw_curve_pair
-from ..drawing.images import planes
-from ..drawing.images.panel import draw_images
-from ..drawing.images.planes import Windows
-from ..drawing.landscape import LandscapePicture
-from ..drawing.status import describe, describe_truth, draw_status
-from ..loop.session import Session
-from ..loop.snapshot import Snapshot
-from ..simulation.appearance import Bodies
-from ..viewer.appearance import Appearance
-from ..viewer.landscapes import TOO_FEW, MadeLandscape, landscape_key, make_landscape
-from .weaving import Woven, weave
+from ...analysis.construction import construct
+from ...analysis.self_assessment import assess
+from ...loop.session import Session
+from ...loop.snapshot import Snapshot
+from ...simulation.appearance import Bodies
+from .. import svg
+from ..curves import draw_curve_pair
+from ..images import planes
+from ..images.appearance import Appearance
+from ..images.panel import draw_images
+from ..images.planes import Windows
+from ..landscape import TOO_FEW, LandscapePicture, MadeLandscape, landscape_key, make_landscape
+from ..status import describe, describe_truth, draw_status
+from .dedupe import Woven, weave
 
 MOST_MOMENTS = 150  # of a longer run they are spread evenly
 MOST_LANDSCAPES = 24  # one for each posture of the demonstrator that is looked at

@@ -1,10 +1,10 @@
 """What both arms look like in the four images, and which part of each image is shown: computed for the panels."""
 
-from ..drawing.images.planes import Windows, holds, image_windows
-from ..loop.snapshot import Snapshot
-from ..simulation.appearance import Bodies, Silhouettes, places, reach
-from ..simulation.link_meshes import link_meshes
-from ..simulation.world import World
+from ...loop.snapshot import Snapshot
+from ...simulation.appearance import Bodies, Silhouettes, places, reach
+from ...simulation.link_meshes import link_meshes
+from ...simulation.world import World
+from .planes import Windows, holds, image_windows
 
 
 class Appearance:

@@ -202,7 +202,7 @@ def _solid(
     return Solid(name, colour, size * shape[0], shape[1], position, turn)
 
 
-# Shapes. All are closed, and their faces turn outwards: a renderer then draws one side only, in half the time, and casts
+# Shapes. All are closed and their faces turn outwards: a renderer then draws one side only, in half the time, and casts
 # shadows from behind, so that no shape shadows itself.
 
 OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)

@@ -54,7 +54,7 @@ _MODULES = {
     "fit_affine_fundamental": ".geometry.affine",
     "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",
-    "replay": ".export.replay",
+    "replay": ".drawing.export.replay",
 }
 
 __all__ = [

@@ -25,9 +25,8 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import Equation
 from ..estimation.residuals import ResidualFunction, noise_conflict
-from ..geometry.kinematics.fit import FORESEEN
-from ..geometry.kinematics.frame import StereoFrame
-from ..geometry.kinematics.model import ProjectiveKinematics
+from ..geometry.kinematics.adjustment import FORESEEN
+from ..geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ..geometry.rectification import Rectification
 from .certificate import CHECK, Certificate, curvature_directions
 from .identities import likely_exchange, with_exchanged

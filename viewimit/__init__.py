@@ -25,7 +25,7 @@ __version__ = "0.2.0"
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape, landscape
     from .drawing.export.replay import replay
-    from .estimation.evaluation import conflict
+    from .estimation.residuals import conflict
     from .estimation.transfers import TRANSFERS
     from .estimation.views import FourViews
     from .geometry.affine import fit_affine_fundamental
@@ -50,7 +50,7 @@ _MODULES = {
     "Snapshot": ".loop.snapshot",
     "TRANSFERS": ".estimation.transfers",
     "World": ".simulation.world",
-    "conflict": ".estimation.evaluation",
+    "conflict": ".estimation.residuals",
     "fit_affine_fundamental": ".geometry.affine",
     "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",

@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from viewimit.drawing.landscape import make_landscape
+from viewimit.drawing.export.panels import make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 

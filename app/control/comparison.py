@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from viewimit.drawing.landscape import landscape_key
+from viewimit.drawing.export.panels import landscape_key
 from viewimit.drawing.transfers import draw_together, waiting
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.snapshot import Snapshot

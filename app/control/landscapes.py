@@ -5,7 +5,8 @@ from functools import partial
 import msgspec
 
 from viewimit.drawing import duel as drawing
-from viewimit.drawing.landscape import COARSE_DEG, LandscapePicture, MadeLandscape, landscape_key, make_landscape
+from viewimit.drawing.export.panels import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
+from viewimit.drawing.landscape import LandscapePicture
 from viewimit.estimation.equations import with_minus
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

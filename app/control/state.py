@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from viewimit.analysis.construction import Construction, construct
 from viewimit.analysis.joint_errors import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
+from viewimit.drawing.export.panels import MadeLandscape
 from viewimit.drawing.images.planes import Windows
-from viewimit.drawing.landscape import MadeLandscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot

@@ -10,7 +10,7 @@ from typing import Any
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.study import study
 from viewimit.drawing import duel
-from viewimit.drawing.landscape import compute
+from viewimit.drawing.export.panels import compute
 from viewimit.drawing.transfers import draw_compared, draw_costs
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World

@@ -5,7 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
 
-from viewimit.drawing.scene_geometry import (
+from viewimit.drawing.theme import rgb
+from viewimit.estimation.views import VIEWS
+from viewimit.simulation.camera import Camera
+from viewimit.simulation.scene_geometry import (
     CELL,
     LINE,
     LOOKS,
@@ -23,9 +26,6 @@ from viewimit.drawing.scene_geometry import (
     sheet,
     solids,
 )
-from viewimit.drawing.theme import rgb
-from viewimit.estimation.views import VIEWS
-from viewimit.simulation.camera import Camera
 from viewimit.simulation.world import World
 
 from .. import viser_private

@@ -8,8 +8,8 @@ from PIL import Image, ImageDraw, ImageFont
 from viewimit.assets import ROOT
 from viser import ImageHandle, SceneApi
 
-from viewimit.drawing.scene_geometry import looking
 from viewimit.drawing.theme import rgb
+from viewimit.simulation.scene_geometry import looking
 
 from .rotations import quaternion
 

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle
 
-from viewimit.drawing.scene_geometry import VIEW_ROLES, octahedron, on_plate
 from viewimit.drawing.theme import faint, rgb
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.camera import Camera
+from viewimit.simulation.scene_geometry import VIEW_ROLES, octahedron, on_plate
 from viewimit.simulation.world import World
 
 from ..control.state import PageState, View

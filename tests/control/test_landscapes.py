@@ -7,7 +7,7 @@ import pytest
 from viewimit.app.control.landscapes import OwnLandscape
 from viewimit.app.control.queue import CommandQueue
 
-from viewimit.drawing.landscape import COARSE_DEG, FINE_DEG, compute, make_landscape
+from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute, make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 

@@ -12,12 +12,12 @@ from viewimit.app.scene.nodes import Nodes
 
 from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.planes import image_windows
-from viewimit.drawing.scene_geometry import on_plate
 from viewimit.estimation.views import VIEWS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
 from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.scene_geometry import on_plate
 
 PICTURES = {view: f"picture of {view}".encode() for view in VIEWS}
 

@@ -24,13 +24,13 @@ from viewimit.drawing.export.figures import drawings_in, four_images, laid_over,
 from viewimit.drawing.export.formulas import can_typeset, draw_formulas
 from viewimit.drawing.export.panels import draw_panels
 from viewimit.drawing.export.perspective import Eye, default_eye, draw_space
-from viewimit.drawing.scene_geometry import bases_of
 from viewimit.drawing.theme import ROLES
 from viewimit.estimation.equations import Equation
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.claims import Claim
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.simulation.scene_geometry import bases_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 

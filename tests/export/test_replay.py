@@ -19,8 +19,7 @@ from viewimit.analysis.construction import construct
 from viewimit.drawing.export import panels as panels_module
 from viewimit.drawing.export.citation import cite
 from viewimit.drawing.export.dedupe import Woven, weave
-from viewimit.drawing.export.panels import MOST_MOMENTS, farthest_off, kept_motions
-from viewimit.drawing.images.appearance import Appearance
+from viewimit.drawing.export.panels import MOST_MOMENTS, Appearance, farthest_off, kept_motions
 from viewimit.drawing.images.panel import draw_images
 from viewimit.loop.script import Posed
 from viewimit.loop.session import Session

@@ -4,9 +4,9 @@ import numpy as np
 from quiet_page import QuietPage
 from viewimit.app.control.commands.session import Step
 
-from viewimit.drawing.scene_geometry import PLATE, corners, on_plate
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
+from viewimit.simulation.scene_geometry import PLATE, corners, on_plate
 from viewimit.simulation.world import World
 
 

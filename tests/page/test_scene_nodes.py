@@ -20,9 +20,9 @@ from viewimit.app.scene.scene3d import Scene3D, share_light
 from viewimit.app.viser_private import wake_in_loop
 from waiting import wait_until
 
-from viewimit.drawing.scene_geometry import cameras_of, on_plate
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.simulation.scene_geometry import cameras_of, on_plate
 
 
 class Viewer(Client):

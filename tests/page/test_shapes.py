@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from viewimit.drawing import scene_geometry
+from viewimit.simulation import scene_geometry
 from viewimit.simulation.link_meshes import link_meshes
 from viewimit.simulation.robots import robot_names
 

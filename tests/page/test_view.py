@@ -7,7 +7,8 @@ import pytest
 import trimesh
 from viewimit.app.scene.view import BEFORE, DOCKED_WITHIN, DefaultView, Docking
 
-from viewimit.drawing.scene_geometry import (
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.scene_geometry import (
     BELOW,
     CELL,
     FOV,
@@ -18,7 +19,6 @@ from viewimit.drawing.scene_geometry import (
     looking,
     unhidden,
 )
-from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from numpy.typing import NDArray
 
-from viewimit.drawing.images.appearance import Appearance
+from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images.construction import last_stage
 from viewimit.drawing.images.planes import Windows
 from viewimit.estimation.transfers import TRANSFERS

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...loop.snapshot import Snapshot
+from ...simulation import scene_geometry
 from ...simulation.camera import triangulate
 from ...simulation.link_meshes import link_meshes
+from ...simulation.scene_geometry import FOV, fitted_view
 from ...simulation.world import World
-from .. import scene_geometry, svg
-from ..scene_geometry import FOV, fitted_view
+from .. import svg
 from ..theme import ROLES, half_white, rgb
 from .citation import motions
 from .figures import WIDTH, Figure

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from ...loop.session import Session
 from ...loop.snapshot import Snapshot
+from ...simulation import scene_geometry as geometry
 from ...simulation.camera import triangulate
 from ...simulation.link_meshes import link_meshes
 from ...simulation.world import World
-from .. import scene_geometry as geometry
 
 STEPS = 65_535  # of a coordinate between the ends of its mesh
 TENTHS_OF_MM, MICRORAD = 4, 6  # digits of m and of rad that are kept

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
 from ..geometry.rigid import rotation_about_axis
-from ..simulation.appearance import extreme_vertices
-from ..simulation.camera import Camera
-from ..simulation.link_meshes import link_meshes
-from ..simulation.world import World
+from .appearance import extreme_vertices
+from .camera import Camera
+from .link_meshes import link_meshes
+from .world import World
 
 PLATE = 0.17  # m from the camera to its image plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name

@@ -10,7 +10,7 @@ from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.servo.trust_region import CERTAIN
+from viewimit.servo.trust_region.algorithm import CERTAIN
 
 
 def rested(settings):

@@ -48,7 +48,7 @@ from viewimit.geometry.affine import EYES, PAIRS, fit_affine_fundamental
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
-from viewimit.servo.surroundings import UNTOLD
+from viewimit.servo.trust_region.local_model import UNTOLD
 from viewimit.simulation.appearance import Silhouettes, reach
 
 MINUS = "−"

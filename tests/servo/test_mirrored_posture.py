@@ -9,7 +9,7 @@ from viewimit.experiments.bench.surface import SurfaceEyes
 from viewimit.loop.prediction import PredictedResiduals
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.identities import likely_exchange, with_exchanged
+from viewimit.servo.trust_region.correspondences import likely_exchange, with_exchanged
 
 PARALLEL = 'extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\n'
 HEADS = {"parallel": PARALLEL, "toed in": PARALLEL + "[head]\ntoe_in_deg = 12\n"}

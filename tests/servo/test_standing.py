@@ -7,7 +7,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 from viewimit.servo.images.standing import contradicts, standing
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 JOINTS, POINTS = 2, 8
 J = np.random.default_rng(3).normal(0, 200, (POINTS, 4, JOINTS))  # px/rad

@@ -13,10 +13,10 @@ from viewimit.estimation.transfers.noise import noise_weight
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
-from viewimit.servo.certificate import EQUAL
-from viewimit.servo.trust_motions import aside, farthest
-from viewimit.servo.trust_region import TrustRegion
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.algorithm import TrustRegion
+from viewimit.servo.trust_region.convergence import EQUAL
+from viewimit.servo.trust_region.motions import aside, farthest
 from viewimit.simulation.disturbances import NOISE, spoil
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World

@@ -16,7 +16,7 @@ from ..geometry.affine import MIN_POINTS
 from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus
-from ..servo.surroundings import UNTOLD
+from ..servo.trust_region.local_model import UNTOLD
 from . import svg
 from .glossary import ask, glossary
 from .metrics import AMBER, RED

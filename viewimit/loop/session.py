@@ -19,8 +19,8 @@ from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
 from ..servo import MinimalServo, Observation, Servo, completed_servo
+from ..servo.observation import Visit
 from ..servo.status import ServoStatus
-from ..servo.visit import Visit
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World

@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from ..estimation.equations import Equation, angles, short
 from ..estimation.residuals import ResidualFunction, conflict
 from .image_model import ImageModel
-from .minimise import minimise
-from .observation import Observation, probe_of
+from .least_squares import minimise
+from .observation import Observation, Visit, probe_of
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 _LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))

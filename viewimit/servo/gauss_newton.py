@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, column, each, number
 from ..estimation.residuals import ResidualFunction
-from .observation import Observation
+from .observation import Observation, Visit
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 FORGETTING = 0.5  # λ, a motion
 FIRST = 1e6  # /rad², P_0: nothing is known of the first Jacobian

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit.servo.certificate import CHECK, EQUAL, NEAR, NOISY_CHECK, certify, curvature_directions
-from viewimit.servo.surroundings import UNTOLD, Surroundings
+from viewimit.servo.trust_region.convergence import CHECK, EQUAL, NEAR, NOISY_CHECK, certify, curvature_directions
+from viewimit.servo.trust_region.local_model import UNTOLD, Surroundings
 
 POINTS, OPEN = 10, np.full(2, 9.0)
 FLAT, STEEP = 60.0, 600.0  # px²/rad²: as in the default scene

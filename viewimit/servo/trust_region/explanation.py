@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..estimation.equations import Equation, angles, short
-from .servo import Moment
-from .status import ServoStatus
-from .trust_state import CERTAIN, PHASES, TrustState
+from ...estimation.equations import Equation, angles, short
+from ..servo import Moment
+from ..status import ServoStatus
+from .state import CERTAIN, PHASES, TrustState
 
 _LAW = (
     r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "

@@ -167,7 +167,7 @@ def test_an_E_that_stays_large_is_never_called_converged():
     world = world_of(2)
     world.least[0, 0] = 30.0
     theta, status, motions = driven(world)
-    assert status == "stalled" and motions > 8
+    assert status == "no-progress" and motions > 8
     least = np.linalg.lstsq(world.J.reshape(32, 2), (world.J @ world.aim - world.least).reshape(32), rcond=None)[0]
     assert np.degrees(np.abs(theta - least)).max() < 0.15
 

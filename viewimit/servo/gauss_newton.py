@@ -62,7 +62,7 @@ class GaussNewton:
         model = state.model.learn(seen, FORGETTING, forgetting=FORGETTING)
         state = learned(_judged(state, seen.E), model, seen.E)
         state, step = next_motion(state, seen, residuals, partial(_damped, damping=state.damping))
-        if state.status == ServoStatus.STALLED:
+        if state.status == ServoStatus.NO_PROGRESS:
             return state, step
         return replace(state, before=None if state.probe else seen.E), step
 

@@ -288,7 +288,7 @@ def _settle(
         return None
     told = certificate is None or bool(certificate.told.all())
     limited = bool((np.minimum(ahead.found.theta - seen.lower, seen.upper - ahead.found.theta) < CLOSE).any())
-    ending = ServoStatus.STALLED if told else ServoStatus.UNOBSERVABLE
+    ending = ServoStatus.NO_PROGRESS if told else ServoStatus.UNOBSERVABLE
     return _to_rest(replace(state, limited=limited), seen, place, ending)
 
 

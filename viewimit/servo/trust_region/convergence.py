@@ -63,7 +63,7 @@ class Certificate:
         """The status in which a servo may rest where E is small."""
         if not self.told.all():
             return ServoStatus.UNOBSERVABLE
-        return ServoStatus.CONVERGED if self.shown else ServoStatus.RESTS
+        return ServoStatus.CONVERGED if self.shown else ServoStatus.SETTLED
 
     @property
     def lost(self) -> bool:

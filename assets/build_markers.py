@@ -22,7 +22,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
-from ..estimation.evaluation import conflict
+from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS

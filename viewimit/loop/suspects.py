@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.evaluation import conflict
+from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS
 from ..estimation.transfers.rectified import fit
 from ..estimation.views import VIEWS, FourViews, Pairs, exchange

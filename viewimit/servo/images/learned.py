@@ -7,7 +7,7 @@ import numpy as np
 
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ..visit import Visit
+from ..observation import Visit
 from .kinematic_images import KinematicImages
 from .surrogate import Surrogate, learn
 

@@ -48,7 +48,7 @@ from viewimit.geometry.affine import EYES, PAIRS, fit_affine_fundamental
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
-from viewimit.servo.trust_region.local_model import UNTOLD
+from viewimit.servo.trust_region.options import MAX_STD_PER_PX
 from viewimit.simulation.appearance import Silhouettes, reach
 
 MINUS = "−"
@@ -398,13 +398,13 @@ class TestEquations:
 
 def certified(spread_deg=(2.0, 2.0), told=True, shown=True, learnable=False):
     spread = np.radians(spread_deg)
-    told = (spread < UNTOLD) & np.array(told)
+    told = (spread < MAX_STD_PER_PX) & np.array(told)
     return Certificate(spread, np.where(told, 0.0, np.inf), told, shown, np.zeros(2), False, learnable)
 
 
 def assessed(spread_deg=(2.0, 2.0), room_deg=0.1, lower_deg=0.1, **known):
     certificate = certified(spread_deg, **known)
-    return Assessment(certificate, np.radians(room_deg), np.radians(lower_deg), certificate.untold)
+    return Assessment(certificate, np.radians(room_deg), np.radians(lower_deg), certificate.unobservable_joints)
 
 
 class TestStatus:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
-from ..servo.trust_region.local_model import UNTOLD
+from ..servo.trust_region.options import MAX_STD_PER_PX
 from ..simulation.world import World
 
 STEP = 1e-3  # rad, of the differences
@@ -42,9 +42,9 @@ def uncertainty(J: ArrayLike) -> NDArray:
 
 
 def untold_joints(spread: ArrayLike) -> list[int]:
-    """Indices, the worst first, of the joints that cannot be observed: they cost UNTOLD or more."""
+    """Indices, the worst first, of the unobservable joints: MAX_STD_PER_PX or more."""
     spread = np.asarray(spread, float)
-    return [int(j) for j in np.argsort(-spread, kind="stable") if spread[j] >= UNTOLD]
+    return [int(j) for j in np.argsort(-spread, kind="stable") if spread[j] >= MAX_STD_PER_PX]
 
 
 def weak_joints(spread: ArrayLike) -> list[int]:

@@ -16,7 +16,7 @@ from ..servo.images.surrogate import LEAST_NOISE, learn
 from ..servo.least_squares import Minimum, minimise
 from ..servo.observation import ScaledResiduals, Visit, in_units, unit_of
 from ..servo.trust_region.convergence import Certificate, certify
-from ..servo.trust_region.local_model import Known, survey
+from ..servo.trust_region.local_model import EstimationData, local_model
 
 VISITS = 60  # evenly from all motions
 REACH = np.radians(8.0)  # about the posture, within which a lower E is looked for
@@ -36,7 +36,7 @@ class Assessment:
     @property
     def spread(self) -> NDArray:
         """(m,) rad/px, what a pixel of noise would turn each joint by."""
-        return self.certificate.spread
+        return self.certificate.std_per_px
 
     @property
     def least(self) -> bool:
@@ -74,11 +74,11 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
     if certificate is None:
         points = np.isfinite(model.at_centre).all(-1)
         certificate = certify(
-            survey(Known(visits, len(visits) - 1, seen.E, points, model, seen, residuals), found, here)
+            local_model(EstimationData(visits, len(visits) - 1, seen.E, points, model, seen, residuals), found, here)
         )
         certificate = certificate.per_pixel(unit_px)
     lower = float(np.abs(found.theta - here).max())
-    return Assessment(certificate, _room(seen.E, found), lower, certificate.named(now.status))
+    return Assessment(certificate, _room(seen.E, found), lower, certificate.reportable_joints(now.status))
 
 
 def _room(E: float, found: Minimum) -> float:

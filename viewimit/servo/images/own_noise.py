@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..least_squares import DIFFERENCE, aside
+from ..least_squares import FD_STEP, fd_steps
 from .kinematic_images import KinematicImages
 from .learned import Images
 
@@ -51,12 +51,12 @@ def own_noise(
     standard deviation."""
     if isinstance(model, KinematicImages):
         return _of_kinematics(model, residual_of, place, freedom, seed)
-    about = model.predict(place + DIFFERENCE * aside(len(place)))
+    about = model.predict(place + FD_STEP * fd_steps(len(place)))
     noise = np.random.default_rng(seed).standard_normal((DRAWS, *about[0].shape))
     e = residual_of(np.concatenate([about, about[0] + noise_px * noise]))
     points = e.shape[-2]
     e = e.reshape(len(e), -1)
-    J, of_noise = (e[1 : len(about)] - e[0]) / DIFFERENCE, e[len(about) :] - e[0]
+    J, of_noise = (e[1 : len(about)] - e[0]) / FD_STEP, e[len(about) :] - e[0]
     left = float((of_noise**2).sum()) / (DRAWS * points)  # px², that noise of one image makes
     slopes, images = model.slope_weights(place), model.image_weights(place)
     gradients, by_slopes = np.linalg.norm(images) * of_noise @ J.T, _by_slopes(slopes, of_noise @ e[0])
@@ -67,15 +67,15 @@ def _of_kinematics(
     model: KinematicImages, residual_of: Callable[[NDArray], NDArray], place: NDArray, freedom: int, seed: int
 ) -> OwnNoise:
     """The noise of all visits together moves every image and every slope: drawn as it does."""
-    about = model.predict(place + DIFFERENCE * aside(len(place)))
+    about = model.predict(place + FD_STEP * fd_steps(len(place)))
     images, slopes = model.drawn(place, DRAWS, seed)
-    aslant = DIFFERENCE * slopes.reshape(-1, *about[0].shape)
+    aslant = FD_STEP * slopes.reshape(-1, *about[0].shape)
     e = residual_of(np.concatenate([about, about[0] + images, about[0] + aslant]))
     points = e.shape[-2]
     e = e.reshape(len(e), -1)
     off = e[1:] - e[0]
     J, of_images, of_slopes = np.split(off, [len(place), len(place) + DRAWS])
-    J, of_slopes = J / DIFFERENCE, of_slopes.reshape(DRAWS, len(place), -1) / DIFFERENCE
+    J, of_slopes = J / FD_STEP, of_slopes.reshape(DRAWS, len(place), -1) / FD_STEP
     hessian = np.einsum("dik,djk->ij", of_slopes, of_slopes) / (DRAWS * points)
     return OwnNoise(hessian, of_images @ J.T / points, of_slopes @ e[0] / points, freedom)
 

@@ -101,7 +101,7 @@ class Arm:
         angles = list(self._angles)
         for i, angle in zip(self._moving, theta.tolist()):
             angles[i] = angle
-        return enumerate(np.array(self._robot.coupled(angles), float).tolist())
+        return enumerate(np.array(self._robot.with_mimics(angles), float).tolist())
 
     def show(self, visible: bool) -> None:
         """Or hide it. viser's setter looks up types, which takes longer than the pose does."""

@@ -87,7 +87,7 @@ def detect(picture: NDArray, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
     return found.without(count_px < SMALL * np.median(count_px[count_px > 0]))
 
 
-def as_large_in_both(left: Detections, right: Detections) -> tuple[Detections, Detections]:
+def reject_partly_hidden(left: Detections, right: Detections) -> tuple[Detections, Detections]:
     """Two pictures of the same balls without those that are smaller in one of them than the others tell: from several
     sides something may hide parts of a ball so that it stays round. It is taken out where it is smaller."""
     ratio = np.log(right.area / left.area)
@@ -99,7 +99,7 @@ def as_large_in_both(left: Detections, right: Detections) -> tuple[Detections, D
     return left.without(away > most), right.without(away < -most)
 
 
-def pictures(path: Path) -> Iterator[NDArray]:
+def read_pictures(path: Path) -> Iterator[NDArray]:
     """(height, width, 3) uint8 red, green, blue: a picture, or the frames of a video. Raises ValueError, OSError."""
     require_file(path, MOST_BYTES)
     if path.suffix.lower() in PICTURES:

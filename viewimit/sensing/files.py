@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 MEGABYTE = 1 << 20
-MOST_TOML = MEGABYTE
-MOST_ARRAYS = 128 * MEGABYTE  # unpacked
+MAX_TOML_BYTES = MEGABYTE
+MAX_ARRAY_BYTES = 128 * MEGABYTE  # unpacked
 MOST_PARTS = 32  # of a name in TOML: the time that a parser takes grows with their square
 _PART = rb"(?:\"[^\"\n]*\"|'[^'\n]*'|[\w-]+)[ \t]*"
 LONG_NAME = re.compile(rb"(?<![\w-])(?:" + _PART + rb"\.[ \t]*){%d}" % MOST_PARTS)
@@ -74,7 +74,7 @@ def read_bytes(path: Path, most_bytes: int) -> bytes:
 
 def read_toml(path: Path) -> bytes:
     """A file for `parse_toml`. Raises as `read_bytes`."""
-    return read_bytes(path, MOST_TOML)
+    return read_bytes(path, MAX_TOML_BYTES)
 
 
 def parse_toml(content: bytes, kind: type = dict):
@@ -94,11 +94,11 @@ def _emptied(found: re.Match[bytes]) -> bytes:
 
 def read_npz(path: Path) -> dict[str, NDArray]:
     """Arrays by name. Raises OSError, ValueError for what is no .npz file of numbers, or too large once unpacked."""
-    require_file(path, MOST_ARRAYS)
+    require_file(path, MAX_ARRAY_BYTES)
     try:
         with zipfile.ZipFile(path) as members:
             unpacked = sum(member.file_size for member in members.infolist())
-        if unpacked > MOST_ARRAYS:
+        if unpacked > MAX_ARRAY_BYTES:
             raise TooLarge(f"{path}: it unpacks to {unpacked / MEGABYTE:,.0f} MB: keep fewer frames in a file")
         with np.load(path) as file:
             return {name: file[name] for name in file.files}
@@ -110,10 +110,10 @@ def read_npz(path: Path) -> dict[str, NDArray]:
 
 # What files say, as a terminal and a message may be given it.
 
-MOST_SAID, MOST_NAME = 900, 80  # characters of a message that quotes what a file says, and of a name
+MAX_QUOTED_CHARS, MAX_NAME_CHARS = 900, 80  # characters of a message that quotes what a file says, and of a name
 
 
-def printable(text: str, most: int = MOST_SAID, keep: str = "") -> str:
+def escape(text: str, most: int = MAX_QUOTED_CHARS, keep: str = "") -> str:
     """Of what a file says no more than a person would read, and nothing that a terminal would obey: characters that do
     so are escaped, but those to keep."""
     if len(text) > most:

@@ -16,7 +16,7 @@ GROSS, LEAST_PX = 5.0, 0.05  # times the noise; px of typical images that are ne
 FEWEST = 3  # frames that can outvote one
 
 
-def merge(points: NDArray, visible: NDArray) -> tuple[NDArray, NDArray]:
+def average_frames(points: NDArray, visible: NDArray) -> tuple[NDArray, NDArray]:
     """points: (k, N, 2 v) px of k frames, visible: (k, N, v) → their means (N, 2 v) over the frames that show a point
     and are no gross error of it, and (N, v), whether one does."""
     if len(points) == 1:
@@ -25,13 +25,13 @@ def merge(points: NDArray, visible: NDArray) -> tuple[NDArray, NDArray]:
     if len(points) >= FEWEST:
         away = np.abs(points - _median(points, shown))
         least = LEAST_PX * image_unit(points[0][visible[0].all(-1)])
-        far = away > max(GROSS * noise(points, visible), least)
+        far = away > max(GROSS * noise_std(points, visible), least)
         visible = visible & ~far.reshape(visible.shape + (2,)).any(-1)
         shown = np.repeat(visible, 2, -1)
     return np.where(shown, points, 0.0).sum(0) / np.maximum(shown.sum(0), 1), np.asarray(visible.any(0))
 
 
-def noise(points: NDArray, visible: NDArray) -> float:
+def noise_std(points: NDArray, visible: NDArray) -> float:
     """Standard deviation of a coordinate, px, from how frames differ from their predecessors; 0 if none can be told."""
     both = np.repeat(visible[1:] & visible[:-1], 2, -1)
     steps = np.abs(np.diff(points, axis=0))[both]
@@ -49,19 +49,19 @@ def _median(points: NDArray, shown: NDArray) -> NDArray:
 
 # Pictures that come late: found out from how many looks a first motion takes to show, then waited for.
 
-MOST_LAG = 3  # looks
+MAX_LATENCY_LOOKS = 3  # looks
 MOVED_PX, MOVED_NOISE = 0.2, 5.0  # of typical images, times the noise: half of the points move by more, or none moved
 
 Look = Callable[[int], tuple[NDArray, NDArray]]
 
 
-def lag_of(before: tuple[NDArray, NDArray], look: Look, noise_px: float) -> int | None:
+def estimate_latency(before: tuple[NDArray, NDArray], look: Look, noise_px: float) -> int | None:
     """How many looks after a motion still show the body as it was before; None if the motion does not show at all.
 
     before, and look(k), the k-th look after the motion: points (N, 4) px, seen (N, 2).
     """
     least = MOVED_PX * image_unit(before[0][before[1].all(-1)]) + MOVED_NOISE * noise_px
-    for lag in range(MOST_LAG + 1):
+    for lag in range(MAX_LATENCY_LOOKS + 1):
         if _moved(before, look(lag)) > least:
             return lag
     return None

@@ -47,12 +47,12 @@ PLACES = (0.0, -1.0)  # px, of both coordinates
 FAR = 100.0  # times the median distance from the median point of an image: no body reaches so far
 
 
-def lost(image: NDArray) -> NDArray:
+def is_missing_value(image: NDArray) -> NDArray:
     """(..., 2) px → (...) bool"""
     return np.isin(image[..., 0], PLACES) & (image[..., 0] == image[..., 1])
 
 
-def astray(image: NDArray) -> NDArray:
+def is_far_outlier(image: NDArray) -> NDArray:
     """(N, 2) px, points seen in one picture → (N,) bool: beyond where the others can be."""
     away = np.linalg.norm(image - np.median(image, 0), axis=-1)
     half = np.median(away)
@@ -69,7 +69,7 @@ SCALES, LARGEST_PX = (1.0, 10.0, 100.0, 1000.0), 50.0  # coordinates within less
 FINEST_PX, COARSEST_PX = 0.1, 8.0  # steps: finer ones are harmless; coarser ones are an order of the points themselves
 
 
-def rounding(points: NDArray, visible: NDArray) -> float:
+def rounding_std(points: NDArray, visible: NDArray) -> float:
     """Standard deviation px of a coordinate, root mean square of all, step/√12 each; 0 of what lies on no grid.
 
     points: (..., N, 2 v) px of v views; visible: (..., N, v). Each coordinate of each view has a grid of its own, from

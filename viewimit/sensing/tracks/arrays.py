@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files import MEGABYTE, MOST_ARRAYS, TooLarge, read_npz, require_file
+from ..files import MAX_ARRAY_BYTES, MEGABYTE, TooLarge, read_npz, require_file
 from .track import CERTAIN, Track, require_cells
 
 TRACKS = ("pred_tracks", "tracks", "points")
@@ -66,7 +66,7 @@ def read_arrays(path: Path) -> Track:
 
 
 def _loaded(path: Path) -> dict[str, NDArray]:
-    require_file(path, MOST_ARRAYS)
+    require_file(path, MAX_ARRAY_BYTES)
     try:
         found = _arrays(path)
     except TooLarge:
@@ -152,8 +152,8 @@ def opened(path: Path) -> Iterator[Any]:
 def values(dataset: Any) -> NDArray:
     """All of a dataset. Raises ValueError for one that says to be larger than tracks are: its chunks may be empty."""
     size = int(dataset.size or 0) * dataset.dtype.itemsize
-    if size > MOST_ARRAYS:
-        raise ValueError(f"{dataset.name} has {size / MEGABYTE:,.0f} MB, more than {MOST_ARRAYS / MEGABYTE:g}")
+    if size > MAX_ARRAY_BYTES:
+        raise ValueError(f"{dataset.name} has {size / MEGABYTE:,.0f} MB, more than {MAX_ARRAY_BYTES / MEGABYTE:g}")
     return dataset[()]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.views import VIEWS, FourViews
-from ..point_checks import lost
+from ..point_checks import is_missing_value
 
 MOST_PX = 1e6  # beyond which no picture goes
 MOST_CELLS = 5_000_000  # frames times points
@@ -52,7 +52,7 @@ class Track:
             t, n = np.argwhere(wrong)[0]
             sure = f"confidence {self.confidence[t, n]:g} is not in 0 … 1: divide percentages by 100"
             raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}: {sure}")
-        there = self.image[np.isfinite(self.image).all(-1) & ~lost(self.image)]
+        there = self.image[np.isfinite(self.image).all(-1) & ~is_missing_value(self.image)]
         if there.size and (there >= 0).all() and (there <= 1).all():
             raise ValueError(
                 f"{where}: all x and y are in 0 … 1, shares of the picture: multiply by its width and height, px"
@@ -84,24 +84,26 @@ class TrackedPoints:
         seen."""
         return FourViews.from_arrays(*(self._seen(view, least_confidence) for view in VIEWS))
 
-    def lost(self, least_confidence: float = 0.0) -> int:
+    def n_missing(self, least_confidence: float = 0.0) -> int:
         """How many points of as much confidence are where a tracker writes what it has lost."""
-        return sum(int((lost(self.image[view]) & self._sure(view, least_confidence)).sum()) for view in VIEWS)
+        return sum(
+            int((is_missing_value(self.image[view]) & self._sure(view, least_confidence)).sum()) for view in VIEWS
+        )
 
-    def removed(self, least_confidence: float) -> dict[str, int]:
+    def n_below_confidence(self, least_confidence: float) -> dict[str, int]:
         """How many image points have less confidence, by name of the points that have such."""
         count = sum((self._there(view) & ~self._sure(view, least_confidence)).sum(0) for view in VIEWS)
         return {name: int(number) for name, number in zip(self.points, np.asarray(count)) if number}
 
-    def image_points(self) -> int:
+    def n_image_points(self) -> int:
         """How many there are in all frames and views, of any confidence, without those that a tracker has lost."""
         return sum(int(self._there(view).sum()) for view in VIEWS)
 
     def _there(self, view: str) -> NDArray:
-        return np.asarray(np.isfinite(self.image[view]).all(-1) & ~lost(self.image[view]))
+        return np.asarray(np.isfinite(self.image[view]).all(-1) & ~is_missing_value(self.image[view]))
 
     def _seen(self, view: str, least_confidence: float) -> NDArray:
-        seen = self._sure(view, least_confidence) & ~lost(self.image[view])
+        seen = self._sure(view, least_confidence) & ~is_missing_value(self.image[view])
         return np.where(seen[..., None], self.image[view], np.nan)
 
     def _sure(self, view: str, least_confidence: float) -> NDArray:

@@ -96,7 +96,7 @@ class Arm:
 
     def _turning(self, theta: NDArray) -> Iterable[tuple[int, float]]:
         """Joints, from 0, that may have turned, and their angles, rad."""
-        if not self._robot.mimics:
+        if not self._robot.has_mimics:
             return zip(self._moving, theta.tolist())
         angles = list(self._angles)
         for i, angle in zip(self._moving, theta.tolist()):

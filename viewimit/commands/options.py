@@ -177,7 +177,7 @@ def add_safety_options(parser: argparse.ArgumentParser) -> None:
 
 def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) -> None:
     for name, found in disturbances(kind).items():
-        parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.says} (0)")
+        parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.description} (0)")
 
 
 def option(name: str) -> str:

@@ -29,11 +29,10 @@ if TYPE_CHECKING:
     from .estimation.views import FourViews
     from .export.replay import replay
     from .geometry.affine import fit_affine_fundamental
-    from .loop.embodiment.interface import Arm, Eyes
-    from .loop.result import RunResult
+    from .loop.embodiment import Arm, Eyes
     from .loop.session import Session
     from .loop.settings import Settings
-    from .loop.snapshot import Snapshot
+    from .loop.snapshot import RunResult, Snapshot
     from .servo import SERVOS
     from .simulation.scene import load_scene
     from .simulation.world import World

@@ -20,7 +20,7 @@ from waiting import wait_until
 
 from viewimit.export.citation import cite
 from viewimit.export.replay import replay
-from viewimit.loop.script_player import play
+from viewimit.loop.script import play
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -52,8 +52,8 @@ def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_
     text = written(QuietPage(Settings.paper(transfer="linear")).page.model.linked())
     pages = [QuietPage(Settings.paper(), address="/touch/0.x") for _ in range(4)]
     for page in pages:
-        for deed in below:
-            page.page.touch("lesson", deed)
+        for action in below:
+            page.page.touch("lesson", action)
             page.tick(0.1)
         page.page.put(FollowLink(text))
         page.tick(0.1)  # returns, though the link cannot be followed yet
@@ -139,7 +139,7 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
     assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
     session = Session(Settings.paper())
-    from viewimit.loop.script_player import play
+    from viewimit.loop.script import play
 
     play(read(text, Settings.paper()).script, session)
     assert np.array_equal(session.snapshot.theta, model.session.snapshot.theta)

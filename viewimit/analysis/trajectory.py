@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.transfers import FittedTransfer
-from ..loop.looking import merged_look
 from ..loop.session import Session
 from ..loop.settings import Settings
+from ..loop.simulated_robot import average_frames
 from ..servo import Observation
 from ..servo.image_based import towards
 from ..servo.image_model import ImageModel
@@ -99,12 +99,12 @@ def follow(
     theta, sent = session.snapshot.theta, session.snapshot.commanded
 
     def look() -> Observation:
-        own, visible = merged_look(settings, eyes.own_images(theta), OWN_FRAMES, moved)
+        own, visible = average_frames(settings, eyes.own_images(theta), OWN_FRAMES, moved)
         return Observation(own, visible, np.nan, sent - start, low - start, high - start, moved, max_step=longest)
 
     seen, frames = look(), []
     for frame, theta_demo in enumerate(motion.theta):
-        demo, visible = merged_look(settings, eyes.demo_images(theta_demo), DEMO_FRAMES, frame)
+        demo, visible = average_frames(settings, eyes.demo_images(theta_demo), DEMO_FRAMES, frame)
         target = transfer.recover(demo[:, :2], demo[:, 2:])
         for _ in range(1 if frame else APPROACH):
             step = towards(model, seen, target, wanted & visible.all(-1))

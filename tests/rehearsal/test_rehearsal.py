@@ -9,7 +9,7 @@ from viewimit.app.sessions import codec
 from viewimit.loop.self_calibration import MIN_POSTURES, calibrate
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.trust_state import FIRST_RADIUS
+from viewimit.servo.trust_region.state import FIRST_RADIUS
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import Scene
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.pairs import INTO, SOURCE
+from ..geometry.affine import INTO, SOURCE
 from ..loop.snapshot import Snapshot
 
 ASIDE = 0.5  # px, of the differences

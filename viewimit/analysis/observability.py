@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
-from ..servo.surroundings import UNTOLD
+from ..servo.trust_region.local_model import UNTOLD
 from ..simulation.world import World
 
 STEP = 1e-3  # rad, of the differences

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sensing.files import read_npz
-from ..servo.visit import Visit
+from ..servo.observation import Visit
 
 if TYPE_CHECKING:
     from .session import Session

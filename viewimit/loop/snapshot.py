@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod, rectified
 from ..estimation.views import FourViews, Pairs
-from ..geometry.affine import MIN_POINTS, flatness
-from ..geometry.pairs import INTO, PairGeometry, fit_pairs
+from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, Servo, ServoStatus
 from .self_calibration import SelfCalibration
@@ -29,7 +28,7 @@ class Snapshot:
     they are not; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: any but max_motions; servo_state: None before the servo was asked;
+    status: any; servo_state: None before the servo was asked;
     lag: looks that images come late, None until a motion has shown it;
     converged_transfer: the transfer as it was fitted at the last convergence, None before;
     calibration: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
@@ -260,10 +259,10 @@ def _flatness(demo: bytes) -> float:
 
 WHY = {
     ServoStatus.CONVERGED: "the learner claims to have arrived",
-    ServoStatus.RESTS: "it rests, without evidence of having arrived",
+    ServoStatus.SETTLED: "it rests, without evidence of having arrived",
     ServoStatus.UNOBSERVABLE: "the points do not determine every joint",
-    ServoStatus.STALLED: "stalled",
-    ServoStatus.STOPPED: "too few points are seen in all four images",
+    ServoStatus.NO_PROGRESS: "no progress",
+    ServoStatus.TOO_FEW_POINTS: "too few points are seen in all four images",
     ServoStatus.MAX_MOTIONS: "it made as many motions as it was allowed",
 }
 
@@ -286,10 +285,10 @@ class RunResult:
 
     @property
     def status(self) -> ServoStatus:
-        """Of the servo at rest; else stopped, for want of points, or max_motions."""
+        """Of the servo at rest; else too-few-points or max-motions."""
         if self.last.status.is_at_rest:
             return self.last.status
-        return ServoStatus.STOPPED if self.last.transfer is None else ServoStatus.MAX_MOTIONS
+        return ServoStatus.TOO_FEW_POINTS if self.last.transfer is None else ServoStatus.MAX_MOTIONS
 
     @property
     def success(self) -> bool:
@@ -301,7 +300,7 @@ class RunResult:
         """Why it ended, in a line."""
         status, last = self.status, self.last
         why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        says = last.servo.says(last.servo_state, last.status) if status == ServoStatus.STALLED else ""
+        says = last.servo.says(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
         return f"{why}: {says}" if says else why
 
     @property

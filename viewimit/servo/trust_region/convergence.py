@@ -20,9 +20,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.kinematics.fit import FORESEEN
-from .status import ServoStatus
-from .surroundings import UNTOLD, Surroundings, enough_points
+from ...geometry.kinematics.adjustment import FORESEEN
+from ..status import ServoStatus
+from .local_model import UNTOLD, Surroundings, enough_points
 
 LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
 CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
@@ -63,7 +63,7 @@ class Certificate:
         """The status in which a servo may rest where E is small."""
         if not self.told.all():
             return ServoStatus.UNOBSERVABLE
-        return ServoStatus.CONVERGED if self.shown else ServoStatus.RESTS
+        return ServoStatus.CONVERGED if self.shown else ServoStatus.SETTLED
 
     @property
     def lost(self) -> bool:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 from msgspec import Meta
 
-from viewimit.viewer.landscapes import HILLS
+from viewimit.drawing.export.panels import HILLS
 
 from ..sessions.link import MOST_CHARS
 

@@ -8,7 +8,7 @@ from viewimit.analysis.point_information import best_next, point_information, wi
 from viewimit.geometry.affine import flatness
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.derived.candidates import candidates
+from viewimit.simulation.autoscene.candidates import candidates
 from viewimit.simulation.robot import BodyPoints
 
 # on the links that joint 4 moves, all rigid to each other

@@ -11,7 +11,7 @@ from viewimit.analysis.self_assessment import assess
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.self_calibration import SelfCalibration, calibrate
 from viewimit.loop.settings import Settings
-from viewimit.sensing.latency import MOST_LAG
+from viewimit.sensing.frames import MOST_LAG
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -7,8 +7,8 @@ import pytest
 from viewimit.app.sessions import codec
 
 from viewimit import SERVOS, TRANSFERS, FourViews, Session, Settings, replay
+from viewimit.drawing.export.citation import cite
 from viewimit.estimation.transfers import TransferMethod, linear_combination, transfer_method
-from viewimit.export.citation import cite
 from viewimit.loop.settings import OWN
 from viewimit.servo import GaussNewton
 

@@ -16,15 +16,14 @@ from waiting import wait_until
 
 import viewimit
 from viewimit.analysis.construction import construct
+from viewimit.drawing.export import panels as panels_module
+from viewimit.drawing.export.citation import cite
+from viewimit.drawing.export.dedupe import Woven, weave
+from viewimit.drawing.export.panels import MOST_MOMENTS, Appearance, farthest_off, kept_motions
 from viewimit.drawing.images.panel import draw_images
-from viewimit.export import panels as panels_module
-from viewimit.export.citation import cite
-from viewimit.export.panels import MOST_MOMENTS, farthest_off, kept_motions
-from viewimit.export.weaving import Woven, weave
 from viewimit.loop.script import MoveDemonstrator
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.viewer.appearance import Appearance
 
 replace = msgspec.structs.replace
 MB = 1_000_000

@@ -19,7 +19,7 @@ from ..loop.simulated_robot import average_frames
 from ..servo import Observation
 from ..servo.image_based import towards
 from ..servo.image_model import ImageModel
-from ..simulation.kinematics import hand_position
+from ..simulation.world import hand_position
 from .motion import Motion
 
 APPROACH = 20  # motions at most to the first frame; then one a frame

@@ -12,7 +12,7 @@ from ..loop.codegen import as_imitation
 from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES, calibrate
 from ..loop.session import Session
 from ..loop.settings import Settings
-from ..sensing.quoting import printable
+from ..sensing.files import printable
 from ..simulation.disturbances import ImageDisturbance
 from . import BadInput
 from .json_output import print_json

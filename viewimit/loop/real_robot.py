@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, image_unit
 from ..sensing import frames
-from ..sensing.degeneracy import dimensions
-from ..sensing.latency import MOST_LAG, lag_of
-from ..sensing.lost import astray, lost
-from ..sensing.rounding import rounding
+from ..sensing.frames import MOST_LAG, lag_of
+from ..sensing.point_checks import astray, dimensions, lost, rounding
 from .embodiment import ROUNDING_DEG, Arm, Eyes, SessionStart, degrees, round_to_degrees, waypoints, within, workspace
 from .self_calibration import Body
 from .settings import Settings

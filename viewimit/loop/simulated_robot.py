@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
 from ..sensing import frames
-from ..sensing.latency import MOST_LAG, lag_of
+from ..sensing.frames import MOST_LAG, lag_of
 from ..simulation.disturbances import (
     ImageDisturbance,
     MatchDisturbance,

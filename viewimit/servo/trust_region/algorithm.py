@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from ...estimation.equations import Equation
 from ...estimation.residuals import ResidualFunction, noise_conflict
-from ...geometry.kinematics.adjustment import FORESEEN
+from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ...geometry.rectification import Rectification
 from ..images.innovation import holds
@@ -182,7 +182,7 @@ def _worthwhile(state: TrustState, seen: Observation, ahead: Outlook) -> bool:
     step, found = ahead.step, ahead.found
     promises = step >= DONE_STEP or (step >= LEAST_STEP and ahead.doubt_there < CERTAIN <= ahead.doubt)
     stands_there = np.abs(found.theta - seen.displacement).max() < LEAST_STEP
-    return bool(promises and not stands_there and ahead.E > FORESEEN**2 and state.failures < MOST_FAILURES)
+    return bool(promises and not stands_there and ahead.E > PREDICTION_TOL_PX**2 and state.failures < MOST_FAILURES)
 
 
 def _onwards(

@@ -20,7 +20,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.kinematics.adjustment import FORESEEN
+from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ..status import ServoStatus
 from .local_model import UNTOLD, Surroundings, enough_points
 
@@ -103,7 +103,7 @@ def certify(here: Surroundings) -> Certificate:
             check = check if check.any() else _length(here, direction) * direction
         elif _hides_more(here, direction, here.gradients, here.by_slopes):
             again = again if again.any() else NOISY_NEAR * direction  # what is far tells slopes best
-    noise = max(here.noise_px, FORESEEN, np.sqrt(2 * here.points * here.E / here.freedom))
+    noise = max(here.noise_px, PREDICTION_TOL_PX, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
     variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here, inverse) + _of_the_head(here, inverse)
     expected = np.where(told, np.sqrt(variance), np.inf)

@@ -111,8 +111,8 @@ class Cautious:
     def retarget(self, state, seen):
         return replace(state, inner=self.broyden.retarget(state.inner, seen), status="moving")
 
-    def step(self, state, seen, conflict):
-        inner, step = self.broyden.step(state.inner, seen, conflict)
+    def step(self, state, seen, residuals):
+        inner, step = self.broyden.step(state.inner, seen, residuals)
         made = step if inner.probe else self.share * step
         return CautiousState(inner, state.saved + float(np.abs(step - made).sum()), inner.status, inner.probe), made
 

@@ -24,7 +24,7 @@ __version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape, landscape
-    from .estimation.evaluation import conflict
+    from .estimation.residuals import conflict
     from .estimation.transfers import TRANSFERS
     from .estimation.views import FourViews
     from .export.replay import replay
@@ -50,7 +50,7 @@ _MODULES = {
     "Snapshot": ".loop.snapshot",
     "TRANSFERS": ".estimation.transfers",
     "World": ".simulation.world",
-    "conflict": ".estimation.evaluation",
+    "conflict": ".estimation.residuals",
     "fit_affine_fundamental": ".geometry.affine",
     "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",

@@ -8,7 +8,7 @@ import pytest
 
 from viewimit.analysis import landscape as landscape_module
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape, landscape_over
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench import baselines

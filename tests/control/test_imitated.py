@@ -15,8 +15,7 @@ from viewimit.analysis.trajectory import Imitation
 from viewimit.drawing.equations import draw_conflict, draw_equations
 from viewimit.drawing.learner_bars import draw_learner
 from viewimit.experiments import EXPERIMENTS
-from viewimit.geometry.affine import fit_affine_fundamental
-from viewimit.geometry.pairs import PAIRS
+from viewimit.geometry.affine import PAIRS, fit_affine_fundamental
 from viewimit.loop.settings import Settings
 
 FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0

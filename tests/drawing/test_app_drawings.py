@@ -41,11 +41,10 @@ from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.images import panel
 from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
-from viewimit.geometry.affine import fit_affine_fundamental
-from viewimit.geometry.pairs import EYES, PAIRS
+from viewimit.geometry.affine import EYES, PAIRS, fit_affine_fundamental
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus

@@ -7,7 +7,7 @@ from drawn import parsed, words
 from viewimit.analysis.construction import construct
 from viewimit.drawing.images.rectified import AS_THEY_ARE, OFF, draw_rectified, row_distance
 from viewimit.estimation.views import FourViews
-from viewimit.geometry.pairs import INTO, SOURCE
+from viewimit.geometry.affine import INTO, SOURCE
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes

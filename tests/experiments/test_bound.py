@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench.bound import bound
-from viewimit.geometry.kinematics.fit import fit_kinematics
-from viewimit.geometry.kinematics.information import Information
+from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.geometry.kinematics.clusters import Seen
+from viewimit.geometry.kinematics.covariance import Information
 from viewimit.geometry.kinematics.model import ProjectiveKinematics
-from viewimit.geometry.kinematics.seen import Seen
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -5,7 +5,7 @@ import pytest
 
 from viewimit.analysis import trajectory
 from viewimit.analysis.trajectory import follow, hand_points
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.experiments.paper import claims, fig7, fig9, fig10
 from viewimit.experiments.paper.claims import Claims
 from viewimit.loop.session import Session

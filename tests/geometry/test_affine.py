@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.affine import centred, extreme_eigenvalues, fit_affine_fundamental, scatter, smallest_eigenpair
+from viewimit.geometry.affine import centred, fit_affine_fundamental, scatter
+from viewimit.geometry.small_matrices import extreme_eigenvalues, smallest_eigenpair
 
 
 def affine_pair(rng, count=8, batch=()):
@@ -116,7 +117,7 @@ def test_eigenpair_solves_its_equation_however_close_the_next_eigenvalue(gap):
     values = np.stack([smallest, smallest + gap, rng.uniform(0.5, 1, 300), rng.uniform(1, 2, 300)], 1) * 1e4
     W = random_W(rng, values)
     found, f = smallest_eigenpair(*blocks(W))
-    # backward stable up to the accuracy promised with NEARLY_EQUAL
+    # backward stable up to the accuracy promised with MIN_COFACTOR
     residual = np.einsum("gij,jg->ig", W, f) - found * f
     assert np.abs(residual).max() < 1e-9 * 1e4
     np.testing.assert_allclose(found, values[:, 0], atol=1e-7 * 1e4)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from stereo_heads import UNLIKE, fundamental_of, head, matches
 
-from viewimit.geometry.consensus import GROSS, LEAST_PX, agree, contradicting, geometry_of, rows_of
 from viewimit.geometry.fundamental import sampson_distance
+from viewimit.geometry.robust_fit import GROSS, LEAST_PX, agree, contradicting, geometry_of, rows_of
 
 HEADS = {"parallel": head(0), "parallel, unlike": head(0, *UNLIKE), "toed-in": head(12), "both": head(9, *UNLIKE)}
 CLEAR = 4 * GROSS  # times the noise: nothing between GROSS and that is judged here

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.inverses import inverse
+from viewimit.geometry.small_matrices import inverse
 
 
 @pytest.mark.parametrize("n", [1, 3, 4, 6])

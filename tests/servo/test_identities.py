@@ -35,7 +35,7 @@ def asked(session):
     seen = session.observation(session.snapshot)
     start = session.settings.start_rad
     predict = lambda displacement: session.world.own_images(np.moveaxis(displacement + start, -1, 0))[0]
-    return likely_exchange(predict, session.predicted_conflict(session.snapshot), seen.lower, seen.upper, 1.0)
+    return likely_exchange(predict, session.predicted_residuals(session.snapshot), seen.lower, seen.upper, 1.0)
 
 
 @pytest.mark.parametrize("points, share", [(10, 0.2), (16, 0.2), (20, 0.1)])
@@ -54,8 +54,8 @@ def test_the_conflict_of_exchanged_own_points_is_that_of_the_demonstrators_excha
     straight = Session(replace(session.settings, swapped=0.0))
     pairs = tuple(swapped(session.settings, 16))
     own = session.snapshot.views.own + np.random.default_rng(0).normal(size=(3, 16, 4))
-    told = with_exchanged(session.predicted_conflict(session.snapshot), pairs)
-    E, expected = ((e**2).sum((1, 2)) for e in (told(own), straight.predicted_conflict(straight.snapshot)(own)))
+    told = with_exchanged(session.predicted_residuals(session.snapshot), pairs)
+    E, expected = ((e**2).sum((1, 2)) for e in (told(own), straight.predicted_residuals(straight.snapshot)(own)))
     np.testing.assert_allclose(E, expected, rtol=1e-9)
 
 
@@ -120,4 +120,7 @@ def test_where_the_images_are_hardly_known_nothing_is_exchanged_and_nothing_fail
         Session(anywhere(Settings(missing=0.4, frames=1), seed)).run(40)
     two_joints = np.zeros(2), np.ones(2)
     unknown = lambda theta: np.full((*theta.shape[:-1], 10, 4), np.nan)
-    assert likely_exchange(unknown, lambda own, by=None, weighting=None: own[..., :1, :], *two_joints, 1.0) == ()
+    assert (
+        likely_exchange(unknown, lambda own, transfer=None, noise_reference=None: own[..., :1, :], *two_joints, 1.0)
+        == ()
+    )

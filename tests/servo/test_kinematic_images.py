@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from viewimit import Session, Settings
-from viewimit.geometry.kinematics.fit import fit_kinematics
+from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.servo.images.kinematic_images import CONFIRMING
 from viewimit.servo.images.learned import Learned, seen_at
 from viewimit.servo.images.own_noise import own_noise

@@ -28,8 +28,8 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
     of 36. An E that is half as large is no evidence of a better posture then, but one a tenth as large is."""
     visits = visit(np.zeros(2), FEW), visit(FAR, MANY)
 
-    def conflict(share):
-        def residual(own, by=None, weighting=None, head=0):
+    def residuals(share):
+        def residual(own, transfer=None, noise_reference=None, rig=0):
             known = np.isfinite(own).all(-1)
             size = share if known.sum() == FEW else 1.0
             return np.full((int(known.sum()), 4), np.sqrt(size))
@@ -37,7 +37,7 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
         return residual
 
     for share, best in ((0.5, 1), (0.1, 0)):
-        measured = measure(Learned(visits, 0.0), conflict(share), None)
+        measured = measure(Learned(visits, 0.0), residuals(share), None)
         assert measured.count.tolist() == [FEW, MANY] and measured.best == best
 
 
@@ -48,7 +48,7 @@ def test_under_noise_a_point_that_is_not_seen_tells_e_only_if_it_is_told_as_well
     visits = tuple(visit(where, POINTS) for where in away) + (visit(np.radians((-4.0, 4.0)), MANY),)
 
     def residual_of(size_px):
-        def residual(own, by=None, weighting=None, head=0):
+        def residual(own, transfer=None, noise_reference=None, rig=0):
             known = np.isfinite(own).all(-1).reshape(-1, POINTS).all(0)
             return np.full((*own.shape[:-2], int(known.sum()), 4), size_px)
 

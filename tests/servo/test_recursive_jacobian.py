@@ -97,7 +97,7 @@ def test_in_a_linear_world_a_probe_a_joint_tells_the_jacobian_and_the_next_motio
     world, law, theta = LinearWorld(m, np.random.default_rng(m), 6), LAWS[name], np.zeros(m)
     state = law.start(world.observe(theta, 0))
     for motion in range(m + 4):
-        state, step = law.step(state, world.observe(theta, motion), world.conflict)
+        state, step = law.step(state, world.observe(theta, motion), world.residuals)
         assert state.probe == (motion < m)
         theta = theta + step
         if motion == m:
@@ -117,7 +117,7 @@ def test_a_joint_that_would_leave_its_range_is_held_and_the_others_find_their_le
 
     state = law.start(observe(0))
     for motion in range(25):
-        state, step = law.step(state, observe(motion), world.conflict)
+        state, step = law.step(state, observe(motion), world.residuals)
         theta = theta + step
     J = world.J.reshape(-1, 2)
     least = world.aim[1] + J[:, 1] @ J[:, 0] * (world.aim[0] - 0.1) / (J[:, 1] @ J[:, 1])
@@ -129,14 +129,14 @@ def test_a_motion_that_raises_E_is_answered_with_more_damping_and_shorter_motion
     world, law, theta = LinearWorld(2, np.random.default_rng(4), 6), GaussNewton(), np.zeros(2)
     state = law.start(world.observe(theta, 0))
     for motion in range(3):
-        state, step = law.step(state, world.observe(theta, motion), world.conflict)
+        state, step = law.step(state, world.observe(theta, motion), world.residuals)
         if motion < 2:
             theta = theta + step
-    lower, _ = law.step(state, replace(world.observe(theta, 3), E=state.before / 2), world.conflict)
-    higher, again = law.step(state, replace(world.observe(theta, 3), E=state.before * 2), world.conflict)
+    lower, _ = law.step(state, replace(world.observe(theta, 3), E=state.before / 2), world.residuals)
+    higher, again = law.step(state, replace(world.observe(theta, 3), E=state.before * 2), world.residuals)
     assert lower.damping < state.damping < higher.damping
     J = world.J.reshape(-1, 2)
-    normal, gradient = J.T @ J, J.T @ world.conflict(world.images(theta)).ravel()
+    normal, gradient = J.T @ J, J.T @ world.residuals(world.images(theta)).ravel()
     expected = -np.linalg.solve(normal + higher.damping * np.diag(np.diag(normal)), gradient)
     np.testing.assert_allclose(again, expected, rtol=1e-3)
     assert np.linalg.norm(again) < np.linalg.norm(step)
@@ -146,11 +146,11 @@ def test_a_motion_that_raises_E_is_answered_with_more_damping_and_shorter_motion
 def test_it_gives_up_where_nothing_is_known_or_E_does_not_fall(name):
     world, law = LinearWorld(2, np.random.default_rng(6), 6), LAWS[name]
 
-    def rests(conflict, E):
+    def rests(residuals, E):
         theta = np.zeros(2)
         state = law.start(replace(world.observe(theta, 0), E=E))
         for motion in range(60):
-            state, step = law.step(state, replace(world.observe(theta, motion), E=E), conflict)
+            state, step = law.step(state, replace(world.observe(theta, motion), E=E), residuals)
             if not step.any():
                 return state.status, motion
             theta = theta + step
@@ -158,7 +158,7 @@ def test_it_gives_up_where_nothing_is_known_or_E_does_not_fall(name):
 
     assert rests(lambda own: np.full((*own.shape[:-2], 1, 4), np.inf), np.inf) == ("stalled", 2)
     noise = np.random.default_rng(0)
-    status, motion = rests(lambda own: world.conflict(own) + noise.normal(0, 100), 5.0)
+    status, motion = rests(lambda own: world.residuals(own) + noise.normal(0, 100), 5.0)
     assert status == "stalled" and 25 < motion < 40
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers.weighted import Weighted
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.bound import bound

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.pairs import INTO, SOURCE
+from ..geometry.affine import INTO, SOURCE
 from ..loop.snapshot import Snapshot
 
 FD_STEP_PX = 0.5

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
-from ..geometry.batches import keep_freed_memory
+from ..geometry.small_matrices import keep_freed_memory
 from ..loop.session import Session
 from ..simulation.robot import Angles
 from ..simulation.world import World

@@ -16,7 +16,7 @@ from ..servo.certificate import Certificate, certify
 from ..servo.images.surrogate import LEAST_NOISE, learn
 from ..servo.minimise import Minimum, minimise
 from ..servo.surroundings import Known, survey
-from ..servo.units import ConflictInUnits, in_units, unit_of
+from ..servo.units import ScaledResiduals, in_units, unit_of
 from ..servo.visit import Visit
 
 MAX_VISITS = 60  # used for the image model, evenly spaced over all motions
@@ -62,20 +62,20 @@ def assess(session: Session) -> Assessment | None:
 def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
     seen = session.observation(now)
     unit_px = unit_of(seen)
-    seen, conflict = in_units(seen, unit_px), ConflictInUnits(session.predicted_conflict(now), unit_px)
+    seen, residuals = in_units(seen, unit_px), ScaledResiduals(session.predicted_residuals(now), unit_px)
     kept = np.unique(np.linspace(0, cursor, MAX_VISITS).round().astype(int)).tolist()
     visits = tuple(_visit(session.history[k], unit_px) for k in kept)
     model = learn(list(visits), len(visits) - 1, max(seen.noise_px, LEAST_NOISE))
     here = seen.displacement
     low, high = np.maximum(seen.lower, here - SEARCH_RADIUS_RAD), np.minimum(seen.upper, here + SEARCH_RADIUS_RAD)
-    found = minimise(lambda theta: conflict(model.predict(theta)), here[None], low, high)
+    found = minimise(lambda theta: residuals(model.predict(theta)), here[None], low, high)
     if not np.isfinite(found.E):
         return None
     certificate = now.certificate
     if certificate is None:
         points = np.isfinite(model.at_centre).all(-1)
         certificate = certify(
-            survey(Known(visits, len(visits) - 1, seen.E, points, model, seen, conflict), found, here)
+            survey(Known(visits, len(visits) - 1, seen.E, points, model, seen, residuals), found, here)
         )
         certificate = certificate.per_pixel(unit_px)
     distance = float(np.abs(found.theta - here).max())

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
 from ..drawing.metrics import AMBER
-from ..estimation.evaluation import conflict
+from ..estimation.residuals import conflict
 from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
 from ..estimation.transfers.rectified import fit
 from ..estimation.transfers.transfer import FLAT, FLATNESS

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import centred, image_unit
-from .consensus import affine_distance, fundamental_distance
 from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, neighbours
+from .robust_fit import affine_distance, fundamental_distance
 
 NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
 LEAST_PX = 1e-3  # for images of the typical size: rms distance from any affine geometry that needs no rectification

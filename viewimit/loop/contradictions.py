@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
-from ..geometry.consensus import agree, contradicting
 from ..geometry.rectification import Rectification
+from ..geometry.robust_fit import agree, contradicting
 from .rectifying import pooled
 from .snapshot import Snapshot
 

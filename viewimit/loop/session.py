@@ -15,10 +15,10 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
 from ..servo import MinimalServo, Observation, Servo, completed_servo
-from ..servo.observation import Conflict
 from ..servo.status import ServoStatus
 from ..servo.visit import Visit
 from ..simulation.eyes import SimulatedEyes, open_eyes
@@ -30,7 +30,7 @@ from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener
 from .embodiment.in_scene import OpenEyes, degrees, told
 from .embodiment.motion_limits import waypoints, within
 from .history import MAX_HISTORY, RECENT, History
-from .prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
+from .prediction import DRIFT_MOMENTS, PredictedResiduals, demo_drift
 from .rectifying import POOLED, rectification_for
 from .result import RunResult
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
@@ -266,10 +266,10 @@ class Session:
             restarts=now.settings.restarts,
         )
 
-    def predicted_conflict(self, now: Snapshot) -> Conflict:
+    def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
         """What a servo may ask at a moment, the present one, about images that it predicts."""
         moments, noise_px = self.history.recent(RECENT), self.observer.noise_at_rest(now.settings)
-        return PredictedConflict(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
+        return PredictedResiduals(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout, start or workspace begins anew; all else re-observes the
@@ -414,7 +414,7 @@ class Session:
         """The servo's next state, and the displacement that it wants, (m,) rad."""
         servo, seen = now.servo, self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
-        answer = servo.step(state, seen, self.predicted_conflict(now))
+        answer = servo.step(state, seen, self.predicted_residuals(now))
         if not (isinstance(answer, tuple) and len(answer) == 2):
             raise TypeError(f"the servo {servo.title!r} must return its state and its motion, (m,) rad, got {answer!r}")
         state, displacement = answer[0], np.asarray(answer[1], float)

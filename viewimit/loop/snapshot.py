@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod, rectified
 from ..estimation.views import FourViews, Pairs
-from ..geometry.affine import MIN_POINTS, flatness
-from ..geometry.pairs import INTO, PairGeometry, fit_pairs
+from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, Servo, ServoStatus
 from .body_image import BodyImage

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import Equation, angles, short
-from ..estimation.evaluation import conflict as evaluate
+from ..estimation.residuals import ResidualFunction, conflict
 from .image_model import ImageModel
 from .minimise import minimise
-from .observation import Conflict, Observation, probe_of
+from .observation import Observation, probe_of
 from .servo import Moment
 from .status import ServoStatus
 from .visit import Visit
@@ -64,8 +64,8 @@ class Broyden:
         """What was learned of the own images stays; the region and the promise were about another E."""
         return replace(state, radius=float(FIRST_RADIUS), promised=None, best_E=None, status=ServoStatus.MOVING)
 
-    def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
-        state = _judge(_learn(state, seen), seen.E, conflict)
+    def step(self, state: BroydenState, seen: Observation, residuals: ResidualFunction) -> tuple[BroydenState, NDArray]:
+        state = _judge(_learn(state, seen), seen.E, residuals)
         if state.probes:
             return _probe(state, seen)
         low = np.maximum(seen.lower, state.best.displacement - state.radius)
@@ -76,7 +76,7 @@ class Broyden:
         per_rad = state.model.jacobian.reshape(-1, len(centre)).T
 
         def residual_at(theta: NDArray) -> NDArray:
-            return conflict(told + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
+            return residuals(told + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
 
         found = minimise(residual_at, centre[None], low, high)
         promised = found.E_first - found.E
@@ -130,7 +130,7 @@ def _learn(state: BroydenState, seen: Observation) -> BroydenState:
     return replace(state, model=model, best=best)
 
 
-def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenState:
+def _judge(state: BroydenState, E_here: float, residuals: ResidualFunction) -> BroydenState:
     """Keep the better of the best and the last visit, and size the region by how true the promise was.
 
     Where E changed by itself, or points are missing so that E is of others each time, both are judged anew on
@@ -138,7 +138,7 @@ def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenSta
     """
     here, E_best = state.model.last, state.best_E
     if E_best is None or not (here.seen.all() and state.best.seen.all()):
-        E_best, E_here = map(float, evaluate(conflict(_told(state.model, np.stack([state.best.own, here.own])))))
+        E_best, E_here = map(float, conflict(residuals(_told(state.model, np.stack([state.best.own, here.own])))))
     radius, judged = state.radius, None
     if state.promised is not None:
         judged = state.promised, E_best - E_here

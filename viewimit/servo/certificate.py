@@ -20,7 +20,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.kinematics.fit import FORESEEN
+from ..geometry.kinematics.adjustment import FORESEEN
 from .status import ServoStatus
 from .surroundings import UNTOLD, Surroundings, enough_points
 

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
-from .observation import Conflict, Observation
+from ..estimation.residuals import ResidualFunction
+from .observation import Observation
 from .servo import Moment
 from .status import ServoStatus
 
@@ -81,7 +82,9 @@ class Gradient:
             state, displacement=seen.displacement, E=seen.E, best_E=np.inf, since_best=0, status=ServoStatus.MOVING
         )
 
-    def step(self, state: GradientState, seen: Observation, conflict: Conflict) -> tuple[GradientState, NDArray]:
+    def step(
+        self, state: GradientState, seen: Observation, residuals: ResidualFunction
+    ) -> tuple[GradientState, NDArray]:
         moved = np.degrees(seen.displacement - state.displacement)
         jacobian, P = self._learn(state, moved, seen.E - state.E)
         u = self._bounded(-self.constants.gain * jacobian * seen.E)

@@ -12,10 +12,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.evaluation import conflict as evaluate
+from ..estimation.residuals import NoiseReference, ResidualFunction, conflict
 from ..estimation.views import Pairs, exchange
 from .minimise import minimise
-from .observation import Conflict, Weighting
 
 GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
 PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
@@ -29,37 +28,37 @@ def exchanged(images: NDArray, pairs: Pairs) -> NDArray:
 
 
 @dataclass(frozen=True)
-class ExchangedConflict:
+class PermutedResiduals:
     """The conflict if the pairs of the demonstrator's points are exchanged, which is that of exchanged own ones."""
 
-    conflict: Conflict
+    residuals: ResidualFunction
     pairs: Pairs
 
     def __call__(
-        self, own: NDArray, by: str | None = None, weighting: Weighting | None = None, head: int = 0
+        self, own: NDArray, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
     ) -> NDArray:
-        if weighting is not None and weighting.own is not None:
-            weighting = replace(weighting, own=exchanged(weighting.own, self.pairs))
-        return self.conflict(exchanged(own, self.pairs), by, weighting, head)
+        if noise_reference is not None and noise_reference.own is not None:
+            noise_reference = replace(noise_reference, own=exchanged(noise_reference.own, self.pairs))
+        return self.residuals(exchanged(own, self.pairs), transfer, noise_reference, rig)
 
-    def with_half_seen(self) -> Conflict:
-        return ExchangedConflict(self.conflict.with_half_seen(), self.pairs)
+    def with_partially_visible(self) -> ResidualFunction:
+        return PermutedResiduals(self.residuals.with_partially_visible(), self.pairs)
 
 
-def with_exchanged(conflict: Conflict, pairs: Pairs) -> Conflict:
+def with_exchanged(residuals: ResidualFunction, pairs: Pairs) -> ResidualFunction:
     """The same if there are none."""
-    return ExchangedConflict(conflict, pairs) if pairs else conflict
+    return PermutedResiduals(residuals, pairs) if pairs else residuals
 
 
 def likely_exchange(
-    predict: Callable[[NDArray], NDArray], conflict: Conflict, low: NDArray, high: NDArray, small: float
+    predict: Callable[[NDArray], NDArray], residuals: ResidualFunction, low: NDArray, high: NDArray, small: float
 ) -> Pairs:
     """None, one or two pairs. predict: displacements (..., m) rad → own images (..., N, 4) px, NaN of points that are
     not known; low, high: (m,) rad; small: px², an E that explains itself."""
 
     def least(pairs: Pairs, postures: NDArray, E: NDArray) -> float:
         """px², near the most promising postures."""
-        residual_at = lambda theta: conflict(exchanged(predict(theta), pairs))
+        residual_at = lambda theta: residuals(exchanged(predict(theta), pairs))
         return minimise(residual_at, postures[np.argsort(E)[:REFINED]], low, high).E
 
     def over(postures: NDArray, hypotheses: Sequence[Pairs]) -> NDArray:
@@ -69,7 +68,7 @@ def likely_exchange(
 
         def ask(block: Sequence[Pairs]) -> NDArray:
             together = np.stack([images[exchange(np.arange(len(images)), pairs)] for pairs in block], 2)
-            return evaluate(conflict(together.transpose(2, 3, 0, 1)))
+            return conflict(residuals(together.transpose(2, 3, 0, 1)))
 
         return np.concatenate([ask(block) for block in blocks])
 

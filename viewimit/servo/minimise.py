@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.evaluation import conflict as evaluate
+from ..estimation.residuals import conflict
 
 ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # rad
 SAME = np.radians(1.0)  # starts that head for places nearer than this come to one minimum
@@ -48,7 +48,7 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
         inward = np.where(candidates > high - DIFFERENCE, -DIFFERENCE, DIFFERENCE)
         e = residual_at(candidates[:, :, None] + inward[:, :, None] * aside(m))
         count = e.shape[-2]
-        E = evaluate(e[:, :, 0])
+        E = conflict(e[:, :, 0])
         E_first = E[0, 0] if E_first is np.nan else E_first
         (better,) = (E.min(1) < best_E[live] * (1 - WORTHWHILE)).nonzero()
         if not len(better):

@@ -1,7 +1,6 @@
 """What a servo is told at each motion, and what it may ask."""
 
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,37 +10,6 @@ from .visit import Visit
 
 PROBE = np.radians(15.0)
 RESTARTS = 4  # far from where it has been, after which a servo has stalled
-
-
-@dataclass(frozen=True)
-class Weighting:
-    """How residuals are weighted by the noise of all images.
-
-    own: (N, 4) px, the own images about which weights are taken; own_share: variance of the own images that are
-    compared, as a share of that of the demonstrator's. With these weights the squares of a residual at the true posture
-    are those of noise, whatever the scene is. own is None where no such images are known yet: residuals are then those
-    of the demonstrator's images, all weighted alike, for its noise is what a transfer magnifies.
-    """
-
-    own: NDArray | None = None
-    own_share: float = 0.0
-
-
-class Conflict(Protocol):
-    """Asks what the residual would be of images that a servo predicts; that needs no motion.
-
-    own: (..., N, 4) px in [L, R], NaN for points that it knows nothing of; by: the name of a transfer in place of the
-    chosen one; weighting: by which residuals are weighted, None for none; head: 0 for the head as it seems to be, or 1
-    to `heads`. → e: (..., n, C) px of the n points that are known in all of them; where those are too few it is inf.
-    """
-
-    def __call__(
-        self, own: NDArray, by: str | None = None, weighting: Weighting | None = None, head: int = 0
-    ) -> NDArray: ...
-
-    def with_half_seen(self) -> "Conflict":
-        """The same that asks points of the demonstrator as well that one camera alone sees, after all others."""
-        ...
 
 
 @dataclass(frozen=True)

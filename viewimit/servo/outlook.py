@@ -7,11 +7,11 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.evaluation import conflict as evaluate
+from ..estimation.residuals import NoiseReference, ResidualFunction, conflict
 from .certificate import Certificate, certify
 from .images.learned import Images, Learned
 from .minimise import Minimum, minimise
-from .observation import Conflict, Observation, Weighting
+from .observation import Observation
 from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
@@ -25,13 +25,13 @@ WELL_TOLD = (
 @dataclass(frozen=True)
 class Measured:
     """E: px², of each visit, (n,); points: that may have told it, (n, N) bool; count: (n,), how many did; best: the
-    visit where it is least; weighting: of the residuals by their noise, or None where there is none."""
+    visit where it is least; noise_reference: of the residuals by their noise, or None where there is none."""
 
     E: NDArray
     points: NDArray
     count: NDArray
     best: int
-    weighting: Weighting | None = None
+    noise_reference: NoiseReference | None = None
 
 
 @dataclass(frozen=True)
@@ -61,30 +61,34 @@ class Outlook:
         return doubt(self.found.E, self.found)
 
 
-def measure(learned: Learned, conflict: Conflict, by: str | None, needed: int = 0) -> Measured:
-    """E at all postures visited, noise averaged over them. by: another transfer than the chosen one; needed: points
-    that must tell E at the best of them, if any has so many.
+def measure(learned: Learned, residuals: ResidualFunction, transfer: str | None, needed: int = 0) -> Measured:
+    """E at all postures visited, noise averaged over them. transfer: another than the chosen one; needed: points that
+    must tell E at the best of them, if any has so many.
 
     Points that are not seen lead on where E is large. Where it is not, they must be told as well as noise lets those be
     that are.
     """
-    measured = _measure_by(WELL_TOLD, learned, conflict, by, needed)
+    measured = _measure_by(WELL_TOLD, learned, residuals, transfer, needed)
     noise_px = learned.noise_px
     strictly = 0 < noise_px < WELL_TOLD and not all(visit.seen.all() for visit in learned.visits)
     if strictly and measured.E[measured.best] < WELL_TOLD**2:
-        return _measure_by(noise_px, learned, conflict, by, needed)
+        return _measure_by(noise_px, learned, residuals, transfer, needed)
     return measured
 
 
-def _measure_by(most: float, learned: Learned, conflict: Conflict, by: str | None, needed: int) -> Measured:
+def _measure_by(
+    most: float, learned: Learned, residuals: ResidualFunction, transfer: str | None, needed: int
+) -> Measured:
     """As `measure`; most: px, standard deviation up to which a point that is not seen is as good as one that is."""
     own, known = _completed(learned, most)
     asked = own, known, len(learned.visits[0].displacement), needed
-    if learned.noise_px == 0 or by is not None:
-        return _measure(*asked, lambda images: conflict(images, by))
-    measured = _measure(*asked, lambda images: conflict(images, by, Weighting()))
-    weighting = Weighting(own[measured.best], _own_share(learned, measured.best))
-    return replace(_measure(*asked, lambda images: conflict(images, by, weighting)), weighting=weighting)
+    if learned.noise_px == 0 or transfer is not None:
+        return _measure(*asked, lambda images: residuals(images, transfer))
+    measured = _measure(*asked, lambda images: residuals(images, transfer, NoiseReference()))
+    noise_reference = NoiseReference(own[measured.best], _own_share(learned, measured.best))
+    return replace(
+        _measure(*asked, lambda images: residuals(images, transfer, noise_reference)), noise_reference=noise_reference
+    )
 
 
 def _own_share(learned: Learned, best: int) -> float:
@@ -104,20 +108,29 @@ def _repeats(learned: Learned, best: int) -> bool:
 
 
 def look_out(
-    learned: Learned, measured: Measured, radius: float, seen: Observation, conflict: Conflict, by: str | None
+    learned: Learned,
+    measured: Measured,
+    radius: float,
+    seen: Observation,
+    residuals: ResidualFunction,
+    transfer: str | None,
 ) -> Outlook:
     """Within so many rad of the best posture visited. seen: at the last visit."""
-    best, weighting = measured.best, measured.weighting
+    best, noise_reference = measured.best, measured.noise_reference
     model = learned.about(best)
     asked = model.only(measured.points[best])
-    found = _search(model, radius, seen, lambda theta: conflict(asked.predict(theta), by, weighting))
+    found = _search(model, radius, seen, lambda theta: residuals(asked.predict(theta), transfer, noise_reference))
     E = float(measured.E[best])
-    if by is not None or not np.isfinite(found.E):
+    if transfer is not None or not np.isfinite(found.E):
         return Outlook(E, model, found, None)
-    residual_of = partial(conflict, by=None, weighting=weighting)
-    of_single = None if weighting is None else partial(conflict, by=None, weighting=replace(weighting, own_share=1.0))
-    others = tuple(partial(residual_of, head=k) for k in range(1, seen.heads + 1))
-    by_own = measured.E if weighting is None else None
+    residual_of = partial(residuals, transfer=None, noise_reference=noise_reference)
+    of_single = (
+        None
+        if noise_reference is None
+        else partial(residuals, transfer=None, noise_reference=replace(noise_reference, own_variance_ratio=1.0))
+    )
+    others = tuple(partial(residual_of, rig=k) for k in range(1, seen.heads + 1))
+    by_own = measured.E if noise_reference is None else None
     known = Known(
         tuple(learned.visits), best, E, measured.points[best], model, seen, residual_of, by_own, others, of_single
     )
@@ -154,7 +167,7 @@ def _measure(
     told. Of fewer points E is smaller by itself, as so many of them fit any posture: that is made up for."""
     if known.all():
         e = residual_of(own)
-        E = evaluate(e)
+        E = conflict(e)
         return Measured(E, known, np.full(len(E), e.shape[-2]), last_least(E))
     enough = enough_points(joints)
     points, E, count = known.copy(), np.empty(len(own)), np.empty(len(own), int)
@@ -162,7 +175,7 @@ def _measure(
         e = residual_of(np.where(these[:, None], images, np.nan))
         if e.shape[-2] < enough:
             e, these[:] = residual_of(images), True
-        E[k], count[k] = evaluate(e), e.shape[-2]
+        E[k], count[k] = conflict(e), e.shape[-2]
     worth = E * count / np.maximum(count - fitted_points(joints), 1)
     if (count >= needed).any():
         worth[count < needed] = np.inf
@@ -183,7 +196,7 @@ def _search(model: Images, radius: float, seen: Observation, residual_at) -> Min
         scattered = (1 - share) * low + share * high
     else:
         scattered = np.random.default_rng(seen.motion).uniform(low, high, (SCATTERED, m))
-    E = evaluate(residual_at(scattered))
+    E = conflict(residual_at(scattered))
     starts = np.concatenate([model.centre[None], scattered[np.argsort(E)[:POLISHED]]])
     found = minimise(residual_at, starts, low, high)
     return replace(found, theta=found.theta + found.left)  # what is claimed to be left of errors rests on the place

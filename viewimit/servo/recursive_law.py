@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import angles
-from .observation import Conflict, Observation, probe_of
+from ..estimation.residuals import ResidualFunction
+from .observation import Observation, probe_of
 from .recursive_jacobian import RecursiveJacobian
 from .servo import Moment
 from .status import ServoStatus
@@ -50,12 +51,12 @@ def learned(state: S, model: RecursiveJacobian, E: float) -> S:
     return replace(state, model=model, best_E=best_E, since_best=since_best, status=ServoStatus.MOVING, probe=False)
 
 
-def next_motion(state: S, seen: Observation, conflict: Conflict, law: Law) -> tuple[S, NDArray]:
+def next_motion(state: S, seen: Observation, residuals: ResidualFunction, law: Law) -> tuple[S, NDArray]:
     """A probe, or what the law asks for, within bounds and limits; none where it rests or has stalled."""
     if state.probes:
         joint, *rest = state.probes
         return replace(state, probes=tuple(rest), probe=True), probe_of(joint, seen)
-    e, J = state.model.linearised(conflict)
+    e, J = state.model.linearised(residuals)
     if not np.isfinite(e).all() or state.since_best >= PATIENCE:
         return replace(state, status=ServoStatus.STALLED), np.zeros_like(seen.displacement)
     low, high = seen.lower - seen.displacement, seen.upper - seen.displacement

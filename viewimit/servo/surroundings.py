@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.evaluation import conflict as evaluate
+from ..estimation.residuals import conflict
 from .images.learned import Images
 from .images.own_noise import own_noise
 from .minimise import DIFFERENCE, Minimum, aside
@@ -181,7 +181,7 @@ def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> 
     own, seen, residual_of = _visited(known), known.model.seen, known.of_visits
     hessians = np.repeat(hessian[None], len(own), 0)
     if seen.all():
-        E = evaluate(residual_of(own)) if known.measured is None else known.measured
+        E = conflict(residual_of(own)) if known.measured is None else known.measured
         with np.errstate(invalid="ignore"):  # two that nothing tells
             return E - E[known.best], hessians
     rises = np.full(len(own), np.nan)
@@ -189,7 +189,7 @@ def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> 
     for k, both in enumerate(seen & seen[known.best] & learned):
         images = np.concatenate([own[[known.best, k]], about])
         e = residual_of(np.where(both[:, None], images, np.nan))
-        here, there = evaluate(e[:2])
+        here, there = conflict(e[:2])
         if np.isfinite(there):
             rises[k], hessians[k] = there - here, _hessian(e[2:])
     return rises, hessians

@@ -24,16 +24,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import Equation
-from ..estimation.evaluation import noise_conflict
-from ..geometry.kinematics.fit import FORESEEN
-from ..geometry.kinematics.frame import StereoFrame
-from ..geometry.kinematics.model import ProjectiveKinematics
+from ..estimation.residuals import ResidualFunction, noise_conflict
+from ..geometry.kinematics.adjustment import FORESEEN
+from ..geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ..geometry.rectification import Rectification
 from .certificate import CHECK, Certificate, curvature_directions
 from .identities import likely_exchange, with_exchanged
 from .images.innovation import holds
 from .images.learned import Learned
-from .observation import Conflict, Observation
+from .observation import Observation
 from .outlook import Outlook, last_least, look_out, measure
 from .servo import Moment
 from .status import ServoStatus
@@ -52,7 +51,7 @@ from .trust_state import (
     without_rehearsal,
 )
 from .trust_words import equations, says
-from .units import ConflictInUnits, in_units, unit_of
+from .units import ScaledResiduals, in_units, unit_of
 from .visit import Visit
 
 MAX_RADIUS, MIN_RADIUS = np.radians((45.0, 0.5))
@@ -96,45 +95,45 @@ class TrustRegion:
         }
         return replace(anew, **kept)
 
-    def step(self, state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, NDArray]:
+    def step(self, state: TrustState, seen: Observation, residuals: ResidualFunction) -> tuple[TrustState, NDArray]:
         chasing = state.moved and state.chasing
         seen = replace(seen, rehearsed=())  # the state has it, in units
         state, seen = arrived(state, in_units(seen, state.unit_px))
-        conflict = ConflictInUnits(conflict, state.unit_px)
-        conflict = conflict.with_half_seen() if state.lines else conflict
+        residuals = ScaledResiduals(residuals, state.unit_px)
+        residuals = residuals.with_partially_visible() if state.lines else residuals
         if state.rehearsed and state.kinematics is None and not holds(state.rehearsed, state.visits, seen.noise_px):
             state = without_rehearsal(state)
         if state.probes:
             return probe(state, seen)
         if state.goal is not None:
             return towards(state, seen, state.goal)
-        return self._step(state, seen, conflict, chasing)
+        return self._step(state, seen, residuals, chasing)
 
     def _step(
-        self, state: TrustState, seen: Observation, conflict: Conflict, chasing: bool
+        self, state: TrustState, seen: Observation, residuals: ResidualFunction, chasing: bool
     ) -> tuple[TrustState, NDArray]:
         by = PHASES[state.phase][0]
         learned = Learned(state.known, seen.noise_px, state.kinematics)
-        measured = measure(learned, conflict, by, state.needed)
+        measured = measure(learned, residuals, by, state.needed)
         state = _judge(state, measured.E, noise_E(seen, int(measured.count[measured.best])))
-        ahead = look_out(learned, measured, state.reach, seen, conflict, by)
-        if _puzzled(state, seen, ahead, weighted=measured.weighting is not None):
-            state = _identified(state, seen, learned, conflict)
+        ahead = look_out(learned, measured, state.reach, seen, residuals, by)
+        if _puzzled(state, seen, ahead, weighted=measured.noise_reference is not None):
+            state = _identified(state, seen, learned, residuals)
             if state.exchanged:
-                return self._step(state, seen, with_exchanged(conflict, state.exchanged), chasing)
+                return self._step(state, seen, with_exchanged(residuals, state.exchanged), chasing)
         if _worthwhile(state, seen, ahead):
-            return _onwards(state, seen, ahead, weighted=measured.weighting is not None, chasing=chasing)
+            return _onwards(state, seen, ahead, weighted=measured.noise_reference is not None, chasing=chasing)
         if chasing:
             return replace(state, promised=None, status=ServoStatus.MOVING, probe=False), np.zeros_like(
                 seen.displacement
             )
-        state, place = _placed(state, seen, ahead, weighted=measured.weighting is not None)
+        state, place = _placed(state, seen, ahead, weighted=measured.noise_reference is not None)
         if _lines_may_tell(state, seen):
             state = replace(state, lines=True, radius=first_radius(state.rehearsed), failures=0, promised=None)
-            return self._step(state, seen, conflict.with_half_seen(), chasing=False)
+            return self._step(state, seen, residuals.with_partially_visible(), chasing=False)
         settled = _settle(state, seen, place, ahead, int(measured.count[measured.best]))
         if settled is None:
-            return self._step(*_otherwise(state, seen, conflict), chasing=False)
+            return self._step(*_otherwise(state, seen, residuals), chasing=False)
         return settled
 
     def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
@@ -171,9 +170,9 @@ def _puzzled(state: TrustState, seen: Observation, ahead: Outlook, weighted: boo
     return bool(np.isfinite(E) and min(E, foreseen) > _small(seen))
 
 
-def _identified(state: TrustState, seen: Observation, learned: Learned, conflict: Conflict) -> TrustState:
+def _identified(state: TrustState, seen: Observation, learned: Learned, residuals: ResidualFunction) -> TrustState:
     """With what seems to be exchanged of the demonstrator's points, if anything does."""
-    pairs = likely_exchange(learned.about().predict, conflict, seen.lower, seen.upper, _small(seen))
+    pairs = likely_exchange(learned.about().predict, residuals, seen.lower, seen.upper, _small(seen))
     state = replace(state, asked=_turn(state) + 1)
     if not pairs:
         return state
@@ -219,14 +218,16 @@ def _placed(state: TrustState, seen: Observation, ahead: Outlook, weighted: bool
     return replace(state, certificate=certificate), place
 
 
-def _otherwise(state: TrustState, seen: Observation, conflict: Conflict) -> tuple[TrustState, Observation, Conflict]:
+def _otherwise(
+    state: TrustState, seen: Observation, residuals: ResidualFunction
+) -> tuple[TrustState, Observation, ResidualFunction]:
     """Without the exchange that was to lower E, if there is one; else the next transfer takes over. After the last,
     what few points tell must do."""
     last = state.phase + 1 == len(PHASES)
     phase = 0 if state.exchanged or last else state.phase + 1
     begun = replace(state, exchanged=(), phase=phase, radius=float(PHASES[phase][1]), failures=0, slight=0)
     begun = replace(begun, needed=0 if last else state.needed, chasing=False)
-    return begun, seen, with_exchanged(conflict, state.exchanged)
+    return begun, seen, with_exchanged(residuals, state.exchanged)
 
 
 def _judge(state: TrustState, E: NDArray, noise_E: float) -> TrustState:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import Pairs
-from ..geometry.kinematics.fit import fit_kinematics
+from ..geometry.kinematics.adjustment import fit_kinematics
 from ..geometry.kinematics.model import ProjectiveKinematics
 from .certificate import Certificate
 from .images.learned import seen_at

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 from numpy.typing import NDArray
 
+from ..estimation.residuals import NoiseReference, ResidualFunction
 from ..geometry.affine import image_unit
-from .observation import Conflict, Observation, Weighting
+from .observation import Observation
 from .visit import Visit
 
 
@@ -31,18 +32,18 @@ def in_units(seen: Observation, unit_px: float) -> Observation:
 
 
 @dataclass(frozen=True)
-class ConflictInUnits:
+class ScaledResiduals:
     """The conflict of own images that are in units of so many pixels, in the same units."""
 
-    conflict: Conflict
+    residuals: ResidualFunction
     unit_px: float
 
     def __call__(
-        self, own: NDArray, by: str | None = None, weighting: Weighting | None = None, head: int = 0
+        self, own: NDArray, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
     ) -> NDArray:
-        if weighting is not None and weighting.own is not None:
-            weighting = replace(weighting, own=weighting.own * self.unit_px)
-        return self.conflict(own * self.unit_px, by, weighting, head) / self.unit_px
+        if noise_reference is not None and noise_reference.own is not None:
+            noise_reference = replace(noise_reference, own=noise_reference.own * self.unit_px)
+        return self.residuals(own * self.unit_px, transfer, noise_reference, rig) / self.unit_px
 
-    def with_half_seen(self) -> Conflict:
-        return ConflictInUnits(self.conflict.with_half_seen(), self.unit_px)
+    def with_partially_visible(self) -> ResidualFunction:
+        return ScaledResiduals(self.residuals.with_partially_visible(), self.unit_px)

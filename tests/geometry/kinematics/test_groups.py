@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from turning_body import TurningBody
 
-from viewimit.geometry.kinematics.groups import Groups, moved_points
+from viewimit.geometry.kinematics.clusters import Groups, moved_points
 
 ON = [0, 0, 1, 1, 1, 2, 2, 2, 2]
 

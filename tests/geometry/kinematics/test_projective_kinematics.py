@@ -5,9 +5,9 @@ import pytest
 from turning_body import TurningBody
 
 from viewimit import Session, Settings
-from viewimit.geometry.kinematics.fit import fit_kinematics
-from viewimit.geometry.kinematics.information import Information
-from viewimit.geometry.kinematics.seen import Seen
+from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.geometry.kinematics.clusters import Seen
+from viewimit.geometry.kinematics.covariance import Information
 
 ON = [0, 0, 1, 1, 1, 2, 2, 2, 2]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.kinematics.screws import exponentials, powers, twist_matrices
+from viewimit.geometry.kinematics.model import exponentials, powers, twist_matrices
 
 
 def series(matrix):

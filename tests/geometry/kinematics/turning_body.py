@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from viewimit.geometry.kinematics.seen import Seen
+from viewimit.geometry.kinematics.clusters import Seen
 
 
 class TurningBody:

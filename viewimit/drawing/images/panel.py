@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.views import VIEWS
-from ...geometry.pairs import INTO, SOURCE
+from ...geometry.affine import INTO, SOURCE
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
 from .. import svg

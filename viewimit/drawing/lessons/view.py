@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.views import Pairs
-from ...geometry.pairs import INTO, SOURCE
+from ...geometry.affine import INTO, SOURCE
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
 from .. import svg

@@ -18,8 +18,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.affine import centred, extreme_eigenvalues, require_points, scatter, smallest_eigenpair
-from ...geometry.pairs import COORDINATES, EYES, fundamentals
+from ...geometry.affine import COORDINATES, EYES, centred, fundamentals, require_points, scatter
+from ...geometry.small_matrices import extreme_eigenvalues, smallest_eigenpair
 from ..equations import HOLE, Equation, column, each, matrix
 from ..views import FourViews
 from .affine_map import AffineTransfer

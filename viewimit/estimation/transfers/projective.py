@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.affine import centred, components_first, require_points
-from ...geometry.batches import keep_freed_memory
-from ...geometry.inverses import inverse
+from ...geometry.small_matrices import inverse, keep_freed_memory
 from ..equations import HOLE, Equation, column, each, number
 from ..views import FourViews
 from .transfer import Transfer, TransferMethod

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.affine import centred, require_points, scatter
-from ...geometry.beyond_rank import beyond_rank
+from ...geometry.small_matrices import tail_eigenvalue_sum
 from ..equations import HOLE, Equation, short
 from ..views import FourViews
 from .affine_map import map_equation
@@ -60,7 +60,7 @@ class Rank3Transfer(Transfer):
 
     def conflict(self, views: FourViews) -> NDArray:
         """From the eigenvalues alone."""
-        left = beyond_rank(self.scatter.reshape(-1, 8, 8).transpose(1, 2, 0), RANK)
+        left = tail_eigenvalue_sum(self.scatter.reshape(-1, 8, 8).transpose(1, 2, 0), RANK)
         left = np.maximum(left, 0.0).reshape(self.scatter.shape[:-2])  # rounding may leave -1e-12
         return left / (2 * views.own.shape[-2])
 

@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.kinematics.information import Information
+from ...geometry.kinematics.clusters import Seen
+from ...geometry.kinematics.covariance import Information
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ...geometry.kinematics.seen import Seen
 from .surrogate import Surrogate
 
 APART = 1e-5  # rad, of difference quotients

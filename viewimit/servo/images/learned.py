@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...geometry.kinematics.clusters import Seen
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ...geometry.kinematics.seen import Seen
 from ..visit import Visit
 from .kinematic_images import KinematicImages
 from .surrogate import Surrogate, learn

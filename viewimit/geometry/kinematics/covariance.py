@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .adjustment import Adjustment, products
+from .clusters import Seen
 from .model import ProjectiveKinematics
-from .seen import Seen
 
 NOTHING = 1e-12  # of the largest eigenvalue, below which nothing is told
 

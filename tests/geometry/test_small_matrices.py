@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.beyond_rank import FEW, beyond_rank
+from viewimit.geometry.small_matrices import MIN_TAIL_BATCH, tail_eigenvalue_sum
 
-MANY = FEW + 400
+MANY = MIN_TAIL_BATCH + 400
 RNG = np.random.default_rng(0)
 
 
@@ -46,7 +46,7 @@ def test_it_is_what_lapack_says_of_each(case):
     S = of_eigenvalues(CASES[case])
     kept = S.copy()
     values = np.linalg.eigvalsh(S.transpose(2, 0, 1))
-    found = beyond_rank(S, 3)
+    found = tail_eigenvalue_sum(S, 3)
     assert (np.abs(found - values[:, :-3].sum(1)) <= 1e-9 * np.abs(values[:, -1])).all()
     assert np.array_equal(S, kept)
 
@@ -55,14 +55,14 @@ def test_it_is_what_lapack_says_of_each(case):
 def test_of_other_sizes_and_ranks(n, rank):
     values = RNG.uniform(0, 1, (MANY, n))
     expected = np.sort(values, axis=1)[:, :-rank].sum(1)
-    np.testing.assert_allclose(beyond_rank(of_eigenvalues(values), rank), expected, atol=1e-11)
+    np.testing.assert_allclose(tail_eigenvalue_sum(of_eigenvalues(values), rank), expected, atol=1e-11)
 
 
 def test_hardly_any_is_left_to_lapack(monkeypatch):
     asked = []
     by_lapack = np.linalg.eigvalsh
     monkeypatch.setattr(np.linalg, "eigvalsh", lambda S: asked.append(len(S)) or by_lapack(S))
-    beyond_rank(of_eigenvalues(CASES["any"]), 3)
+    tail_eigenvalue_sum(of_eigenvalues(CASES["any"]), 3)
     assert sum(asked) < 0.05 * MANY
 
 
@@ -70,4 +70,4 @@ def test_diagonal_ones_need_no_reflection():
     values = RNG.uniform(0, 1, (MANY, 8))
     S = np.zeros((8, 8, MANY))
     S[range(8), range(8)] = values.T
-    np.testing.assert_allclose(beyond_rank(S, 3), np.sort(values, axis=1)[:, :-3].sum(1), atol=1e-12)
+    np.testing.assert_allclose(tail_eigenvalue_sum(S, 3), np.sort(values, axis=1)[:, :-3].sum(1), atol=1e-12)

@@ -21,8 +21,6 @@ LAYERS = (  # folders and modules of viewimit/: each imports only from lines abo
     {"loop"},
     {"analysis"},
     {"drawing"},
-    {"viewer"},
-    {"export"},
     {"experiments"},
     {"app"},
     {"commands"},
@@ -178,7 +176,7 @@ COMPUTE = {"World", "Camera", "Cameras", "StereoHead", "Robot", "Session"}
 METHODS = {"TRANSFERS", "SERVOS"}  # asked for their words only
 COUNT = {"unobservable_joints", "weak_joints", "number", "with_minus"}  # functions that only compare or write numbers
 DRAWINGS = sorted(
-    {path for path in in_part("drawing") if path.stem != "equations"}
+    {path for path in in_part("drawing") if path.stem != "equations" and path.parent.name != "export"}
     | {path for path in in_part("experiments") if path.stem.endswith("_figure")}
 )
 
@@ -234,7 +232,7 @@ def test_the_page_is_imported_by_serve_alone_and_only_when_called():
         ("distributed", {"experiments"}),
         ("pandas", set()),
         ("resvg_py", {"drawing"}),
-        ("ziamath", {"export"}),
+        ("ziamath", {"drawing"}),
         ("matplotlib", set()),
         ("pybullet_data", set()),
     ],

@@ -10,7 +10,7 @@ from viewimit.loop.prediction import DRIFT_MOMENTS, PredictedResiduals, demo_dri
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
-from viewimit.servo.identities import exchanged, with_exchanged
+from viewimit.servo.trust_region.correspondences import exchanged, with_exchanged
 
 
 def drift_of(session):

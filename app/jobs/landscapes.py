@@ -10,10 +10,10 @@ from typing import Any
 from viewimit.analysis.minima import study_transfer
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.drawing import duel
+from viewimit.drawing.export.panels import compute
 from viewimit.drawing.transfers import draw_compared, draw_costs
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.viewer.landscapes import compute
 
 
 @dataclass(frozen=True, eq=False)

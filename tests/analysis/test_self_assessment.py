@@ -10,7 +10,7 @@ from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.servo.trust_region import CERTAIN
+from viewimit.servo.trust_region.algorithm import CERTAIN
 
 
 def rested(settings):
@@ -52,9 +52,9 @@ def test_what_the_visits_under_noise_leave_open_is_not_said_of_the_points(noise_
     true = joint_uncertainty(session.world, now.fit, views.demo, views.visible[:, :2], now.theta)
     assert not found.certificate.told.any() and (true < np.radians(3)).all()
     assert found.unobservable == [] and describe(now, assessment=found, joints=(2, 4)).state in (
-        "rests",
+        "settled",
         "least",
-        "stalled",
+        "no-progress",
     )
 
 
@@ -63,7 +63,7 @@ def test_only_an_E_that_leaves_no_room_is_a_claim():
     off = np.abs(bent.snapshot.theta - bent.snapshot.theta_demo).max()
     found = assess(bent)
     assert sure.snapshot.status == "converged" and assess(sure).max_displacement < CERTAIN
-    assert bent.snapshot.status == "rests" and found.at_local_minimum and off < found.max_displacement
+    assert bent.snapshot.status == "settled" and found.at_local_minimum and off < found.max_displacement
 
 
 @pytest.mark.parametrize("points", [5, 10])
@@ -114,5 +114,5 @@ def test_no_flight_goes_without_a_word():
     assert len(said) > 4
     assert all("looking for something lower" in words or words == "back to the best posture" for words in said)
     last = session.snapshot
-    assert last.status == "stalled" and "nothing lower in 4 searches" in servo.says(last.servo_state, last.status)
+    assert last.status == "no-progress" and "nothing lower in 4 searches" in servo.says(last.servo_state, last.status)
     assert assess(session).least

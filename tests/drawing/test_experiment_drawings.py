@@ -210,7 +210,9 @@ class TestFig9:
         count = 3001
         theta = np.stack([np.linspace(25, 60, count), np.linspace(-25, -80, count)], -1)
         probe = np.zeros(count, bool)
-        run = fig9.Run("gradient", (25.0, -25.0), (45.0, -90.0), theta, np.geomspace(200, 3, count), probe, "stalled")
+        run = fig9.Run(
+            "gradient", (25.0, -25.0), (45.0, -90.0), theta, np.geomspace(200, 3, count), probe, "no-progress"
+        )
         settings = Settings.paper(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -25.0))
         runs = tuple(replace(run, law=law) for law in fig9.laws_of(settings) for _ in range(7))
         html = draw("fig9", fig9.Fig9(settings, (2, 4), ((25.0, -25.0),) * 7, 1.6, runs))

@@ -75,7 +75,7 @@ def test_fig9_the_law_as_printed_does_not_arrive_the_others_do(ninth):
     result, _ = ninth
     assert all(run.motions_until(3) is None for run in result.of("gradient"))
     assert all(run.motions_until(3) is not None for run in result.of("gradient-retuned"))
-    assert all(run.motions_until(1) is not None and run.status == "rests" for run in result.of("broyden"))
+    assert all(run.motions_until(1) is not None and run.status == "settled" for run in result.of("broyden"))
     found = by_name(result)
     assert found["Fig. 9: gradient, came within 3°"].holds is False
     assert found["Fig. 9: gradient, smallest E"].holds is None

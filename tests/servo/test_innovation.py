@@ -5,7 +5,7 @@ import pytest
 
 from viewimit.loop.body_image import postures_apart
 from viewimit.servo.images.innovation import PANNED_PX, holds
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -10,7 +10,7 @@ from viewimit.servo.images.kinematic_images import CONFIRMING
 from viewimit.servo.images.learned import Learned, seen_at
 from viewimit.servo.images.own_noise import own_noise
 from viewimit.servo.images.surrogate import learn
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 NOISE_PX = 0.05
 

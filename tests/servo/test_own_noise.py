@@ -5,7 +5,7 @@ import pytest
 
 from viewimit.servo.images.own_noise import own_noise
 from viewimit.servo.images.surrogate import learn
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 POINTS, NOISE, DRAWS = 8, 0.5, 1500
 PLACES = np.radians([(0, 0), (15, 0), (15, 15), (3, -4), (-2, 6), (1, 1)])

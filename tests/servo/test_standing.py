@@ -7,7 +7,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 from viewimit.servo.images.standing import contradicts, standing
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 JOINTS, POINTS = 2, 8
 J = np.random.default_rng(3).normal(0, 200, (POINTS, 4, JOINTS))  # px/rad
@@ -82,5 +82,5 @@ def test_an_arm_that_obeys_is_never_told_by_its_images():
 def test_an_arm_that_is_sent_to_its_limit_and_falls_short_says_so():
     """It moves by 20 % less than it is told, so it cannot be sent as far as it could go."""
     end = run(3, gain_error=-0.2)
-    assert end.status == "stalled" and end.commanded[0] == np.radians(90) > end.theta[0]
+    assert end.status == "no-progress" and end.commanded[0] == np.radians(90) > end.theta[0]
     assert "a joint was sent to its limit" in SERVOS["trust-region"].says(end.servo_state, end.status)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit.servo.images.surrogate import BEND, LEAST_NOISE, LENGTH, OFFSET, SLOPE, learn
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 
 def kernel(a, b):

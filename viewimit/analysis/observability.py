@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, flatness
 from ..loop.snapshot import Snapshot
-from ..servo.surroundings import UNTOLD
+from ..servo.trust_region.local_model import UNTOLD
 from ..simulation.robot import BodyPoints
 from ..simulation.world import World
 

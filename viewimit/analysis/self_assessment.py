@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
-from ..servo.certificate import Certificate, certify
 from ..servo.images.surrogate import LEAST_NOISE, learn
-from ..servo.minimise import Minimum, minimise
-from ..servo.surroundings import Known, survey
-from ..servo.units import ScaledResiduals, in_units, unit_of
-from ..servo.visit import Visit
+from ..servo.least_squares import Minimum, minimise
+from ..servo.observation import ScaledResiduals, Visit, in_units, unit_of
+from ..servo.trust_region.convergence import Certificate, certify
+from ..servo.trust_region.local_model import Known, survey
 
 MAX_VISITS = 60  # used for the image model, evenly spaced over all motions
 SEARCH_RADIUS_RAD = np.radians(8.0)  # within which a lower E is looked for

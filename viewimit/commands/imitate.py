@@ -99,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
 def _write(path: Path, session: Session) -> str:
     """By its extension → how large it is, if that is for somebody to be sent. Raises OSError."""
     if path.suffix.lower() in PAGES:
-        from ..export.replay import replay  # it loads all that draws
+        from ..drawing.export.replay import replay  # it loads all that draws
 
         return f", {replay(session).save(path) / 1e6:.2f} MB"
     history_file.write(path, session.history)

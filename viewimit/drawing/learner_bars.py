@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
-from ..servo.surroundings import UNTOLD
+from ..servo.trust_region.local_model import UNTOLD
 from ..simulation.scene import Scene
 from . import svg
 

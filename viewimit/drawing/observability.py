@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.observability import unobservable_joints, weak_joints
-from ..servo.surroundings import UNTOLD
+from ..servo.trust_region.local_model import UNTOLD
 from . import svg
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing where a landscape has no place

@@ -19,8 +19,8 @@ from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
 from ..servo import MinimalServo, Observation, Servo, completed_servo
+from ..servo.observation import Visit
 from ..servo.status import ServoStatus
-from ..servo.visit import Visit
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
@@ -167,7 +167,7 @@ class Session:
                 in_vain, motions, travel = 0, motions + 1, travel + float(moved.max())
                 joint_travel += moved
                 each(self.snapshot)
-            elif self.snapshot.status == ServoStatus.STOPPED:
+            elif self.snapshot.status == ServoStatus.TOO_FEW_POINTS:
                 in_vain += 1
             else:
                 break
@@ -189,7 +189,7 @@ class Session:
             return False
         if now.motion >= MAX_HISTORY:
             self.log.note(now.motion, Stepped(1))
-            self.history.replace(now.with_fields(status=ServoStatus.STOPPED))
+            self.history.replace(now.with_fields(status=ServoStatus.MAX_MOTIONS))
             return False
         if now.target is not None:
             self.log.note_on(now.motion, looked=False)
@@ -229,7 +229,7 @@ class Session:
         rectification = rectification_for(settings, before, views)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
-            return seen.with_fields(E=np.nan, status=ServoStatus.STOPPED)
+            return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
         return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E
 
     def look(self) -> bool:
@@ -498,8 +498,8 @@ def _log_anew(settings: Settings, before: Session | None) -> Log:
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:
     """The moment at which a servo, now in this state, wants no motion any more."""
-    status = status_of(state, ServoStatus.RESTS)
-    status = ServoStatus.STALLED if status == ServoStatus.MOVING else status
+    status = status_of(state, ServoStatus.SETTLED)
+    status = ServoStatus.NO_PROGRESS if status == ServoStatus.MOVING else status
     frozen = now.transfer if status.is_at_minimum else now.frozen
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
 

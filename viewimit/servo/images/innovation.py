@@ -9,7 +9,7 @@ no transfer minds where in an image a body is.
 import numpy as np
 from numpy.typing import NDArray
 
-from ..visit import Visit, by_coordinate
+from ..observation import Visit, by_coordinate
 from .surrogate import gram, kernel
 
 HARMLESS_PX = 0.3  # of a coordinate

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.kinematics.clusters import Seen
-from ...geometry.kinematics.covariance import Information
+from ...geometry.kinematics.clusters import Observations
+from ...geometry.kinematics.covariance import KinematicsCovariance
 from ...geometry.kinematics.model import ProjectiveKinematics
 from .surrogate import Surrogate
 
@@ -26,20 +26,20 @@ class KinematicImages:
 
     kinematics: ProjectiveKinematics
     centre: NDArray
-    visited: Seen
+    visited: Observations
     noise_px: float
     process: Surrogate | None
 
     @property
     def seen(self) -> NDArray:
         """(n, N) bool: in both images, or as good as seen there, as what was seen confirms the kinematics."""
-        confirmed = self.visited.whole.sum(1, keepdims=True) >= CONFIRMING
-        return self.visited.whole | (confirmed & self._told[:, 0])
+        confirmed = self.visited.visible_in_both.sum(1, keepdims=True) >= CONFIRMING
+        return self.visited.visible_in_both | (confirmed & self._told[:, 0])
 
     def completed(self, own: NDArray) -> NDArray:
         """The images visited, (n, N, 4) px, those that were not seen as they are foretold: `seen` says what they are
         worth."""
-        seen = self.visited.whole[..., None]
+        seen = self.visited.visible_in_both[..., None]
         return own if seen.all() else np.where(seen, own, self.predict(self.visited.displacement))
 
     @cached_property
@@ -55,9 +55,9 @@ class KinematicImages:
         """The same of some points, (N,) bool, that knows nothing of the others."""
         if points.all():
             return self
-        shape = np.where(points[:, None], self.kinematics.shape, np.nan)
+        shape = np.where(points[:, None], self.kinematics.points, np.nan)
         process = None if self.process is None else self.process.only(points)
-        return replace(self, kinematics=replace(self.kinematics, shape=shape), process=process)
+        return replace(self, kinematics=replace(self.kinematics, points=shape), process=process)
 
     def slopes(self, displacement: NDArray) -> NDArray:
         """(m,) rad → (m, N, 4) px/rad"""
@@ -85,7 +85,7 @@ class KinematicImages:
         its slopes, (draws, m, N, 4) px/rad."""
         apart = APART * np.eye(1 + len(displacement), len(displacement), -1)
         rng = np.random.default_rng(seed)
-        off = self._with(self._information.draws(rng, draws, TINY)).predict(displacement + apart)
+        off = self._with(self._information.sample(rng, draws, TINY)).predict(displacement + apart)
         off = (off - self.kinematics.predict(displacement + apart)) * (self.noise_px / TINY)
         images, slopes = off[:, 0], (off[:, 1:] - off[:, :1]) / APART
         if self.process is None:
@@ -97,8 +97,8 @@ class KinematicImages:
 
     def _with(self, off: tuple[NDArray, NDArray]) -> ProjectiveKinematics:
         """Several kinematics at once, that much off: (D, P), (D, N, 3)."""
-        parameters, shape = self.kinematics.parameters + off[0], self.kinematics.shape + off[1]
-        return replace(self.kinematics, parameters=parameters, shape=shape)
+        parameters, shape = self.kinematics.parameters + off[0], self.kinematics.points + off[1]
+        return replace(self.kinematics, parameters=parameters, points=shape)
 
     @cached_property
     def _told(self) -> NDArray:
@@ -106,5 +106,5 @@ class KinematicImages:
         return ~self.kinematics.unknown[:, None]
 
     @cached_property
-    def _information(self) -> Information:
-        return Information.of(self.kinematics, self.visited)
+    def _information(self) -> KinematicsCovariance:
+        return KinematicsCovariance.estimate(self.kinematics, self.visited)

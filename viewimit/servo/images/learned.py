@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.kinematics.clusters import Seen
+from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ..visit import Visit
+from ..observation import Visit
 from .kinematic_images import KinematicImages
 from .surrogate import Surrogate, learn
 
@@ -34,7 +34,7 @@ class Learned:
         return learn(list(self.visits), centre % len(self.visits), self.noise_px)
 
 
-def seen_at(visits: Sequence[Visit]) -> Seen:
+def seen_at(visits: Sequence[Visit]) -> Observations:
     displacement = np.array([visit.displacement for visit in visits])
     own = np.array([visit.own for visit in visits])
-    return Seen(displacement, own, np.all([visit.seen for visit in visits], -1))
+    return Observations(displacement, own, np.all([visit.seen for visit in visits], -1))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..minimise import DIFFERENCE, aside
+from ..least_squares import DIFFERENCE, aside
 from .kinematic_images import KinematicImages
 from .learned import Images
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..visit import Visit, by_coordinate
+from ..observation import Visit, by_coordinate
 from .surrogate import learn
 
 SAME = 2.0  # standard deviations of a coordinate: images that differ by less, root mean square, are the same

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..image_model import ENOUGH
-from ..visit import Visit, by_coordinate
+from ..observation import Visit, by_coordinate
 
 OFFSET, SLOPE, BEND, LENGTH = 30.0, 200.0, 100.0, float(np.radians(100.0))  # px, px/rad, px, rad
 LEAST_NOISE = 0.02  # px: keeps the system regular

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit.servo.observation import Observation
-from viewimit.servo.trust_motions import along
+from viewimit.servo.trust_region.motions import along
 
 LOWER, UPPER = np.array([-0.25, -1.25]), np.array([1.25, 0.75])
 SEEN = Observation(np.zeros((0, 4)), np.zeros((0, 2), bool), 0.0, np.zeros(2), LOWER, UPPER, motion=0)

@@ -12,9 +12,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.residuals import NoiseReference, ResidualFunction, conflict
-from ..estimation.views import Pairs, exchange
-from .minimise import minimise
+from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
+from ...estimation.views import Pairs, exchange
+from ..least_squares import minimise
 
 GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
 PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched

@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..drawing import svg
-from ..drawing.theme import ROLES, half_white, rgb
-from ..loop.snapshot import Snapshot
-from ..simulation.camera import triangulate
-from ..simulation.link_meshes import link_meshes
-from ..simulation.world import World
-from ..viewer import furniture
-from ..viewer.view import FOV, fitted_view
+from ...loop.snapshot import Snapshot
+from ...simulation import scene_geometry
+from ...simulation.camera import triangulate
+from ...simulation.link_meshes import link_meshes
+from ...simulation.scene_geometry import FOV, fitted_view
+from ...simulation.world import World
+from .. import svg
+from ..theme import ROLES, half_white, rgb
 from .citation import motions
 from .figures import WIDTH, Figure
 
@@ -29,7 +29,7 @@ CELLS = 7  # of the floor on either side
 ASPECT = 1.3
 CORNERS = 24  # of a link's shadow
 TRIANGLE = "M{:.1f} {:.1f}L{:.1f} {:.1f} {:.1f} {:.1f}z"
-LOOK = furniture.LOOKS[False]
+LOOK = scene_geometry.LOOKS[False]
 
 
 @dataclass(frozen=True)
@@ -69,14 +69,14 @@ class Item(NamedTuple):
 
 def default_eye(world: World, moment: Snapshot) -> Eye:
     """As the page's, over the whole canvas."""
-    landmarks = [furniture.landmarks(world), furniture.arm_landmarks(world, moment.theta, moment.theta_demo)]
+    landmarks = [scene_geometry.landmarks(world), scene_geometry.arm_landmarks(world, moment.theta, moment.theta_demo)]
     return Eye(*fitted_view(np.concatenate(landmarks), ASPECT, 0.02))
 
 
 def draw_space(world: World, moment: Snapshot, eye: Eye | None = None, rays: bool = False) -> Figure:
     """Both arms at a moment. rays: from the image points to the points in space."""
     eye = default_eye(world, moment) if eye is None else eye
-    bases = furniture.bases_of(world)
+    bases = scene_geometry.bases_of(world)
     postures = {"learner": moment.theta, "demonstrator": moment.theta_demo}
     frames = {arm: world.link_frames(postures[arm], bases[arm]) for arm in bases}
     links, standing = list(_links(world, frames)), list(_standing(world))
@@ -86,7 +86,7 @@ def draw_space(world: World, moment: Snapshot, eye: Eye | None = None, rays: boo
     painted = "".join(item.drawing for item in sorted(items, key=lambda item: -item.depth))
     shadows = "".join(_hull_shadow(eye, vertices) for vertices, _, _ in links)
     shadows += "".join(_shadow(eye, vertices, faces) for vertices, faces, _ in standing)
-    names = "".join(_label(eye, label) for label in furniture.labels(world))
+    names = "".join(_label(eye, label) for label in scene_geometry.labels(world))
     height = WIDTH / eye.aspect * (1 - eye.below)
     inside = (
         f'<svg width="{WIDTH}" height="{height:g}" viewBox="0 0 {WIDTH} {height:g}">{_floor(world, eye)}'
@@ -105,7 +105,7 @@ def _links(world: World, frames: dict[str, NDArray]) -> Iterator[tuple[NDArray, 
 
 
 def _standing(world: World) -> Iterator[tuple[NDArray, NDArray, tuple]]:
-    for solid in furniture.solids(world):
+    for solid in scene_geometry.solids(world):
         yield solid.vertices @ solid.turn.T + solid.position, solid.faces, getattr(LOOK, solid.colour)
 
 
@@ -140,17 +140,17 @@ def _points(world: World, moment: Snapshot, eye: Eye, points: dict[str, NDArray]
     for arm, places in points.items():
         shape = svg.circles if arm == "learner" else svg.diamonds
         for place in places:
-            yield from _mark(eye, place, furniture.POINT_SIZE[arm] / 2 * size, shape, arm)
+            yield from _mark(eye, place, scene_geometry.POINT_SIZE[arm] / 2 * size, shape, arm)
     recovered = triangulate(*world.own_cameras, moment.recovered)
     for own, found in zip(points["learner"], recovered):
         if np.isfinite(found).all():
             yield from _mark(eye, found, 0.01 * size, svg.diamonds, "recovered")
             yield from _line(eye, found, own, "residual", 1.4)
     images = np.concatenate([moment.views.demo, moment.views.own], -1).reshape(-1, 4, 2).swapaxes(0, 1)
-    for k, (camera, role) in enumerate(zip(furniture.cameras_of(world), furniture.VIEW_ROLES)):
-        for start, end in furniture.frustum(camera, size):
+    for k, (camera, role) in enumerate(zip(scene_geometry.cameras_of(world), scene_geometry.VIEW_ROLES)):
+        for start, end in scene_geometry.frustum(camera, size):
             yield from _line(eye, start, end, role, 0.9)
-        plates = furniture.on_plate(camera, images[k], size)
+        plates = scene_geometry.on_plate(camera, images[k], size)
         for i in np.flatnonzero(moment.views.visible[:, k]):
             yield from _mark(eye, plates[i], 0.0045 * size, svg.circles, role)
             if rays:
@@ -199,7 +199,7 @@ def _cast(vertices: NDArray) -> NDArray:
 
 def _floor(world: World, eye: Eye) -> str:
     """Lines about what stands there, but for those that begin or end behind the eye."""
-    ends = furniture.floor_lines(world, CELLS)[:, [0, -1]]
+    ends = scene_geometry.floor_lines(world, CELLS)[:, [0, -1]]
     places, depth = eye.see(ends)
     seen = places[(depth > NEAR).all(1)]
     parts = [f'<path d="{svg.segments(line[:1], line[1:])}"/>' for line in seen]
@@ -207,7 +207,7 @@ def _floor(world: World, eye: Eye) -> str:
     return f'<g stroke="rgb({red},{green},{blue})" stroke-width=".6">{"".join(parts)}</g>'
 
 
-def _label(eye: Eye, label: furniture.Label) -> str:
+def _label(eye: Eye, label: scene_geometry.Label) -> str:
     at, depth = eye.see(label.position)
     role = "demonstrator-edge" if label.role == "demonstrator" else label.role
     if depth <= NEAR:

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from viewimit.servo.certificate import certify
 from viewimit.servo.images.surrogate import learn
-from viewimit.servo.minimise import minimise
-from viewimit.servo.surroundings import Known, survey
-from viewimit.servo.visit import Visit
+from viewimit.servo.least_squares import minimise
+from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.convergence import certify
+from viewimit.servo.trust_region.local_model import Known, survey
 
 POINTS = 9
 PLACES = np.radians([(0, 0), (15, 0), (0, 15), (10, 10), (-10, 5), (3, -8), (0.5, 0.5)])

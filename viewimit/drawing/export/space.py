@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..loop.session import Session
-from ..loop.snapshot import Snapshot
-from ..simulation.camera import triangulate
-from ..simulation.link_meshes import link_meshes
-from ..simulation.world import World
-from ..viewer import furniture, view
+from ...loop.session import Session
+from ...loop.snapshot import Snapshot
+from ...simulation import scene_geometry as geometry
+from ...simulation.camera import triangulate
+from ...simulation.link_meshes import link_meshes
+from ...simulation.world import World
 
 STEPS = 65_535  # of a coordinate between the ends of its mesh
 TENTHS_OF_MM, MICRORAD = 4, 6  # digits of m and of rad that are kept
@@ -55,7 +55,7 @@ def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, 
     world, shapes, history = session.world, Shapes(), session.history
     size = world.scene.size
     moments = [history[k] for k in motions]
-    cameras = furniture.cameras_of(world)
+    cameras = geometry.cameras_of(world)
     standing: dict[str, Any] = {
         "size": size,
         "joints": [{"T": _columns(joint.T_parent_joint), "axis": _unit(joint.axis)} for joint in world.robot.joints],
@@ -63,30 +63,30 @@ def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, 
             {"link": link, **shapes.add(np.asarray(mesh.vertices), np.asarray(mesh.faces))}
             for link, mesh in sorted(link_meshes(world.scene.robot).items())
         ],
-        "bases": {arm: _columns(T) for arm, T in furniture.bases_of(world).items()},
+        "bases": {arm: _columns(T) for arm, T in geometry.bases_of(world).items()},
         "solids": [
             {
                 "colour": solid.colour,
                 "T": _columns(np.block([[solid.turn, solid.position[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]])),
                 **shapes.add(solid.vertices, solid.faces),
             }
-            for solid in furniture.solids(world)
+            for solid in geometry.solids(world)
         ],
         "labels": [
-            {"text": label.text, "role": label.role, "at": _plain(label.position)} for label in furniture.labels(world)
+            {"text": label.text, "role": label.role, "at": _plain(label.position)} for label in geometry.labels(world)
         ],
         "frusta": [
             {
                 "role": role,
                 "eye": _plain(camera.T_world_camera[:3, 3]),
-                "edges": _plain(furniture.frustum(camera, size)),
-                "plate": _plain(furniture.on_plate(camera, furniture.corners(camera), size)),
+                "edges": _plain(geometry.frustum(camera, size)),
+                "plate": _plain(geometry.on_plate(camera, geometry.corners(camera), size)),
             }
-            for camera, role in zip(cameras, furniture.VIEW_ROLES)
+            for camera, role in zip(cameras, geometry.VIEW_ROLES)
         ],
-        "points": {"link": world.body.link.tolist(), "local": _plain(world.body.local), **furniture.POINT_SIZE},
-        "looks": {"light": furniture.LOOKS[False]._asdict(), "dark": furniture.LOOKS[True]._asdict()},
-        "view": {"fov": float(view.FOV), "margin": view.MARGIN, **_direction()},
+        "points": {"link": world.body.link.tolist(), "local": _plain(world.body.local), **geometry.POINT_SIZE},
+        "looks": {"light": geometry.LOOKS[False]._asdict(), "dark": geometry.LOOKS[True]._asdict()},
+        "view": {"fov": float(geometry.FOV), "margin": geometry.MARGIN, **_direction()},
         "landmarks": _plain(_landmarks(world, moments)),
     }
     standing["moments"] = [_at(world, moment) for moment in moments]
@@ -95,15 +95,15 @@ def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, 
 
 def _landmarks(world: World, moments: Sequence[Snapshot]) -> NDArray:
     first, last = moments[0], moments[-1]
-    arms = [furniture.arm_landmarks(world, each.theta, each.theta_demo) for each in (first, last)]
-    return np.concatenate([furniture.landmarks(world), *arms])
+    arms = [geometry.arm_landmarks(world, each.theta, each.theta_demo) for each in (first, last)]
+    return np.concatenate([geometry.landmarks(world), *arms])
 
 
 def _at(world: World, moment: Snapshot) -> dict[str, Any]:
     """What moves, at one moment. Points that are not seen, or not recovered, are null."""
     views, size = moment.views, world.scene.size
     images = np.concatenate([views.demo, views.own], -1).reshape(-1, 4, 2).swapaxes(0, 1)
-    plates = [furniture.on_plate(camera, image, size) for camera, image in zip(furniture.cameras_of(world), images)]
+    plates = [geometry.on_plate(camera, image, size) for camera, image in zip(geometry.cameras_of(world), images)]
     recovered = triangulate(*world.own_cameras, moment.recovered)
     return {
         "learner": _angles(world, moment.theta),
@@ -135,4 +135,4 @@ def _columns(T: NDArray) -> list[float]:
 
 
 def _direction() -> dict[str, float]:
-    return {"azimuth": float(view.AZIMUTH), "elevation": float(view.ELEVATION)}
+    return {"azimuth": float(geometry.AZIMUTH), "elevation": float(geometry.ELEVATION)}

@@ -7,12 +7,12 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.residuals import NoiseReference, ResidualFunction, conflict
-from .certificate import Certificate, certify
-from .images.learned import Images, Learned
-from .minimise import Minimum, minimise
-from .observation import Observation
-from .surroundings import UNTOLD, Known, enough_points, fitted_points, survey
+from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
+from ..images.learned import Images, Learned
+from ..least_squares import Minimum, minimise
+from ..observation import Observation
+from .convergence import Certificate, certify
+from .local_model import UNTOLD, Known, enough_points, fitted_points, survey
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
 EQUAL = 1e-6  # share of E: what differs by less, as where a joint moves no point, may do so by rounding

@@ -5,15 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.views import Pairs
-from ..geometry.kinematics.adjustment import fit_kinematics
-from ..geometry.kinematics.model import ProjectiveKinematics
-from .certificate import Certificate
-from .images.learned import seen_at
-from .images.standing import contradicts, standing
-from .observation import Observation
-from .status import ServoStatus
-from .visit import Visit
+from ...estimation.views import Pairs
+from ...geometry.kinematics.adjustment import fit_kinematics
+from ...geometry.kinematics.model import ProjectiveKinematics
+from ..images.learned import seen_at
+from ..images.standing import contradicts, standing
+from ..observation import Observation, Visit
+from ..status import ServoStatus
+from .convergence import Certificate
 
 FIRST_RADIUS, LAST_RADIUS = np.radians((25.0, 12.0))
 CERTAIN = np.radians(0.3)  # a displacement that E may leave room for where a servo claims to have arrived

@@ -23,22 +23,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.equations import Equation
-from ..estimation.residuals import ResidualFunction, noise_conflict
-from ..geometry.kinematics.adjustment import FORESEEN
-from ..geometry.kinematics.model import ProjectiveKinematics, StereoFrame
-from ..geometry.rectification import Rectification
-from .certificate import CHECK, Certificate, curvature_directions
-from .identities import likely_exchange, with_exchanged
-from .images.innovation import holds
-from .images.learned import Learned
-from .observation import Observation
-from .outlook import Outlook, last_least, look_out, measure
-from .servo import Moment
-from .status import ServoStatus
-from .surroundings import freedom_of
-from .trust_motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
-from .trust_state import (
+from ...estimation.equations import Equation
+from ...estimation.residuals import ResidualFunction, noise_conflict
+from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
+from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
+from ...geometry.rectification import Rectification
+from ..images.innovation import holds
+from ..images.learned import Learned
+from ..observation import Observation, ScaledResiduals, Visit, in_units, unit_of
+from ..servo import Moment
+from ..status import ServoStatus
+from .convergence import CHECK, Certificate, curvature_directions
+from .correspondences import likely_exchange, with_exchanged
+from .explanation import equations, says
+from .local_model import freedom_of
+from .motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
+from .state import (
     CERTAIN,
     CLOSE,
     FIRST_RADIUS,
@@ -50,9 +50,7 @@ from .trust_state import (
     visit_of,
     without_rehearsal,
 )
-from .trust_words import equations, says
-from .units import ScaledResiduals, in_units, unit_of
-from .visit import Visit
+from .subproblem import Outlook, last_least, look_out, measure
 
 MAX_RADIUS, MIN_RADIUS = np.radians((45.0, 0.5))
 LEAST_STEP = np.radians(0.01)
@@ -184,7 +182,7 @@ def _worthwhile(state: TrustState, seen: Observation, ahead: Outlook) -> bool:
     step, found = ahead.step, ahead.found
     promises = step >= DONE_STEP or (step >= LEAST_STEP and ahead.doubt_there < CERTAIN <= ahead.doubt)
     stands_there = np.abs(found.theta - seen.displacement).max() < LEAST_STEP
-    return bool(promises and not stands_there and ahead.E > FORESEEN**2 and state.failures < MOST_FAILURES)
+    return bool(promises and not stands_there and ahead.E > PREDICTION_TOL_PX**2 and state.failures < MOST_FAILURES)
 
 
 def _onwards(
@@ -290,7 +288,7 @@ def _settle(
         return None
     told = certificate is None or bool(certificate.told.all())
     limited = bool((np.minimum(ahead.found.theta - seen.lower, seen.upper - ahead.found.theta) < CLOSE).any())
-    ending = ServoStatus.STALLED if told else ServoStatus.UNOBSERVABLE
+    ending = ServoStatus.NO_PROGRESS if told else ServoStatus.UNOBSERVABLE
     return _to_rest(replace(state, limited=limited), seen, place, ending)
 
 

@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import Protocol
 
-from ..drawing import svg
+from .. import svg
 from .figures import LINE, WIDTH
 
 COLUMNS = ((0, 17), (110, 14), (195, 16), (299, 14), (398, 5))  # px, and letters of a line

@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .certificate import EQUAL
-from .observation import Observation, probe_of
-from .status import ServoStatus
-from .trust_state import TrustState
-from .visit import Visit
+from ..observation import Observation, Visit, probe_of
+from ..status import ServoStatus
+from .convergence import EQUAL
+from .state import TrustState
 
 LONGEST = np.radians(45.0)  # a joint and motion
 DONE_STEP = np.radians(0.1)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit.servo.certificate import CHECK, EQUAL, NEAR, NOISY_CHECK, certify, curvature_directions
-from viewimit.servo.surroundings import UNTOLD, Surroundings
+from viewimit.servo.trust_region.convergence import CHECK, EQUAL, NEAR, NOISY_CHECK, certify, curvature_directions
+from viewimit.servo.trust_region.local_model import UNTOLD, Surroundings
 
 POINTS, OPEN = 10, np.full(2, 9.0)
 FLAT, STEEP = 60.0, 600.0  # px²/rad²: as in the default scene
@@ -42,7 +42,7 @@ BOTH = (2, 0), (0, 2)
 
 
 @pytest.mark.parametrize(
-    "joints, seen, claim", [(2, 6, "rests"), (2, 7, "converged"), (7, 8, "rests"), (7, 9, "converged")]
+    "joints, seen, claim", [(2, 6, "settled"), (2, 7, "converged"), (7, 8, "settled"), (7, 9, "converged")]
 )
 def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allow_no_claim(joints, seen, claim):
     """3 coordinates a point against 15 numbers and the joints: 18 and 17, 21 and 17; 24 and 22, 27 and 22."""
@@ -76,7 +76,7 @@ def test_visits_that_show_a_rise_along_every_direction_allow_the_claim():
 def test_without_a_visit_along_it_a_direction_is_asked_by_a_motion_the_flattest_first(away_deg, asked):
     """Nor is a visit evidence at which another direction makes most of the rise."""
     found = certify(surroundings(away_deg))
-    assert found.claim == "rests" and np.linalg.norm(found.check) == pytest.approx(CHECK)
+    assert found.claim == "settled" and np.linalg.norm(found.check) == pytest.approx(CHECK)
     assert np.abs(found.check).argmax() == asked
 
 
@@ -89,7 +89,7 @@ def test_a_visit_is_no_evidence_of_one_direction_whose_rise_by_the_points_seen_t
     assert alone == pytest.approx(0.5 * 60 * three**2) == pytest.approx(0.5 * here.away[0] @ fewer @ here.away[0])
     hessians, rise = np.stack([fewer, here.hessians[1]]), np.array([alone, here.rise[1]])
     found = certify(replace(here, hessians=hessians, rise=rise))
-    assert found.claim == "rests" and np.abs(found.check).argmax() == 0
+    assert found.claim == "settled" and np.abs(found.check).argmax() == 0
 
 
 def test_a_rise_that_the_other_directions_make_is_no_evidence_of_a_flat_one():
@@ -100,7 +100,7 @@ def test_a_rise_that_the_other_directions_make_is_no_evidence_of_a_flat_one():
     own = 0.5 * FLAT * np.radians(6) ** 2
     assert own == pytest.approx(2 / 3 * predicted, rel=0.02) and here.rise[0] >= 0.5 * predicted
     found = certify(here)
-    assert found.claim == "rests" and np.abs(found.check).argmax() == 0
+    assert found.claim == "settled" and np.abs(found.check).argmax() == 0
 
 
 @pytest.mark.parametrize("far_deg", [0.9, np.degrees(NEAR) + 0.1])
@@ -108,7 +108,7 @@ def test_what_is_too_near_or_too_far_is_no_evidence(far_deg):
     assert not certify(surroundings([(far_deg, 0), (0, 2)])).shown
 
 
-@pytest.mark.parametrize("share, claim", [(0.6, "converged"), (0.4, "rests"), (0.001, "unobservable")])
+@pytest.mark.parametrize("share, claim", [(0.6, "converged"), (0.4, "settled"), (0.001, "unobservable")])
 def test_a_curvature_that_was_only_predicted_is_no_evidence(share, claim):
     """Along the first joint E rises by a share of what is predicted; where it does not rise the joint is not told."""
     found = certify(surroundings(BOTH, true=(share * FLAT, STEEP)))

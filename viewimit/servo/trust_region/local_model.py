@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.residuals import conflict
-from .images.learned import Images
-from .images.own_noise import own_noise
-from .minimise import DIFFERENCE, Minimum, aside
-from .observation import Observation
-from .visit import Visit
+from ...estimation.residuals import conflict
+from ..images.learned import Images
+from ..images.own_noise import own_noise
+from ..least_squares import DIFFERENCE, Minimum, aside
+from ..observation import Observation, Visit
 
 UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
 LEARNED = 1.0 / UNTOLD  # px/rad: slopes as uncertain as this tell a joint that nothing tells

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..estimation.equations import Equation, angles, short
-from .servo import Moment
-from .status import ServoStatus
-from .trust_state import CERTAIN, PHASES, TrustState
+from ...estimation.equations import Equation, angles, short
+from ..servo import Moment
+from ..status import ServoStatus
+from .state import CERTAIN, PHASES, TrustState
 
 _LAW = (
     r"\hat{𝐲}(𝛉)=𝐲_c+\sum_{k}𝛂_k\,\kappa(𝛉-𝐜,\,𝛉_k-𝐜),\quad "
@@ -38,11 +38,11 @@ def says(state: TrustState, status: ServoStatus) -> str:
         return "E rises every way, and its motions lead no nearer"
     if status == ServoStatus.CONVERGED:
         return f"E leaves no room for {np.degrees(CERTAIN):.1g}° and rises every way"
-    if status == ServoStatus.RESTS:
+    if status == ServoStatus.SETTLED:
         return "no evidence yet that E rises every way"
     if status == ServoStatus.UNOBSERVABLE:
         return "E does not rise every way"
-    if status == ServoStatus.STALLED:
+    if status == ServoStatus.NO_PROGRESS:
         found = f"nothing lower in {state.restarts} searches elsewhere" if state.restarts else "nothing lower nearby"
         return f"{found}; {SENT_TO_LIMIT}" if state.limited else found
     if state.ending:
@@ -70,7 +70,7 @@ def _outcome(state: TrustState, moment: Moment) -> str:
         return f"{made}is a probe: it teaches what the predictions know least."
     if moment.status == ServoStatus.CONVERGED:
         return "What is left of E leaves no room for a displacement worth a motion: the servo rests."
-    if moment.status == ServoStatus.STALLED:
+    if moment.status == ServoStatus.NO_PROGRESS:
         return "Neither transfer nor restart led further: the servo rests."
     if state.promised is not None:
         return f"{made}was to lower E by <b>{short(state.promised * state.unit_px**2)}</b> px²."

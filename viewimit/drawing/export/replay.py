@@ -14,10 +14,10 @@ from typing import Any
 
 import msgspec
 
-from ..drawing.curves import paired_axis
-from ..drawing.glossary import cards
-from ..drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
-from ..loop.session import Session
+from ...loop.session import Session
+from ..curves import paired_axis
+from ..glossary import cards
+from ..theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 from .citation import Citation, cite, motions
 from .panels import draw_panels, farthest_off, kept_motions
 from .space import describe_space

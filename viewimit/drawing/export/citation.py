@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 
-from .. import __version__
-from ..drawing.plots import described
-from ..estimation.transfers import TRANSFERS
-from ..loop.session import Session
-from ..loop.settings import Settings
-from ..loop.wording import as_command, as_python, as_reproduction
-from ..sensing.files import file_name
-from ..servo import SERVOS
+from ... import __version__
+from ...estimation.transfers import TRANSFERS
+from ...loop.session import Session
+from ...loop.settings import Settings
+from ...loop.wording import as_command, as_python, as_reproduction
+from ...sensing.files import file_name
+from ...servo import SERVOS
+from ..plots import described
 
 PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry”, IROS 2001"
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from viewimit.servo.images.learned import Learned
 from viewimit.servo.images.surrogate import learn
-from viewimit.servo.outlook import EQUAL, WELL_TOLD, last_least, measure
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.subproblem import EQUAL, WELL_TOLD, last_least, measure
 
 POINTS, FEW, MANY = 14, 7, 12
 FAR = np.radians((40.0, 0.0))  # what was seen there tells next to nothing here

@@ -7,10 +7,10 @@ import textwrap
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
-from ..drawing import svg
-from ..drawing.equations import filled
-from ..drawing.standalone import INSTALL
-from ..estimation.equations import Equation
+from ...estimation.equations import Equation
+from .. import svg
+from ..equations import filled
+from ..standalone import INSTALL
 from .figures import GAP, LETTERS, LINE, WIDTH, Figure
 
 TYPESETTER = "ziamath"

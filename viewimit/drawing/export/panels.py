@@ -5,27 +5,98 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..analysis.construction import construct
-from ..analysis.self_assessment import assess
-from ..drawing import svg
-from ..drawing.curves import draw_curve_pair
-from ..drawing.images import planes
-from ..drawing.images.panel import draw_images
-from ..drawing.images.planes import Windows
-from ..drawing.landscape import LandscapePicture
-from ..drawing.status import describe, describe_truth, draw_status
-from ..loop.session import Session
-from ..loop.snapshot import Snapshot
-from ..simulation.appearance import Bodies
-from ..viewer.appearance import Appearance
-from ..viewer.landscapes import TOO_FEW, MadeLandscape, landscape_key, make_landscape
-from .weaving import Woven, weave
+from ...analysis.construction import construct
+from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
+from ...analysis.observability import joint_uncertainty
+from ...analysis.self_assessment import assess
+from ...loop.session import Session
+from ...loop.settings import disturbances
+from ...loop.snapshot import Snapshot
+from ...simulation.appearance import Bodies, Silhouettes, places, reach
+from ...simulation.disturbances import ArmDisturbance
+from ...simulation.link_meshes import link_meshes
+from ...simulation.world import World
+from .. import svg
+from ..curves import draw_curve_pair
+from ..images import planes
+from ..images.panel import draw_images
+from ..images.planes import Windows, holds, image_windows
+from ..landscape import LandscapePicture
+from ..relief import shades
+from ..status import describe, describe_truth, draw_status
+from .dedupe import Woven, weave
 
 MOST_MOMENTS = 150  # of a longer run they are spread evenly
 MOST_LANDSCAPES = 24  # one for each posture of the demonstrator that is looked at
 LOOKS_BACK = 5  # motions
 MOST_IMAGES = 2400  # of all points at all moments
 FOLLOWS = "The landscape follows the demonstrator."
+HILLS = 12, 24  # rows and columns of a small landscape's shades
+LEARNERS_OWN = ("start_deg", "servo", *disturbances(ArmDisturbance))
+COARSE_DEG, FINE_DEG = 4.0, 1.0  # a tenth of the time or less; what is shown in the end
+TOO_FEW = "fewer than five points are seen in all four images"
+
+
+class Appearance:
+    """Of one world. first: a moment whose postures the windows are to show."""
+
+    def __init__(self, world: World, first: Snapshot):
+        meshes = link_meshes(world.scene.robot)
+        self._world = world
+        self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, world)
+        self._held = [first.theta, first.theta_demo]
+        self._windows = image_windows(reach(world, self._held), world.scene.head.image)
+
+    def of(self, moment: Snapshot) -> tuple[Bodies, Windows]:
+        """With many joints an arm may leave the windows, which then widen."""
+        if len(moment.theta) > 2 and not holds(self._windows, places(self._world, moment)):
+            self._held += [moment.theta, moment.theta_demo]
+            self._windows = image_windows(reach(self._world, self._held), self._world.scene.head.image)
+        return self._silhouettes.bodies(moment), self._windows
+
+
+@dataclass(frozen=True, eq=False)
+class MadeLandscape:
+    """E over all postures, drawn. E_true: px², with the learner in the demonstrator's posture. about: what was seen, if
+    that is to be made anew, finer; hills: as `shades` has them, b"" without a landscape."""
+
+    world: World
+    picture: LandscapePicture
+    E_true: float | None
+    about: Snapshot | None = None
+    hills: bytes = b""
+
+
+def landscape_key(snapshot: Snapshot, but: tuple[str, ...] = ()) -> tuple:
+    """Everything that E over the postures depends on: all settings but where the learner starts and how it moves, and
+    whether images are rectified and points exchanged back.
+
+    but: further settings to leave out.
+    """
+    settings, but = snapshot.settings, (*LEARNERS_OWN, *but)
+    chosen = (getattr(settings, name) for name in settings.__struct_fields__ if name not in but)
+    return *chosen, snapshot.rectification is not None, snapshot.exchanged
+
+
+def compute(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> Landscape | None:
+    """E around the demonstrator as the learner has seen it; None unless two joints move."""
+    if len(world.scene.moving_joints) != 2:
+        return None
+    views = snapshot.views
+    return landscape_over(world, snapshot.fit, views.demo, views.visible[:, :2], grid_axes(world, step_deg))
+
+
+def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> MadeLandscape:
+    """For the transfer that is used."""
+    made = compute(world, snapshot, step_deg)
+    views, theta = snapshot.views, snapshot.theta_demo
+    seen = world, snapshot.fit, views.demo, views.visible[:, :2]
+    E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
+    spread = joint_uncertainty(*seen, theta)
+    picture = LandscapePicture(made, world.scene, snapshot, TOO_FEW, spread)
+    coarse = made is not None and step_deg > FINE_DEG
+    hills = b"" if made is None else shades(made.E, HILLS)
+    return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None, snapshot if coarse else None, hills)
 
 
 @dataclass

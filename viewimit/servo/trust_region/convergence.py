@@ -20,9 +20,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.kinematics.adjustment import FORESEEN
-from .status import ServoStatus
-from .surroundings import UNTOLD, Surroundings, enough_points
+from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
+from ..status import ServoStatus
+from .local_model import UNTOLD, Surroundings, enough_points
 
 LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
 CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
@@ -63,7 +63,7 @@ class Certificate:
         """The status in which a servo may rest where E is small."""
         if not self.told.all():
             return ServoStatus.UNOBSERVABLE
-        return ServoStatus.CONVERGED if self.shown else ServoStatus.RESTS
+        return ServoStatus.CONVERGED if self.shown else ServoStatus.SETTLED
 
     @property
     def lost(self) -> bool:
@@ -103,7 +103,7 @@ def certify(here: Surroundings) -> Certificate:
             check = check if check.any() else _length(here, direction) * direction
         elif _hides_more(here, direction, here.gradients, here.by_slopes):
             again = again if again.any() else NOISY_NEAR * direction  # what is far tells slopes best
-    noise = max(here.noise_px, FORESEEN, np.sqrt(2 * here.points * here.E / here.freedom))
+    noise = max(here.noise_px, PREDICTION_TOL_PX, np.sqrt(2 * here.points * here.E / here.freedom))
     spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
     variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here, inverse) + _of_the_head(here, inverse)
     expected = np.where(told, np.sqrt(variance), np.inf)

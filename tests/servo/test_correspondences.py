@@ -13,7 +13,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.looking import MATCH
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.identities import exchanged, likely_exchange, with_exchanged
+from viewimit.servo.trust_region.correspondences import exchanged, likely_exchange, with_exchanged
 
 replace = msgspec.structs.replace
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..drawing import standalone, svg
-from ..drawing.theme import DRAWING_CSS
+from .. import standalone, svg
+from ..theme import DRAWING_CSS
 from .citation import Citation
 
 WIDTH = 424  # px of most drawings

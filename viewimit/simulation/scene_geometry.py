@@ -2,6 +2,7 @@
 what names them. Whoever draws it gives it its colours and its light."""
 
 from collections.abc import Iterator
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -9,12 +10,10 @@ from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
 from ..geometry.rigid import rotation_about_axis
-from ..simulation.appearance import extreme_vertices
-from ..simulation.camera import Camera
-from ..simulation.link_meshes import link_meshes
-from ..simulation.world import World
-from . import shapes
-from .view import looking
+from .appearance import extreme_vertices
+from .camera import Camera
+from .link_meshes import link_meshes
+from .world import World
 
 PLATE = 0.17  # m from the camera to its image plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
@@ -172,7 +171,7 @@ def corners(camera: Camera) -> NDArray:
 def _pedestal(world: World, arm: str, T_world_base: NDArray) -> Solid:
     x, y, height = T_world_base[:3, 3] + [0, 0, _below(world, T_world_base)]
     size = world.scene.size
-    vertices, faces = shapes.pedestal(max(height / size, 0.03))
+    vertices, faces = pedestal(max(height / size, 0.03))
     return Solid(f"{arm}_pedestal", "pedestal", size * vertices, faces, np.array([x, y, height]), np.eye(3))
 
 
@@ -190,14 +189,115 @@ def _head(world: World) -> Iterator[Solid]:
     forward = sum(camera.T_world_camera[:3, 2] for camera in cameras_of(world)) * [1, 1, 0]
     turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
     half = world.scene.head.baseline / 2 / size
-    yield _solid("stand", "metal", shapes.stand(below[2] / size), size, below, turn)
-    yield _solid("bar", "metal", shapes.box((0.04, 2 * half + 0.06, 0.025)), size, below, turn)
+    yield _solid("stand", "metal", stand(below[2] / size), size, below, turn)
+    yield _solid("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), size, below, turn)
     for side in (-1, 1):
         place = centre + size * (turn @ [-0.035, side * half, 0])
-        yield _solid(f"camera{side}", "lens", shapes.box((0.07, 0.09, 0.065)), size, place, turn)
+        yield _solid(f"camera{side}", "lens", box((0.07, 0.09, 0.065)), size, place, turn)
 
 
 def _solid(
     name: str, colour: str, shape: tuple[NDArray, NDArray], size: float, position: NDArray, turn: NDArray
 ) -> Solid:
     return Solid(name, colour, size * shape[0], shape[1], position, turn)
+
+
+# Shapes. All are closed and their faces turn outwards: a renderer then draws one side only, in half the time, and casts
+# shadows from behind, so that no shape shadows itself.
+
+OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)
+OCTAHEDRON_FACES = np.array(
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32
+)
+
+BOX_CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+BOX_SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+BOX_FACES = BOX_SIDES[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+
+
+def octahedron(size: float) -> tuple[NDArray, NDArray]:
+    """Vertices and faces with vertices split, so that it shades as eight facets. size: m across."""
+    vertices = OCTAHEDRON_VERTICES[OCTAHEDRON_FACES].reshape(-1, 3) * (size / 2)
+    return vertices, np.arange(24, dtype=np.uint32).reshape(8, 3)
+
+
+def turned(profile: list[tuple[float, float]], sides: int = 32) -> tuple[NDArray, NDArray]:
+    """A solid of revolution about z. profile: (radius, z) m from the bottom up; edges stay sharp."""
+    angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
+    circle = np.stack([np.cos(angles), np.sin(angles)], -1)
+    vertices: list[NDArray] = []
+    faces: list[NDArray] = []
+    for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
+        first = sum(len(ring) for ring in vertices)
+        for r, z in ((r0, z0), (r1, z1)):
+            vertices.append(np.column_stack([circle * r, np.full(sides, z)]))
+        i, j = np.arange(sides), (np.arange(sides) + 1) % sides
+        lower, upper = first + i, first + sides + i
+        faces.append(np.column_stack([lower, first + j, upper]))
+        faces.append(np.column_stack([first + j, first + sides + j, upper]))
+    return np.concatenate(vertices).astype(np.float32), np.concatenate(faces).astype(np.uint32)
+
+
+def pedestal(height: float) -> tuple[NDArray, NDArray]:
+    """A column on a plate; its top is the origin."""
+    return turned([(0, -height), (0.2, -height), (0.2, 0.03 - height), (0.11, 0.03 - height), (0.11, 0.0), (0, 0.0)])
+
+
+def stand(height: float) -> tuple[NDArray, NDArray]:
+    """A thin post on a plate; its top is the origin."""
+    return turned([(0, -height), (0.16, -height), (0.16, 0.02 - height), (0.022, 0.02 - height), (0.022, 0), (0, 0)])
+
+
+def sheet(corners: NDArray) -> tuple[NDArray, NDArray]:
+    """A quadrilateral, (4, 3) m, that is seen from both sides."""
+    faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
+    return np.concatenate([corners, corners]).astype(np.float32), np.concatenate([faces, faces[:, ::-1] + 4])
+
+
+def box(size: tuple[float, float, float]) -> tuple[NDArray, NDArray]:
+    """An axis-aligned box about the origin, its faces flat."""
+    vertices = (BOX_CORNERS[BOX_FACES].reshape(-1, 3) * size).astype(np.float32)
+    return vertices, np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)
+
+
+# Where the 3-D scene is looked at from: a fixed direction, fitted to what must be seen and to the canvas.
+
+FOV = np.radians(36.0)
+MARGIN = 0.93  # of the half angle that the default view fills
+BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
+AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
+
+
+def looking() -> NDArray:
+    """R_world_camera (3, 3) of the default view: right, down, forward."""
+    forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+    right = np.cross(forward, [0, 0, 1.0])
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(forward, right), forward], axis=-1)
+
+
+def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
+    """Position and target of a camera from AZIMUTH, ELEVATION and FOV that just holds (k, 3) points.
+
+    below: share of the height, from the bottom, that stays free. Each side of the frame is a plane through the
+    eye, with a slope per depth; along its normal the points give one bound, and opposite bounds meet at the eye.
+    """
+    right, down, forward = looking().T
+    up, backward = -down, -forward
+    tan = np.tan(FOV / 2)
+    x, y, z = points @ right, points @ up, points @ backward
+    eye = []
+    for coordinate, low_slope, high_slope in (
+        (x, tan * aspect * MARGIN, tan * aspect * MARGIN),
+        (y, tan * (1 - 2 * below) * MARGIN, tan * MARGIN),
+    ):
+        high, low = np.max(coordinate + high_slope * z), np.min(coordinate - low_slope * z)
+        distance = (high - low) / (high_slope + low_slope)
+        eye.append((distance, high_slope, low_slope, high, low))
+    distance = max(eye[0][0], eye[1][0])
+    centres = []  # of the room that is left where the other direction decides the distance
+    for _, high_slope, low_slope, high, low in eye:
+        centres.append((high - high_slope * distance + low + low_slope * distance) / 2)
+    position = centres[0] * right + centres[1] * up + distance * backward
+    depth = distance - np.mean(z)
+    return position, position - depth * backward

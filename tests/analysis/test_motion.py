@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from viewimit.analysis import trajectory
-from viewimit.simulation.kinematics import hand_position
 from viewimit.simulation.scene import load_scene
-from viewimit.simulation.world import World
+from viewimit.simulation.world import World, hand_position
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from viewimit.analysis.trajectory import follow, hand_points, learned_images
 from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.world import hand_position
 
 QUICK = {"start_deg": (30, -70)}
 

@@ -22,7 +22,7 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.world import hand_position
 
 AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 

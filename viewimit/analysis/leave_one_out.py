@@ -17,7 +17,7 @@ from ..geometry.affine import MIN_POINTS
 from ..geometry.fundamental import FREE, fit_fundamental_with_prior, sampson_distance
 from ..geometry.rectification import Rectification, rectification_of, rectification_with_prior, rectify
 from ..loop.suspects import telling
-from ..sensing.degeneracy import dimensions
+from ..sensing.point_checks import dimensions
 
 FRAMES, POINTS = 50, 50  # evenly spaced: frames, and points of each, that are left out one by one
 MATCH_FRAMES, MAX_MATCHES = 200, 2000  # frames whose matches determine a rectification, and matches of those

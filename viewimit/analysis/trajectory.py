@@ -23,9 +23,8 @@ from ..sensing.files import MEGABYTE, read_bytes
 from ..servo import Observation
 from ..servo.image_based import towards
 from ..servo.image_model import ImageModel
-from ..simulation.kinematics import hand_jacobian, hand_position, pose_for_hand
 from ..simulation.scene import Scene
-from ..simulation.world import World
+from ..simulation.world import World, hand_jacobian, hand_position, pose_for_hand
 
 FRAMES, STEP_S = 120, 0.05  # of a built-in motion
 SWING_DEG = 15.0  # amplitude of the sinusoid, each joint

@@ -13,7 +13,7 @@ from ..loop.history import MAX_HISTORY
 from ..loop.result import RunResult
 from ..loop.session import Session
 from ..loop.settings import Settings
-from ..sensing.quoting import MOST_NAME, printable
+from ..sensing.files import MOST_NAME, printable
 from ..servo import SERVOS
 from . import BadInput, history_file
 from .json_output import print_json

@@ -115,4 +115,4 @@ def test_no_flight_goes_without_a_word():
     assert all("looking for something lower" in words or words == "back to the best posture" for words in said)
     last = session.snapshot
     assert last.status == "no-progress" and "nothing lower in 4 searches" in servo.says(last.servo_state, last.status)
-    assert assess(session).least
+    assert assess(session).at_local_minimum

@@ -135,7 +135,7 @@ def _told(known: Assessment | None, joint: int) -> bool | None:
         return None
     if known.certificate.told[joint]:
         return True
-    return False if joint in known.untold else None
+    return False if joint in known.unobservable else None
 
 
 def outcome(session: Session, ended: RunResult) -> dict:

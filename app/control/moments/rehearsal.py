@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from viewimit.drawing.export.citation import motions
-from viewimit.loop.self_calibration import imitation_motions
+from viewimit.loop.self_calibration import MIN_POSTURES, imitation_motions
 from viewimit.loop.session import Session
 from viewimit.servo import SERVOS
 

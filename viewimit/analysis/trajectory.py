@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import FittedTransfer
 from ..loop.session import Session
 from ..loop.settings import Settings
+from ..loop.simulated_robot import average_frames
 from ..sensing.files import MEGABYTE, read_bytes
 from ..servo import Observation
 from ..servo.image_based import towards

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.convergence import ErrorTrace
 from viewimit.drawing.duel import ARRIVED_DEG, Standing
-from viewimit.loop.self_calibration import begin_calibration
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
@@ -57,7 +56,7 @@ class Duel:
     def rehearse(self, count: int) -> None:
         """The visitor's learner watches itself in so many postures: so does the opponent, if that is of use to it."""
         if self.opponent is not None and SERVOS[self.servo].predicts:
-            begin_calibration(self.opponent, count, self._session.settings.seed)
+            self.opponent.begin_calibration(self.opponent.calibration_postures(count, self._session.settings.seed))
 
     def remember_alike(self) -> None:
         """The opponent has the visitor's body, and knows of it what the visitor's learner does."""

@@ -20,7 +20,7 @@ from viewimit.app.control.commands.method import change_transfer
 from viewimit.app.control.commands.session import Play, PoseJoint, Reset, Step, Undo
 from viewimit.app.control.memory import memory_of
 
-from viewimit.loop.script import ChangeSettings, MoveDemonstrator, Script, Steps, play
+from viewimit.loop.script import ChangeSettings, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -402,12 +402,11 @@ ACTIONS = (Steps(2), MoveDemonstrator((0.5, -1.0)), Steps(1), ChangeSettings({"n
 @pytest.mark.parametrize("count", range(len(ACTIONS) + 1))
 def test_the_rest_of_a_script_leads_on_to_the_same_state(count):
     whole, begun = Session(Settings.paper()), Session(Settings.paper())
-    play(Script(SETTINGS, ACTIONS), whole)
-    play(Script(SETTINGS, ACTIONS[:count]), begun)
-    from viewimit.loop.script import do
+    whole.play(Script(SETTINGS, ACTIONS))
+    begun.play(Script(SETTINGS, ACTIONS[:count]))
 
     for action in rest(begun.script, whole.script):
-        do(begun, action)
+        begun.do(action)
     assert begun.snapshot.theta.tobytes() == whole.snapshot.theta.tobytes() and begun.script == whole.script
 
 

@@ -13,7 +13,7 @@ from viewimit.app.jobs import session_eyes
 from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
-from viewimit.loop.self_calibration import DEFAULT_POSTURES, calibrate, imitation_motions
+from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -47,12 +47,12 @@ def test_it_goes_through_the_postures_that_the_library_does_and_on_to_imitate(vi
     assert model.player.playing
     play(model)
     alone = Session(SETTINGS)
-    body = calibrate(alone, DEFAULT_POSTURES, seed=7)
+    body = alone.calibrate(DEFAULT_POSTURES, seed=7)
     assert_same(model.session.snapshot.calibration, body)
     alone.run()
     assert_same(model.session.snapshot, alone.snapshot)
-    assert model.session.snapshot.status == "converged" and imitation_motions(model.session) <= 6
-    assert model.session.cursor == DEFAULT_POSTURES + imitation_motions(model.session)
+    assert model.session.snapshot.status == "converged" and model.session.history.imitation_motions <= 6
+    assert model.session.cursor == DEFAULT_POSTURES + model.session.history.imitation_motions
 
 
 def test_what_plays_goes_on_and_what_rests_is_woken(visit):
@@ -104,7 +104,7 @@ def test_what_is_said_follows_what_is_remembered(visit):
     play(model, 1)
     assert said(model) == "Remembers 12 postures, which hold. Imitates: 1 motion."
     play(model)
-    count = imitation_motions(model.session)
+    count = model.session.history.imitation_motions
     assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} motions."
     model.undoable.change(servo="broyden")
     assert said(model) == "Remembers 12 postures; only for Trust region on images."

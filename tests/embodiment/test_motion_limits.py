@@ -11,8 +11,6 @@ from hypothesis import given, settings, strategies
 from viewimit import Session
 from viewimit.loop.embodiment import waypoints
 from viewimit.loop.history import MAX_HISTORY
-from viewimit.loop.script import play
-from viewimit.loop.self_calibration import calibrate
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 
@@ -173,7 +171,7 @@ def test_a_rehearsal_goes_in_short_motions_and_keeps_the_postures_that_were_aske
         Session(changed(start_deg=START_DEG)),
         Session(changed(start_deg=START_DEG, max_step_deg=5.0, workspace_deg=SCENE_WORKSPACE_DEG)),
     )
-    body = calibrate(bound, 9, seed=1)
+    body = bound.calibrate(9, seed=1)
     lower = bound.embodiment.lower
     postures = np.array([visit.displacement + lower for visit in body.visits])
     assert len(body) == 9 and longest(sent(bound)) <= np.radians(5.0) + ROUNDING
@@ -189,7 +187,7 @@ def test_a_rehearsal_goes_in_short_motions_and_keeps_the_postures_that_were_aske
 
 def test_a_rehearsal_within_a_workspace_serves_an_imitation_without_one():
     """Postures are told from the arm's own limits."""
-    body = calibrate(Session(changed(workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG)), 12, seed=1)
+    body = Session(changed(workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG)).calibrate(12, seed=1)
     session = Session(changed(demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
     session.use_calibration(body)
     last = session.run(40).last
@@ -251,7 +249,7 @@ def test_a_run_in_short_motions_is_repeated_by_its_script():
     assert session.snapshot.target is not None  # on its way
     script = msgspec.json.decode(msgspec.json.encode(session.script), type=type(session.script))
     again = Session()
-    play(script, again)
+    again.play(script)
     assert again.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert again.settings == session.settings
     one, other = again.run(200).last, session.run(200).last

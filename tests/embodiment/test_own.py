@@ -9,7 +9,7 @@ import pytest
 from viewimit import FourViews, Session
 from viewimit.analysis.self_assessment import assess
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.loop.self_calibration import SelfCalibration, calibrate
+from viewimit.loop.self_calibration import SelfCalibration
 from viewimit.loop.settings import Settings
 from viewimit.sensing.frames import MOST_LAG
 from viewimit.simulation.scene import load_scene
@@ -263,7 +263,7 @@ def test_all_own_points_may_be_lost_in_mid_run():
 def test_it_rehearses_without_a_demonstrator_and_begins_with_that(tmp_path):
     robot = Robot(demo=DEMO)
     one = session(robot, name="mine")
-    body = calibrate(one, 12, seed=0)
+    body = one.calibrate(12, seed=0)
     body.save(tmp_path / "body.npz")
     other = session(Robot(), name="mine")
     other.use_calibration(SelfCalibration.load(tmp_path / "body.npz"))

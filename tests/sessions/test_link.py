@@ -13,8 +13,7 @@ from viewimit.app.control.presets import PRESETS
 from viewimit.app.sessions import link
 from viewimit.app.sessions.link import Linked, files_named, read, written
 
-from viewimit.loop.script import Begin, Calibrate, ChangeSettings, MoveDemonstrator, Script, Steps, play
-from viewimit.loop.self_calibration import begin_calibration
+from viewimit.loop.script import Begin, Calibrate, ChangeSettings, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -39,14 +38,14 @@ def test_a_link_leads_to_the_same_moment(preset):
     found = read(text, Settings.paper())
     assert found == linked
     other = Session(Settings.paper())
-    play(found.script, other)
+    other.play(found.script)
     assert other.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert other.snapshot.E == session.snapshot.E and other.settings == session.settings
 
 
 def test_the_longest_that_is_usual_is_short_enough():
     session = Session(Settings())
-    begin_calibration(session, 20, seed=3)
+    session.begin_calibration(session.calibration_postures(20, seed=3))
     for k in range(40):
         session.step()
         session.pose((0.5 + 0.01 * k, -1.0 - 0.003 * k))
@@ -166,7 +165,7 @@ def test_a_link_of_ones_own_scene_opens_where_nobody_knows_it(name, tmp_path):
     assert files_named(text) == [] and len(text) < 1_100  # with an origin, few enough for a QR code
     path.unlink()
     other = Session(Settings.paper())
-    play(read(text, Settings.paper(scene="iiwa")).script, other)
+    other.play(read(text, Settings.paper(scene="iiwa")).script)
     assert other.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert other.snapshot.E == session.snapshot.E and other.world.scene == session.world.scene
     assert written(Linked(script=other.script)) == text  # and is passed on

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from viewimit.loop.script import MAX_ACTIONS, Action, Log, MoveDemonstrator, Script, Steps, do, play
-from viewimit.loop.self_calibration import begin_calibration
+from viewimit.loop.script import MAX_ACTIONS, Action, Log, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
@@ -29,7 +28,7 @@ def again(session: Session) -> Session:
     """Another session, by what is written of the first one's script."""
     script = msgspec.msgpack.decode(msgspec.msgpack.encode(session.script), type=Script)
     other = Session(Settings.paper(servo="gradient"))
-    play(script, other)
+    other.play(script)
     return other
 
 
@@ -72,7 +71,7 @@ def test_whatever_is_done_is_done_again_to_the_last_bit(actions, begun):
         elif kind == "reset":
             session.reset()
         elif kind == "rehearse":
-            begin_calibration(session, value, seed=1)
+            session.begin_calibration(session.calibration_postures(value, seed=1))
         else:
             session.use_calibration(None)
     other = again(session)
@@ -152,7 +151,7 @@ def test_what_came_after_a_moment_that_is_changed_is_forgotten():
 
 def test_what_no_script_can_say_is_said_to_be_unknown_until_it_is_undone():
     session = Session(Settings())
-    begin_calibration(session, 4, seed=1)
+    session.begin_calibration(session.calibration_postures(4, seed=1))
     for _ in range(4):
         session.step()
     other = Session(Settings())
@@ -180,6 +179,6 @@ def test_more_than_is_remembered_is_lost_and_no_memory_grows():
 
 def test_a_script_that_cannot_be_played_says_why():
     with pytest.raises(ValueError, match="servo"):
-        do(Session(Settings.paper()), msgspec.convert(["c", {"servo": "magic"}], type=Action))
+        Session(Settings.paper()).do(msgspec.convert(["c", {"servo": "magic"}], type=Action))
     with pytest.raises(ValueError, match="demonstrator"):
-        do(Session(Settings.paper()), MoveDemonstrator((9.0, 9.0)))
+        Session(Settings.paper()).do(MoveDemonstrator((9.0, 9.0)))

@@ -14,7 +14,6 @@ from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
 from viewimit.commands.options import settings_from
 from viewimit.loop.codegen import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
-from viewimit.loop.self_calibration import begin_calibration
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, SAFETY, Settings
 from viewimit.simulation.scene import load_scene
@@ -67,7 +66,7 @@ def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
 
 def test_a_rehearsal_is_said():
     session = Session(Settings())
-    begin_calibration(session, 5, seed=2)
+    session.begin_calibration(session.calibration_postures(5, seed=2))
     session.run(12)
     session.reset()
     session.run(3)

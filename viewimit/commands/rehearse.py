@@ -9,7 +9,7 @@ import numpy as np
 
 from ..geometry.affine import MIN_POINTS
 from ..loop.codegen import as_imitation
-from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES, calibrate
+from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES
 from ..loop.session import Session
 from ..loop.settings import Settings
 from ..sensing.files import printable
@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput(
             f"--postures: {joints} joints take {joints + ASIDE} or more to foretell from, got {args.postures}"
         )
-    body = calibrate(session, args.postures, settings.seed, args.within)
+    body = session.calibrate(args.postures, settings.seed, args.within)
     with naming("--out"):
         body.save(args.out)
     print(f"written to {args.out}", file=sys.stderr)

@@ -125,11 +125,10 @@ def _as_data(script: Script) -> str:
             "import msgspec",
             "",
             "from viewimit import Session",
-            "from viewimit.loop.script import play",
             "from viewimit.loop.script import Script",
             "",
             "session = Session()",
-            f"play(msgspec.json.decode({written!r}, type=Script), session)",
+            f"session.play(msgspec.json.decode({written!r}, type=Script))",
             "print(session.snapshot.theta)",
         )
     )

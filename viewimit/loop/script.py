@@ -6,16 +6,12 @@ a run in lines of Python.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable
+from typing import Annotated, Any
 
 import msgspec
-import numpy as np
 
 from .settings import OWN, Settings
-
-if TYPE_CHECKING:
-    from .session import Session
 
 Times = Annotated[int, msgspec.Meta(ge=1)]
 FIELDS: dict[str, Any] = {"frozen": True, "forbid_unknown_fields": True, "array_like": True}
@@ -189,40 +185,3 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             self.unknown_from = None
         for later in [at for at in self.actions if at > motion]:
             del self.actions[later]
-
-
-def play(script: Script, session: Session) -> None:
-    """The session begins anew, and ends at the moment that the script leads to. Raises ValueError for what cannot be
-    done."""
-    session.begin(script.settings)
-    for action in script.actions:
-        do(session, action)
-
-
-def do(session: Session, action: Action) -> None:
-    """Raises ValueError for what cannot be done."""
-    if isinstance(action, Steps):
-        for _ in range(action.times):
-            session.step()
-    elif isinstance(action, Looks):
-        for _ in range(action.times):
-            session.look()
-    elif isinstance(action, MoveDemonstrator):
-        session.pose(action.theta_demo)
-    elif isinstance(action, ChangeSettings):
-        session.change(**converted(action.fields))
-    elif isinstance(action, Calibrate):
-        session.begin_calibration(np.array(action.postures, float))
-    elif isinstance(action, Begin):
-        session.begin(action.settings)
-    else:
-        session.use_calibration(None)
-
-
-def converted(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """As the fields' types have them. Raises ValueError for a name or value that is none."""
-    try:
-        whole = msgspec.convert(dict(fields), Settings)
-    except msgspec.ValidationError as error:
-        raise ValueError(str(error)) from None
-    return {name: getattr(whole, name) for name in fields}

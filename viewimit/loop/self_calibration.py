@@ -6,16 +6,13 @@ the same whatever posture an imitation begins in.
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..sensing.files import read_npz
 from ..servo.observation import Visit
-
-if TYPE_CHECKING:
-    from .session import Session
 
 CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
 STRETCH = 1.15  # of these about the middle: the images of a range are least known at its edges
@@ -161,33 +158,3 @@ def _short_way(postures: NDArray) -> list[int]:
 
 
 DEFAULT_POSTURES = 12  # with which two joints are imitated in two motions
-
-
-def calibrate(session: "Session", count: int, seed: int, within_deg: float | None = None) -> SelfCalibration:
-    """As `begin_calibration`, and go through all of it → what was seen."""
-    begin_calibration(session, count, seed, within_deg)
-    while session.snapshot.is_rehearsing:
-        session.step()
-    body = session.snapshot.calibration
-    assert body is not None
-    return body
-
-
-def begin_calibration(session: "Session", count: int, seed: int, within_deg: float | None = None) -> None:
-    """The next motions lead through `count` postures, some a joint apart, the others far from each other, within so
-    many degrees of where a session stands, or all over its workspace. seed: of the postures. Raises
-    ValueError for too few of them."""
-    low, high = session.workspace
-    if within_deg is not None:
-        here, reach = session.snapshot.commanded, np.radians(within_deg)
-        low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)
-    session.begin_calibration(calibration_postures(low, high, count, np.random.default_rng(seed)))
-
-
-def imitation_motions(session: "Session") -> int:
-    """That were made up to the moment shown, without those of a rehearsal among them."""
-    if session.snapshot.pending_postures is None:
-        return session.snapshot.motion
-    past = reversed(session.history[: session.cursor + 1])
-    last = next((moment.motion + 1 for moment in past if moment.is_rehearsing), 0)
-    return max(session.snapshot.motion - last, 0)

@@ -42,8 +42,8 @@ from .script import (
     Script,
     Steps,
 )
-from .self_calibration import MIN_POSTURES, SelfCalibration
-from .settings import OWN, Settings, warn_of_radians
+from .self_calibration import MIN_POSTURES, SelfCalibration, calibration_postures
+from .settings import OWN, Settings, convert_fields, warn_of_radians
 from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
 from .snapshot import RunResult, Snapshot, exchanged, given_own, probes, status_of
 
@@ -331,6 +331,26 @@ class Session:
         self.log.note(now.motion, Calibrate(tuple(map(tuple, pending_postures.tolist()))))
         self.history.replace(now)
 
+    def calibrate(self, count: int, seed: int, within_deg: float | None = None) -> SelfCalibration:
+        """Go through `calibration_postures` now, with nobody to imitate, and return what was seen of the own body."""
+        self.begin_calibration(self.calibration_postures(count, seed, within_deg))
+        while self.snapshot.is_rehearsing:
+            self.step()
+        assert self.snapshot.calibration is not None
+        return self.snapshot.calibration
+
+    def calibration_postures(self, count: int, seed: int, within_deg: float | None = None) -> NDArray:
+        """Postures, (count, m) rad, for `begin_calibration`, drawn with a seed from the workspace.
+
+        within_deg: keep each joint within this distance of where the arm is now. Raises ValueError for fewer than
+        MIN_POSTURES.
+        """
+        low, high = self.workspace
+        if within_deg is not None:
+            here, reach = self.snapshot.commanded, np.radians(within_deg)
+            low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)
+        return calibration_postures(low, high, count, np.random.default_rng(seed))
+
     def use_calibration(self, body: SelfCalibration | None) -> None:
         """Imitate with what was rehearsed elsewhere, or None. The servo begins afresh.
 
@@ -345,6 +365,28 @@ class Session:
             self.log.invalidate(now.motion)
         anew = {"pending_postures": None, "servo_state": None, "status": _awake(now), "target": None}
         self.history.replace(now.with_fields(calibration=body, **anew))
+
+    def play(self, script: Script) -> None:
+        """Begin anew with the script's settings and repeat its actions. Raises ValueError for an impossible one."""
+        self.begin(script.settings)
+        for action in script.actions:
+            self.do(action)
+
+    def do(self, action: Action) -> None:
+        """Repeat one recorded action. Raises ValueError for an impossible one."""
+        if isinstance(action, Steps | Looks):
+            for _ in range(action.times):
+                self.step() if isinstance(action, Steps) else self.look()
+        elif isinstance(action, MoveDemonstrator):
+            self.pose(action.theta_demo)
+        elif isinstance(action, ChangeSettings):
+            self.change(**convert_fields(action.fields))
+        elif isinstance(action, Calibrate):
+            self.begin_calibration(np.array(action.postures, float))
+        elif isinstance(action, Begin):
+            self.begin(action.settings)
+        else:
+            self.use_calibration(None)
 
     def undo(self) -> bool:
         """One motion back; the later ones stay until the next step. False at the start."""

@@ -8,10 +8,10 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.loop.script import Action, ChangeSettings, MoveDemonstrator, Script, Steps, converted, do, play
-from viewimit.loop.self_calibration import DEFAULT_POSTURES, begin_calibration
+from viewimit.loop.script import Action, ChangeSettings, MoveDemonstrator, Script, Steps
+from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
-from viewimit.loop.settings import BodyPoint, Settings
+from viewimit.loop.settings import BodyPoint, Settings, convert_fields
 
 from ...jobs.camera_images import CameraProcess
 from ...jobs.session_eyes import SessionEyes
@@ -65,7 +65,8 @@ class UndoableSession:
         where its servo would make no use of that."""
         require_use(self.session.settings.servo)
         with self.past.kept():
-            begin_calibration(self.session, DEFAULT_POSTURES, self.session.settings.seed)
+            postures = self.session.calibration_postures(DEFAULT_POSTURES, self.session.settings.seed)
+            self.session.begin_calibration(postures)
             self.duel.rehearse(DEFAULT_POSTURES)
         self.player.play()
 
@@ -123,7 +124,7 @@ class UndoableSession:
         before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
         try:
             with self._kept(keep, whole=True):
-                play(script, self.session)
+                self.session.play(script)
         except ValueError:
             self.session.resume(*before)
             raise
@@ -136,9 +137,9 @@ class UndoableSession:
         elif isinstance(action, MoveDemonstrator):
             self.pose(np.array(action.theta_demo), keep=False)
         elif isinstance(action, ChangeSettings):
-            self._change(converted(action.fields), keep=False)
+            self._change(convert_fields(action.fields), keep=False)
         else:
-            do(self.session, action)
+            self.session.do(action)
             self.player.wake()
 
     def begin_anew(self) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from viewimit.drawing.export.citation import motions
-from viewimit.loop.self_calibration import MIN_POSTURES, imitation_motions
+from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.servo import SERVOS
 
@@ -53,7 +53,7 @@ def rehearsal_of(session: Session) -> Rehearsal:
     now = session.snapshot
     seen = 0 if now.calibration is None else len(now.calibration)
     to_go = 0 if now.pending_postures is None else len(now.pending_postures)
-    made, rests = imitation_motions(session), now.status.is_at_rest
+    made, rests = session.history.imitation_motions, now.status.is_at_rest
     return Rehearsal(seen, to_go, now.settings.servo, now.calibration_holds, made, rests)
 
 

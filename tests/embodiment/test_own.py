@@ -12,7 +12,7 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.body_image import BodyImage
 from viewimit.loop.rehearsal import rehearse
 from viewimit.loop.settings import Settings
-from viewimit.sensing.latency import MOST_LAG
+from viewimit.sensing.frames import MOST_LAG
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -5,8 +5,7 @@ import pytest
 import trimesh
 
 from viewimit.simulation import scene_geometry
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.robots import robot_names
+from viewimit.simulation.robot import link_meshes, robot_names
 
 RADIUS, HEIGHT = 0.2, 0.3  # m, of a pedestal's plate and of all of it
 CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 0, 1], [0, 0, 1]], float)

@@ -5,7 +5,7 @@ import pytest
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.sensing.latency import MOST_LAG, lag_of
+from viewimit.sensing.frames import MOST_LAG, lag_of
 from viewimit.simulation.disturbances import ImageDisturbance, spoil
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))

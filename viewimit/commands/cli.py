@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from .. import __version__
 from ..geometry import blas_threads as threads
-from ..sensing.quoting import printable
+from ..sensing.files import printable
 from . import BadInput
 
 BAD_INPUT = 2

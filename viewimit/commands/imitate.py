@@ -13,7 +13,7 @@ from ..loop.history import MAX_HISTORY
 from ..loop.result import RunResult
 from ..loop.session import Session
 from ..loop.settings import Settings
-from ..sensing.quoting import MOST_NAME, printable
+from ..sensing.files import MOST_NAME, printable
 from ..servo import SERVOS
 from . import BadInput, history_file
 from .json_output import print_json
@@ -135,7 +135,7 @@ def _told(known: Assessment | None, joint: int) -> bool | None:
         return None
     if known.certificate.told[joint]:
         return True
-    return False if joint in known.untold else None
+    return False if joint in known.unobservable else None
 
 
 def outcome(session: Session, ended: RunResult) -> dict:

@@ -151,8 +151,10 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
     if known is not None and untold:
         names = " and ".join(svg.joint_symbol(joints[k]) for k in untold)
         return Said(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
-    if assessment is not None and assessment.least:
-        return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")
+    if assessment is not None and assessment.at_local_minimum:
+        return Said(
+            "least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.max_displacement)}."
+        )
     if snapshot.status == ServoStatus.SETTLED:
         return Said(ServoStatus.SETTLED, f"{E} {after}{why}")
     advice = "; move an arm or reset" if advises else ""

@@ -12,7 +12,7 @@ from ..estimation.views import VIEWS
 from ..geometry.rigid import rotation_about_axis
 from .appearance import extreme_vertices
 from .camera import Camera
-from .link_meshes import link_meshes
+from .robot import link_meshes
 from .world import World
 
 PLATE = 0.17  # m from the camera to its image plate

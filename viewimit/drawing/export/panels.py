@@ -14,7 +14,7 @@ from ...loop.settings import disturbances
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies, Silhouettes, places, reach
 from ...simulation.disturbances import ArmDisturbance
-from ...simulation.link_meshes import link_meshes
+from ...simulation.robot import link_meshes
 from ...simulation.world import World
 from .. import svg
 from ..curves import draw_curve_pair

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry
 from ...simulation.camera import triangulate
-from ...simulation.link_meshes import link_meshes
+from ...simulation.robot import link_meshes
 from ...simulation.scene_geometry import FOV, fitted_view
 from ...simulation.world import World
 from .. import svg

@@ -10,7 +10,7 @@ from ...loop.session import Session
 from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry as geometry
 from ...simulation.camera import triangulate
-from ...simulation.link_meshes import link_meshes
+from ...simulation.robot import link_meshes
 from ...simulation.world import World
 
 STEPS = 65_535  # of a coordinate between the ends of its mesh

@@ -17,10 +17,20 @@ from ..urdf.chain import Chain, arm_of
 from ..urdf.reference import Reference
 from ..urdf.shapes import Shapes, shapes_of
 from ..urdf.tree import FREE, KINDS, MARGIN, SLIDING, Tree, read_tree
-from . import body_points
-from .motion import image_jacobian, movable, resting, turning_range, two_that_move_most
-from .placing import CENTRE, FOCAL, IMAGE, Placing, parted, placed
-from .surface import Surface, sample, whole
+from .placing import (
+    CENTRE,
+    FOCAL,
+    IMAGE,
+    Placing,
+    image_jacobian,
+    movable,
+    parted,
+    placed,
+    resting,
+    turning_range,
+    two_that_move_most,
+)
+from .surface import Surface, layout, parts_of, sample, seen_from, whole
 
 LAYOUTS = 10, 16, 20  # points
 YAWS_DEG = range(0, 360, 45)
@@ -66,13 +76,9 @@ def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int
     sides = [surface.at(robot.link_frames(posture)) for posture in postures]
     rough = placed(np.array([places for places, _ in sides]), lowest, yaw)
     seen = _seen(rough, sides)
-    part = body_points.parts_of(surface.link, moving)
+    part = parts_of(surface.link, moving)
     places = surface.at(robot.link_frames(rest))[0]
-    layouts = {
-        count: chosen
-        for count in LAYOUTS
-        if len(chosen := body_points.layout(surface, places, seen, part, count)) == count
-    }
+    layouts = {count: chosen for count in LAYOUTS if len(chosen := layout(surface, places, seen, part, count)) == count}
     used = np.unique(np.concatenate(list(layouts.values())))
     placing = placed(np.array([places[used] for places, _ in sides]), lowest, yaw)
     placing = parted(placing, whole(shapes.meshes, robot, rest))
@@ -155,7 +161,7 @@ def _seen(placing: Placing, sides: list[tuple[NDArray, NDArray]]) -> NDArray:
     """(K,) the share of looks, of both arms over the ranges, in which each place is seen."""
     looks = sides[:: max(1, len(sides) // LOOKS**2)]
     shares = [
-        body_points.seen_from(list(placing.cameras(side)), placing.base(side), places, normals)
+        seen_from(list(placing.cameras(side)), placing.base(side), places, normals)
         for side in (1, -1)
         for places, normals in looks
     ]

@@ -6,13 +6,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..link_meshes import link_meshes
-from ..mesh import Mesh
-from ..ray_casting import first_hit
-from ..robot import BodyPoints
+from ..meshes import Mesh, first_hit
+from ..robot import BodyPoints, link_meshes
 from ..world import World
-from .body_points import layout, parts_of, seen_from
-from .surface import Surface, sample
+from .surface import Surface, layout, parts_of, sample, seen_from
 
 MOST = 64  # places
 UNDER = 2e-3  # m, that a place may lie under what is seen

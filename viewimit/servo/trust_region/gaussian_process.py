@@ -4,8 +4,8 @@ Each coordinate of each image point is a process with the kernel
 
     k(a, b) = 30² + 200² a·b + 100² exp(-|a - b|² / 2ℓ²) px²,     ℓ = 100°,
 
-of displacements a, b [rad] from a centre: a linear function, as images nearly are, plus a smooth deviation. With
-K = k(visits, visits) + σ² I, the prediction is k(θ, visits) K⁻¹ y and its variance k(θ, θ) - k(θ, visits) K⁻¹ k(visits, θ).
+of displacements a, b [rad] from a centre: a linear function, as images nearly are, plus a smooth deviation. With the
+visits Θ and K = k(Θ, Θ) + σ² I, the prediction is k(θ, Θ) K⁻¹ y, and its variance k(θ, θ) - k(θ, Θ) K⁻¹ k(Θ, θ).
 
 References
 ----------

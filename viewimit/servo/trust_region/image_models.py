@@ -4,9 +4,9 @@
 Until such kinematics are found, a Gaussian process interpolates the visits (`GaussianProcessImages`); later it still
 predicts the points of which the kinematics do not know yet which joints move them.
 
-The noise of the visited images spoils what is derived from a model. A noisy Jacobian J adds curvature to E where there
-is none, and the gradient Jᵀe is wrong by the noise of both factors (`estimate_own_noise`). An average of visits gives e,
-but only differences of visits give J: visits near each other determine e well, and J hardly at all.
+The noise of the visited images distorts derivatives of E (`estimate_own_noise`). A noisy Jacobian J adds curvature
+where there is none, and the gradient Jᵀe is wrong by the noise of both factors. An average of visits gives e, but only
+differences of visits give J: visits near each other determine e well, and J hardly at all.
 """
 
 from collections.abc import Callable, Sequence
@@ -165,7 +165,7 @@ class OwnNoise:
     degrees_of_freedom: int  # of the residuals that make E
 
     def debias_hessian(self, hessian: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Subtract the noise's curvature and BIAS_SIGMA standard deviations of it from (..., m, m); keep it positive."""
+        """Subtract the noise's curvature, plus BIAS_SIGMA deviations of it, from (..., m, m); keep the rest positive."""
         factor = 1 + BIAS_SIGMA * np.sqrt(2 / self.degrees_of_freedom)
         curvatures, directions = np.linalg.eigh(hessian - factor * self.hessian_bias)
         least = MIN_CURVATURE * np.trace(hessian, axis1=-2, axis2=-1)[..., None]

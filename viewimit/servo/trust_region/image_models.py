@@ -165,7 +165,7 @@ class OwnNoise:
     degrees_of_freedom: int  # of the residuals that make E
 
     def debias_hessian(self, hessian: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Subtract the noise's curvature, plus BIAS_SIGMA deviations of it, from (..., m, m); keep the rest positive."""
+        """Subtract the curvature of noise, plus BIAS_SIGMA deviations, from (..., m, m); keep the rest positive."""
         factor = 1 + BIAS_SIGMA * np.sqrt(2 / self.degrees_of_freedom)
         curvatures, directions = np.linalg.eigh(hessian - factor * self.hessian_bias)
         least = MIN_CURVATURE * np.trace(hessian, axis1=-2, axis2=-1)[..., None]

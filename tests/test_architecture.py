@@ -33,7 +33,7 @@ UPWARD = {  # (importing part, imported part): to be turned round
 }
 # rooms and modules of app/: each imports only what stands in a line above its own, or itself
 APP_ORDER = (
-    {"viser_private", "quiet_client", "static"},
+    {"viser_private", "quiet_client", "static", "lab"},
     {"lessons"},
     {"jobs", "sessions"},
     {"classroom"},

@@ -22,16 +22,16 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
-from ..estimation.evaluation import conflict
+from ..estimation.residuals import conflict
+from ..estimation.transfers import TRANSFERS
+from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
 from ..simulation.markers import Markers
-from ..simulation.physics.model import write_urdf
-from ..simulation.physics.studio import Studio
+from ..simulation.physics import write_urdf
+from ..simulation.rendering import Studio
 from ..simulation.robot import BodyPoints
 from ..simulation.scene import load_scene
 from ..simulation.world import World
-from ..estimation.transfers import TRANSFERS
-from ..estimation.views import FourViews
 from . import ROOT
 from .sightings import Sightings, sightings
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, norm
 
-from viewimit.estimation.evaluation import conflict, noise_conflict
+from viewimit.estimation.residuals import conflict, noise_conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.transfers.transfer import Transfer
 from viewimit.estimation.views import FourViews

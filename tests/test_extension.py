@@ -111,8 +111,8 @@ class Cautious:
     def retarget(self, state, seen):
         return replace(state, inner=self.broyden.retarget(state.inner, seen), status="moving")
 
-    def step(self, state, seen, conflict):
-        inner, step = self.broyden.step(state.inner, seen, conflict)
+    def step(self, state, seen, residuals):
+        inner, step = self.broyden.step(state.inner, seen, residuals)
         made = step if inner.probe else self.share * step
         return CautiousState(inner, state.saved + float(np.abs(step - made).sum()), inner.status, inner.probe), made
 
@@ -122,7 +122,7 @@ class Cautious:
         return (Equation("C", "caution", rf"\sum|𝐮_B-𝐮|={HOLE}", (number(state.saved, 6),)),)
 
     def says(self, state, status):
-        return "caution is satisfied" if status == "rests" else ""
+        return "caution is satisfied" if status == "settled" else ""
 
 
 # An experiment: E at the start, and after a motion of the demonstrator
@@ -195,7 +195,7 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     page.tick_until(lambda: "caution is satisfied" in page.shown)
     page.tick(1.0)
     last = page.page.memory().history[-1]
-    assert (last.settings.transfer, last.settings.servo, last.status) == ("ridge", "cautious", "rests")
+    assert (last.settings.transfer, last.settings.servo, last.status) == ("ridge", "cautious", "settled")
     assert np.abs(last.theta - last.theta_demo).max() < np.radians(5)
     assert "caution is satisfied" in page.shown
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
@@ -284,7 +284,7 @@ def test_imitate_and_landscape_take_them(ask_json, ask):
     chosen = "--transfer", "ridge", "--start", "25,-45"
     status, told = ask_json("imitate", *chosen, "--servo", "cautious", "--frames", "1")
     session = stepped(40)
-    assert status == 1 and told["status"] == "rests" and told["E"] == pytest.approx(session.snapshot.E, rel=1e-6)
+    assert status == 1 and told["status"] == "settled" and told["E"] == pytest.approx(session.snapshot.E, rel=1e-6)
     status, told = ask_json("landscape", "--transfer", "ridge", "--step-deg", "10")
     assert status == 0 and told["transfer"] == "ridge"
     epipolar = ask_json("landscape", "--transfer", "epipolar", "--step-deg", "10")[1]

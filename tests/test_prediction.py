@@ -3,14 +3,14 @@
 import msgspec
 import numpy as np
 
+from viewimit.estimation.residuals import NoiseReference
 from viewimit.estimation.transfers.weighted import Weighted
 from viewimit.estimation.views import FourViews
-from viewimit.loop.prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
+from viewimit.loop.prediction import DRIFT_MOMENTS, PredictedResiduals, demo_drift
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
-from viewimit.servo.identities import exchanged, with_exchanged
-from viewimit.servo.observation import Weighting
+from viewimit.servo.trust_region.correspondences import exchanged, with_exchanged
 
 
 def drift_of(session):
@@ -20,7 +20,7 @@ def drift_of(session):
 def test_a_servo_may_ask_another_transfer_and_for_weights():
     session = Session(Settings.paper(transfer="epipolar"))
     now = session.snapshot
-    ask, own = PredictedConflict(now), now.views.own
+    ask, own = PredictedResiduals(now), now.views.own
     np.testing.assert_allclose(ask(own), now.e)
     other = Session(Settings.paper(transfer="linear")).snapshot
     np.testing.assert_allclose(ask(own, "linear"), other.e)
@@ -28,7 +28,7 @@ def test_a_servo_may_ask_another_transfer_and_for_weights():
     unknown[3] = np.nan
     assert ask(unknown).shape == (9, 4)
     assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # nothing can be told of such images
-    weighed = ask(own, None, Weighting(own, 1.0))
+    weighed = ask(own, None, NoiseReference(own, 1.0))
     assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
 
 
@@ -45,20 +45,20 @@ def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_tran
     there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
     now = half_seen(session, [2, 7])
     assert now.half_shown == 2 and now.shown == 8
-    ask = PredictedConflict(now)
+    ask = PredictedResiduals(now)
     assert ask(there).shape == (8, 4)
-    e = ask.with_half_seen()(there)
+    e = ask.with_partially_visible()(there)
     assert e.shape == (10, 4) and np.abs(e).max() < 1e-8
     aside = np.array([there, there])
     aside[1, 7, 3] += 1.0  # across the line on which it would be recovered
-    assert (ask(aside) == ask(there)).all() and np.abs(ask.with_half_seen()(aside)[1]).max() > 0.05
+    assert (ask(aside) == ask(there)).all() and np.abs(ask.with_partially_visible()(aside)[1]).max() > 0.05
     aside[1, 7] = np.nan
-    assert ask.with_half_seen()(aside).shape == (2, 9, 4)
-    assert np.isposinf(ask.with_half_seen()(np.full_like(there, np.nan))).all()
-    np.testing.assert_array_equal(ask.with_half_seen()(aside, "linear"), ask(aside, "linear"))
+    assert ask.with_partially_visible()(aside).shape == (2, 9, 4)
+    assert np.isposinf(ask.with_partially_visible()(np.full_like(there, np.nan))).all()
+    np.testing.assert_array_equal(ask.with_partially_visible()(aside, "linear"), ask(aside, "linear"))
     pairs = ((2, 3),)
     swapped = exchanged(there, pairs)
-    np.testing.assert_array_equal(with_exchanged(ask, pairs).with_half_seen()(swapped), e)
+    np.testing.assert_array_equal(with_exchanged(ask, pairs).with_partially_visible()(swapped), e)
     for changed in ({"transfer": "epipolar"}, {"rectify": "off"}):
         settings = msgspec.structs.replace(now.settings, **changed)
         assert now.with_fields(settings=settings).half_shown == 0
@@ -70,16 +70,18 @@ def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_ali
         pass
     there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
     now = half_seen(session, [1, 4, 9])
-    ask, own = PredictedConflict(now, noise_px=0.2).with_half_seen(), now.views.own
+    ask, own = PredictedResiduals(now, noise_px=0.2).with_partially_visible(), now.views.own
     for like, weighed in ((there, True), (own + 40 * np.sin(own), False)):
         views = FourViews(now.views.demo, like, now.views.visible)
         by = Weighted.like(views, now.rectification, 0.1) if weighed else Weighted.even(views, now.rectification)
-        np.testing.assert_array_equal(ask(there, weighting=Weighting(like, 0.1)), by.residual(views.with_own(there)))
+        np.testing.assert_array_equal(
+            ask(there, noise_reference=NoiseReference(like, 0.1)), by.residual(views.with_own(there))
+        )
 
 
 def test_images_of_a_batch_are_answered_as_each_of_them():
     now = Session(Settings.paper(transfer="projective")).snapshot
-    ask, own = PredictedConflict(now), now.views.own
+    ask, own = PredictedResiduals(now), now.views.own
     batch = own + np.random.default_rng(0).normal(0, 2, (2, 3, *own.shape))
     for by in (None, "epipolar"):
         together = ask(batch, by)
@@ -93,29 +95,29 @@ def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays
         session.step()
     now, moments = session.snapshot, list(session.history)
     own = np.array([moment.views.own for moment in moments])
-    anew, fitted = PredictedConflict(now)(own), []
+    anew, fitted = PredictedResiduals(now)(own), []
     fit = Snapshot.fit
     monkeypatch.setattr(Snapshot, "fit", lambda self, *args: fitted.append(self) or fit(self, *args))
-    np.testing.assert_allclose(PredictedConflict(now, moments=moments)(own), anew, atol=1e-10)
+    np.testing.assert_allclose(PredictedResiduals(now, moments=moments)(own), anew, atol=1e-10)
     assert not fitted
     elsewhere = now.views.demo.copy()
     elsewhere[:, ::2] += 3.0 * np.arange(len(elsewhere))[:, None]
     moved = now.with_fields(views=FourViews(elsewhere, now.views.own, now.views.visible))
     other = now.with_fields(settings=msgspec.structs.replace(now.settings, transfer="linear"))
     for changed in (moved, other):
-        asked = PredictedConflict(changed, moments=moments)(own)
-        np.testing.assert_allclose(asked, PredictedConflict(changed)(own), atol=1e-10)
+        asked = PredictedResiduals(changed, moments=moments)(own)
+        np.testing.assert_allclose(asked, PredictedResiduals(changed)(own), atol=1e-10)
         assert not np.allclose(asked, anew, atol=0.1)
     ahead = np.full_like(now.views.demo, 3.0) * np.arange(len(elsewhere))[:, None]
-    drifted = PredictedConflict(now, ahead, moments=moments)(own)
-    np.testing.assert_allclose(drifted, PredictedConflict(now, ahead)(own), atol=1e-10)
+    drifted = PredictedResiduals(now, ahead, moments=moments)(own)
+    np.testing.assert_allclose(drifted, PredictedResiduals(now, ahead)(own), atol=1e-10)
 
 
 def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
     now = Session(Settings.paper(transfer="linear")).snapshot
     drift = np.full_like(now.views.demo, 3.0)
     ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
-    np.testing.assert_allclose(PredictedConflict(now, drift)(now.views.own), ahead.e)
+    np.testing.assert_allclose(PredictedResiduals(now, drift)(now.views.own), ahead.e)
 
 
 def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
@@ -127,10 +129,10 @@ def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_whe
     def of_frozen(by_px):
         return own - then.recover(now.views.demo_left + by_px, now.views.demo_right + by_px)
 
-    np.testing.assert_allclose(PredictedConflict(now, drift, noise_px=0.5)(own), of_frozen(1.0))
-    assert not np.allclose(PredictedConflict(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
-    assert not np.allclose(PredictedConflict(now, drift)(own), of_frozen(1.0), atol=0.1)
-    assert not np.allclose(PredictedConflict(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
+    np.testing.assert_allclose(PredictedResiduals(now, drift, noise_px=0.5)(own), of_frozen(1.0))
+    assert not np.allclose(PredictedResiduals(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(PredictedResiduals(now, drift)(own), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(PredictedResiduals(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
 
 
 def test_one_jump_of_the_demonstrator_is_no_drift():

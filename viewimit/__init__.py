@@ -24,10 +24,10 @@ __version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from .analysis.landscape import Landscape, landscape
-    from .estimation.evaluation import conflict
+    from .drawing.export.replay import replay
+    from .estimation.residuals import conflict
     from .estimation.transfers import TRANSFERS
     from .estimation.views import FourViews
-    from .export.replay import replay
     from .geometry.affine import fit_affine_fundamental
     from .loop.embodiment.interface import Arm, Eyes
     from .loop.result import RunResult
@@ -50,11 +50,11 @@ _MODULES = {
     "Snapshot": ".loop.snapshot",
     "TRANSFERS": ".estimation.transfers",
     "World": ".simulation.world",
-    "conflict": ".estimation.evaluation",
+    "conflict": ".estimation.residuals",
     "fit_affine_fundamental": ".geometry.affine",
     "landscape": ".analysis.landscape",
     "load_scene": ".simulation.scene",
-    "replay": ".export.replay",
+    "replay": ".drawing.export.replay",
 }
 
 __all__ = [

@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.joint_errors import ErrorTrace
+from viewimit.analysis.convergence import ErrorTrace
 from viewimit.drawing.duel import ARRIVED_DEG, Standing
 from viewimit.loop.rehearsal import begin_rehearsal
 from viewimit.loop.session import Session

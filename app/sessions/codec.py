@@ -22,7 +22,7 @@ from viewimit.loop.body_image import Body, BodyImage
 from viewimit.loop.settings import OWN, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 from .kinds import fields_of, require_fields
 

@@ -12,10 +12,9 @@ from viewimit.loop.history import MAX_HISTORY
 from viewimit.loop.script import Began, Changed, Deed, Posed, Rehearsed, Script
 from viewimit.loop.settings import OWN, Settings
 from viewimit.sensing.files import file_name, is_text
-from viewimit.simulation.robots import robot_names
-from viewimit.simulation.scene import load_scene
-from viewimit.simulation.scene_reading import scene_names
-from viewimit.simulation.scene_text import scene_text
+from viewimit.simulation.robot import robot_names
+from viewimit.simulation.scene import load_scene, scene_names
+from viewimit.simulation.scene_writing import scene_text
 
 FORM = "1"  # the first character: which form the rest has
 MOST_CHARS = 6_000

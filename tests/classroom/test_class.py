@@ -293,7 +293,7 @@ def test_a_question_that_goes_on_is_shown_wherever_the_lecturer_is_and_can_be_cl
 
 
 def test_who_rests_where_E_is_not_0_is_not_counted_as_there(of):
-    counts = {"rests": "1 at rest", "arrived": "1 there"}
+    counts = {"settled": "1 at rest", "arrived": "1 there"}
     for state, words in counts.items():
         seen = Seen(students=(Summary(id="0" * 16, state=state, E=45.0),))
         model(of.lecturer).role.see(seen)

@@ -18,8 +18,8 @@ from viewimit.app.sessions.autosave import SavedPage, SavedSession
 from viewimit.app.sessions.link import read, written
 from waiting import wait_until
 
-from viewimit.export.citation import cite
-from viewimit.export.replay import replay
+from viewimit.drawing.export.citation import cite
+from viewimit.drawing.export.replay import replay
 from viewimit.loop.script_player import play
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

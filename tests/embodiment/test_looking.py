@@ -7,7 +7,7 @@ import pytest
 from viewimit.loop.looking import Observer
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.sensing.latency import MOST_LAG
+from viewimit.sensing.frames import MOST_LAG
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 

@@ -126,7 +126,7 @@ def test_laws_that_rest_do_so_where_they_would_after_longer_motions(servo):
     free, bound = (Session(changed(max_step_deg=step, **fields)) for step in (None, 15.0))  # 15°: as long as a probe
     there, here = free.run(200).last, bound.run(200).last
     assert longest(sent(free)) > np.radians(15.0) >= longest(sent(bound)) - ROUNDING
-    assert there.status == here.status == "rests" and here.motion > there.motion
+    assert there.status == here.status == "settled" and here.motion > there.motion
     np.testing.assert_allclose(here.theta, there.theta, atol=1e-8)
 
 
@@ -144,7 +144,7 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     asked = Settings(transfer="epipolar", servo="trust-region", start_deg=(25, -25), restarts=restarts)
     session = Session(asked)
     last = session.run(200).last
-    assert last.status == "stalled" and last.servo_state.restarts == restarts
+    assert last.status == "no-progress" and last.servo_state.restarts == restarts
     words = SERVOS["trust-region"].says(last.servo_state, last.status)
     assert ("searches elsewhere" in words) == (restarts > 0)
     if restarts == 0:
@@ -231,7 +231,7 @@ def test_points_that_are_out_of_sight_on_the_way_do_not_stop_it():
     robot = Recorded(hidden=lambda theta: any(np.abs(theta - there).max() < 1e-6 for there in on_the_way))
     session = Session.of(robot, robot, **bound)
     last = session.run(200).last
-    assert any(moment.transfer is None for moment in session.history) and last.status == "rests"
+    assert any(moment.transfer is None for moment in session.history) and last.status == "settled"
     np.testing.assert_allclose(last.theta, before.snapshot.theta, atol=1e-9)
 
 
@@ -242,7 +242,7 @@ def test_settings_that_change_on_the_way_let_the_servo_decide_anew():
     session.change(transfer="linear")
     assert session.snapshot.target is None
     session.change(max_step_deg=None)
-    assert session.run(60).status in ("converged", "stalled")
+    assert session.run(60).status in ("converged", "no-progress")
 
 
 def test_a_run_in_short_motions_is_repeated_by_its_script():
@@ -324,4 +324,4 @@ def test_waypoints_lead_straight_to_the_target_by_as_few_motions_as_that_takes(t
 def test_a_history_that_is_full_ends_on_the_way_too(monkeypatch):
     monkeypatch.setattr("viewimit.loop.session.MAX_HISTORY", 4)
     session = Session(changed(max_step_deg=1.0))
-    assert session.run(MAX_HISTORY).last.motion == 4 and session.snapshot.status == "stopped"
+    assert session.run(MAX_HISTORY).last.motion == 4 and session.snapshot.status == "max-motions"

@@ -12,7 +12,7 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.body_image import BodyImage
 from viewimit.loop.rehearsal import rehearse
 from viewimit.loop.settings import Settings
-from viewimit.sensing.latency import MOST_LAG
+from viewimit.sensing.frames import MOST_LAG
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -234,7 +234,7 @@ def test_points_that_are_not_seen_hold_the_arm_and_more_points_of_the_demonstrat
     robot.hidden = range(6)
     one = session(robot)
     sent = len(robot.sent)
-    assert one.run(patience=3).status == "stopped" and len(robot.sent) == sent
+    assert one.run(patience=3).status == "too-few-points" and len(robot.sent) == sent
     robot.hidden = (0,)
     assert one.step() and one.snapshot.usable.sum() == 9
     robot.hidden = ()
@@ -419,4 +419,4 @@ def test_a_body_whose_points_are_lost_to_one_place_is_no_evidence(transfer, own)
     assert np.degrees(np.abs(last.commanded - expected.commanded)).max() < 0.5 and last.status == expected.status
     robot.look = lambda: seen().with_own(own)
     held = session(robot, settings)
-    assert not held.step() and held.snapshot.status == "stopped" and np.isnan(held.snapshot.E)
+    assert not held.step() and held.snapshot.status == "too-few-points" and np.isnan(held.snapshot.E)

@@ -7,8 +7,8 @@ import pytest
 from viewimit.app.sessions import codec
 
 from viewimit import SERVOS, TRANSFERS, FourViews, Session, Settings, replay
+from viewimit.drawing.export.citation import cite
 from viewimit.estimation.transfers import TransferMethod, linear_combination, transfer_method
-from viewimit.export.citation import cite
 from viewimit.loop.settings import OWN
 from viewimit.servo import GaussNewton
 
@@ -38,8 +38,8 @@ class Law:
     def start(self, seen):
         return GaussNewton().start(seen)
 
-    def step(self, state, seen, conflict):
-        return GaussNewton().step(state, seen, conflict)
+    def step(self, state, seen, residuals):
+        return GaussNewton().step(state, seen, residuals)
 
 
 class Still:
@@ -48,7 +48,7 @@ class Still:
     def start(self, seen):
         return {"asked": 0}
 
-    def step(self, state, seen, conflict):
+    def step(self, state, seen, residuals):
         return {"asked": state["asked"] + 1}, np.zeros_like(seen.displacement)
 
 
@@ -112,12 +112,12 @@ def test_a_servo_of_two_methods_moves_as_the_whole_one_does():
 def test_a_servo_without_a_status_that_wants_no_motion_rests():
     session = Session(Settings(**START), servo=Still())
     assert not session.step()
-    assert session.snapshot.status == "rests" and session.snapshot.servo_state == {"asked": 1}
+    assert session.snapshot.status == "settled" and session.snapshot.servo_state == {"asked": 1}
 
 
 def test_a_motion_of_a_servo_without_a_status_is_divided_as_any_other():
     class Once(Still):
-        def step(self, state, seen, conflict):
+        def step(self, state, seen, residuals):
             return {"asked": state["asked"] + 1}, np.radians((0, 12)) if state["asked"] == 0 else np.zeros(2)
 
     session = Session(Settings(**START, max_step_deg=5), servo=Once())
@@ -186,7 +186,7 @@ def test_names_serve_as_well():
         ({"transfer": lambda views: None}, TypeError, r"must return an object with recover\(demo_left, demo_right\)"),
         ({"transfer": "magic"}, ValueError, "no transfer 'magic'"),
         ({"servo": Law}, TypeError, r"the servo Law is a class; make one, Law\(…\)"),
-        ({"servo": object()}, TypeError, r"has no start\(seen\) and no step\(state, seen, conflict\)"),
+        ({"servo": object()}, TypeError, r"has no start\(seen\) and no step\(state, seen, residuals\)"),
         ({"settings": "panda"}, TypeError, r"settings must be Settings\(…\), got 'panda'"),
     ],
 )
@@ -219,14 +219,14 @@ def test_points_of_another_shape_and_motions_that_are_none_are_named():
         def __init__(self, motion):
             self.motion = motion
 
-        def step(self, state, seen, conflict):
+        def step(self, state, seen, residuals):
             return state, self.motion
 
     for motion in (0.1, [0.1, 0.2, 0.3], [np.nan, 0.0]):
         with pytest.raises(ValueError, match="the servo 'Mover' must return its state and 2 finite angles in rad"):
             Session(servo=Mover(motion)).step()
     law = Mover(None)
-    law.step = lambda state, seen, conflict: state
+    law.step = lambda state, seen, residuals: state
     with pytest.raises(TypeError, match="the servo 'Mover' must return its state and its motion"):
         Session(servo=law).step()
     law = Mover([0.1, 0.0])

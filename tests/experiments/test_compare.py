@@ -24,7 +24,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 SETTINGS = Settings.paper(transfer="projective")
 
 
-def rows_of(servo, errors, motions=9, status="rests", case="a"):
+def rows_of(servo, errors, motions=9, status="settled", case="a"):
     return [Row(case, k, servo, motions, ServoStatus(status), error, np.nan, 0.1) for k, error in enumerate(errors)]
 
 

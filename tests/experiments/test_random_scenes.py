@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import projective
 from viewimit.experiments.bench import random_scenes
 from viewimit.experiments.bench.random_scenes import draw, resize, write

@@ -6,7 +6,7 @@ import pytest
 from viewimit.commands.cli import main
 from viewimit.experiments.bench.tracks import CASES, HEIGHT, NOISE_PX, WIDTH, Case, draw, run
 from viewimit.geometry.fundamental import fit_fundamental, sampson_distance
-from viewimit.sensing.degeneracy import extents
+from viewimit.sensing.point_checks import extents
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)

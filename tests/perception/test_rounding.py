@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.sensing.rounding import FEWEST, rounding
+from viewimit.sensing.point_checks import FEWEST, rounding
 
 
 def scattered(rng, *shape):

@@ -12,7 +12,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.random_scenes import draw, resize
 from viewimit.geometry.distortion import Radial
 from viewimit.loop.suspects import FEWEST_POINTS, rounding_of, suspects
-from viewimit.simulation.lens import undistorted
+from viewimit.simulation.camera import undistorted
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -7,7 +7,7 @@ import pytest
 from sameness import assert_same
 
 from viewimit.loop.body_image import FEWEST, Body, BodyImage, postures_apart, rehearsal_postures
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 PANDA = Body("panda", (2, 4), (90.0, 180.0), 10, "points", (0.0, 0.0))
 LOW, HIGH = np.radians((0.0, -180.0)), np.radians((90.0, 0.0))

@@ -10,7 +10,7 @@ from viewimit.loop.body_image import FEWEST
 from viewimit.loop.rehearsal import rehearse
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.trust_state import FIRST_RADIUS
+from viewimit.servo.trust_region.state import FIRST_RADIUS
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import Scene
 

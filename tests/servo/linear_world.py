@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from viewimit.estimation import evaluation
+from viewimit.estimation.residuals import conflict
 from viewimit.servo import Observation
 
 
@@ -20,7 +20,7 @@ class LinearWorld:
     def images(self, theta):
         return self.y + self.J @ theta
 
-    def conflict(self, own, by=None, weighting=None, head=0):
+    def residuals(self, own, transfer=None, noise_reference=None, rig=0):
         return own - self.images(self.aim) + self.least
 
     def seen(self, theta, motion=0, noise=0.0, noise_px=0.0, limit=None):
@@ -30,4 +30,4 @@ class LinearWorld:
 
     def observe(self, theta, motion):
         seen = self.seen(theta, motion)
-        return replace(seen, E=float(evaluation.conflict(self.conflict(seen.own))))
+        return replace(seen, E=float(conflict(self.residuals(seen.own))))

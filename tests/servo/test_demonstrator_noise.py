@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from viewimit.estimation.residuals import NoiseReference
 from viewimit.experiments.bench.distances import scene_text
-from viewimit.loop.prediction import PredictedConflict
+from viewimit.loop.prediction import PredictedResiduals
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.observation import Weighting
 
 NOISE_PX = 0.25
 FALSE_DEG, TIMES = 1.0, 3.0  # off, and times the expected error: beyond both a claim is false
@@ -41,10 +41,10 @@ def test_matches_that_no_affine_geometry_fits_keep_affine_weights_and_make_no_fa
     session, last, error_deg = run_of(seed, scene="panda-toed", rectify="off")
     now = session.snapshot
     noise_px = session.observer.noise_at_rest(session.settings)
-    ask = PredictedConflict(now, noise_px=noise_px, moments=tuple(session.history))
+    ask = PredictedResiduals(now, noise_px=noise_px, moments=tuple(session.history))
     assert ask.head is None
     own = now.views.own
-    weighed = ask(own, weighting=Weighting(own, 1.0))
+    weighed = ask(own, noise_reference=NoiseReference(own, 1.0))
     weights = np.linalg.lstsq(now.residual, weighed, rcond=None)[0]  # the same (4, 4) for all points, not one for each
     np.testing.assert_allclose(now.residual @ weights, weighed, atol=1e-6 * np.abs(weighed).max())
     assert not is_false(last, error_deg)

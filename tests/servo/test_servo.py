@@ -20,25 +20,25 @@ from viewimit.simulation.world import World
 @pytest.mark.parametrize("noise_px", [0.0, 0.1])
 @pytest.mark.parametrize("name", SERVOS)
 def test_a_loop_written_from_the_docstring_runs(name, noise_px):
-    """`conflict(own, by=None, weighting=None, head=0)`, E, images and displacements are all that a law needs."""
+    """`residuals(own, transfer=None, noise_reference=None, rig=0)`, E, images, displacements: all a law needs."""
     servo, world, asked = SERVOS[name], LinearWorld(2, np.random.default_rng(5), 7), []
 
-    def conflict(own, by=None, weighting=None, head=0):
-        asked.append((by, weighting))
-        return world.conflict(own)
+    def residuals(own, transfer=None, noise_reference=None, rig=0):
+        asked.append((transfer, noise_reference))
+        return world.residuals(own)
 
     theta, found = np.zeros(2), []
     state = servo.start(replace(world.observe(theta, 0), noise_px=noise_px))
     for motion in range(40):
         seen = replace(world.observe(theta, motion), noise_px=noise_px)
         found.append(seen.E)
-        state, displacement = servo.step(state, seen, conflict)
+        state, displacement = servo.step(state, seen, residuals)
         assert displacement.shape == (2,) and isinstance(state.probe, bool)
         if not displacement.any():
             break
         theta = theta + displacement
     if name in ("broyden", "trust-region"):  # the gradients' constants are of another scale than this world's
-        assert state.status == {"broyden": "rests", "trust-region": "converged"}[name]
+        assert state.status == {"broyden": "settled", "trust-region": "converged"}[name]
         assert min(found) < 0.01 * found[0]
     if name == "trust-region" and noise_px:
         assert any(weighting is not None for _, weighting in asked)
@@ -50,26 +50,26 @@ def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_targ
     theta = np.zeros(m)
     state = servo.start(world.observe(theta, 0))
     for motion in range(m + 2):
-        state, step = servo.step(state, world.observe(theta, motion), world.conflict)
+        state, step = servo.step(state, world.observe(theta, motion), world.residuals)
         assert state.probe == (motion < m)
         if motion == m:
             np.testing.assert_allclose(state.model.jacobian, world.J, atol=1e-8)
         theta = theta + step
     assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
-    state, step = servo.step(state, world.observe(theta, m + 2), world.conflict)
-    assert state.status == "rests" and not step.any()  # that the next step is small is no evidence
+    state, step = servo.step(state, world.observe(theta, m + 2), world.residuals)
+    assert state.status == "settled" and not step.any()  # that the next step is small is no evidence
 
 
 def test_broyden_does_not_learn_from_points_that_were_not_seen():
     world, servo = LinearWorld(2, np.random.default_rng(5), 6), Broyden()
     seen = world.observe(np.zeros(2), 0)
-    state, step = servo.step(servo.start(seen), seen, world.conflict)
+    state, step = servo.step(servo.start(seen), seen, world.residuals)
     after = world.observe(step, 1)
     hidden = after.seen.copy()
     hidden[0, 1] = False  # the first point, in [R]
     own = after.own.copy()
     own[0, 2:] = 1e6
-    learned, _ = servo.step(state, replace(after, own=own, seen=hidden), world.conflict)
+    learned, _ = servo.step(state, replace(after, own=own, seen=hidden), world.residuals)
     joint = int(np.argmax(np.abs(step)))
     np.testing.assert_allclose(learned.model.jacobian[0, :2, joint], world.J[0, :2, joint], atol=1e-8)
     assert not learned.model.jacobian[0, 2:].any()
@@ -83,7 +83,7 @@ def test_broyden_completes_a_posture_by_points_that_it_saw_later():
     seen[0, 1] = False
     own = first.own.copy()
     own[0, 2:] = 1e6
-    state, step = servo.step(servo.start(replace(first, own=own, seen=seen)), first, world.conflict)
+    state, step = servo.step(servo.start(replace(first, own=own, seen=seen)), first, world.residuals)
     assert not np.isnan(state.best.own).any() and np.abs(state.best.own).max() < 1e3
     state, _ = servo.step(
         servo.start(replace(first, own=own, seen=seen)), replace(first, own=own, seen=seen), np.nan_to_num
@@ -97,7 +97,7 @@ def test_a_probe_in_a_narrow_range_stays_inside(start):
     theta = np.full(2, start)
     state = servo.start(world.observe(theta, 0))
     for motion in range(2):
-        state, step = servo.step(state, world.observe(theta, motion), world.conflict)
+        state, step = servo.step(state, world.observe(theta, motion), world.residuals)
         theta = theta + step
         assert state.probe and np.count_nonzero(step) == 1 and (np.abs(theta) <= 0.1 + 1e-12).all()
 
@@ -177,8 +177,8 @@ class Recorder:
     def start(self, seen):
         return self.law.start(seen)
 
-    def step(self, state, seen, conflict):
-        state, displacement = self.law.step(state, seen, conflict)
+    def step(self, state, seen, residuals):
+        state, displacement = self.law.step(state, seen, residuals)
         self.answers.append((seen, displacement))
         return state, displacement
 

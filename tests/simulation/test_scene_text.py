@@ -10,7 +10,7 @@ from viewimit.loop.settings import Settings
 from viewimit.loop.wording import as_command, as_python
 from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.scene import Scene, load_scene, scene_names
-from viewimit.simulation.scene_text import scene_text
+from viewimit.simulation.scene_writing import scene_text
 
 MINE = 'title = "Eyes <wider> a/part"\nextends = "panda"\n\n[head]\nbaseline = 0.7654321012345678\n'
 OTHERS = {  # what is other than in a shipped scene

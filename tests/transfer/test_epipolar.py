@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS, epipolar
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import fit_affine_fundamental

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import linear_combination
 from viewimit.estimation.views import FourViews
 

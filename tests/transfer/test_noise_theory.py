@@ -20,16 +20,16 @@ from functools import partial
 import numpy as np
 import pytest
 
+from viewimit.estimation.residuals import NoiseReference
 from viewimit.estimation.transfers import linear_combination, rank3
 from viewimit.estimation.transfers.noise import noise_weight
 from viewimit.estimation.transfers.weighted import Weighted
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.random_scenes import draw, resize, write
 from viewimit.geometry.rectification import level, rectification_of
-from viewimit.loop.prediction import PredictedConflict
+from viewimit.loop.prediction import PredictedResiduals
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.observation import Weighting
 from viewimit.simulation.world import World
 
 PX = 0.005  # so little that squares of the noise have no part
@@ -70,20 +70,20 @@ def affine_views(rng):
     return FourViews(demo, own, np.ones((count, 4), bool))
 
 
-def drawn_squares(views, own_share, residual_of, rng):
-    """Σe²/σ² of noise drawn DRAWS times; κ = own_share."""
+def drawn_squares(views, own_variance_ratio, residual_of, rng):
+    """Σe²/σ² of noise drawn DRAWS times; κ = own_variance_ratio."""
     found = []
     for _ in range(DRAWS):
         demo, own = PX * rng.standard_normal((2, *views.demo.shape))
-        noisy = FourViews(views.demo + demo, views.own + np.sqrt(own_share) * own, views.visible)
+        noisy = FourViews(views.demo + demo, views.own + np.sqrt(own_variance_ratio) * own, views.visible)
         found.append(np.square(residual_of(noisy)).sum() / PX**2)
     return np.array(found)
 
 
 def asked(now, about, noisy):
     """e of noisy views as a servo asks it, weighted about an own image."""
-    ask = PredictedConflict(now.with_fields(views=noisy), noise_px=PX)
-    return ask(noisy.own, weighting=Weighting(about, 1.0))
+    ask = PredictedResiduals(now.with_fields(views=noisy), noise_px=PX)
+    return ask(noisy.own, noise_reference=NoiseReference(about, 1.0))
 
 
 def affinely_weighted(weight, noisy):
@@ -105,13 +105,13 @@ def assert_together(offs):
 
 
 @pytest.mark.parametrize("any_head", [False, True], ids=["parallel", "any head"])
-@pytest.mark.parametrize("own_share", [0.0, 0.01, 0.3, 1.0])
-def test_exactly_weighted_E_is_chi_square_less_the_parameters_of_a_homography(any_head, own_share):
+@pytest.mark.parametrize("own_variance_ratio", [0.0, 0.01, 0.3, 1.0])
+def test_exactly_weighted_E_is_chi_square_less_the_parameters_of_a_homography(any_head, own_variance_ratio):
     offs = []
     for k in range(RIGS):
         views, head, _, rng = rig_of(any_head, k)
-        by = Weighted.like(views, head, own_share)
-        squares = drawn_squares(views, own_share, by.residual, rng)
+        by = Weighted.like(views, head, own_variance_ratio)
+        squares = drawn_squares(views, own_variance_ratio, by.residual, rng)
         offs.append(mean_off(squares, 4 * len(views.demo) - 15))
     assert_together(offs)
 
@@ -142,15 +142,15 @@ def test_what_a_servo_asks_at_the_true_posture_is_that_noise(any_head, tmp_path)
     assert_together(offs)
 
 
-@pytest.mark.parametrize("own_share", [0.01, 0.3, 1.0])
-def test_affine_weights_make_E_chi_square_less_four_points(own_share):
+@pytest.mark.parametrize("own_variance_ratio", [0.01, 0.3, 1.0])
+def test_affine_weights_make_E_chi_square_less_four_points(own_variance_ratio):
     """κ = 0 has no such weights: B has rank 3, and a combination of own coordinates no noise at all."""
     offs = []
     for k in range(RIGS):
         rng = np.random.default_rng([2, k])
         views = affine_views(rng)
-        weighted = partial(affinely_weighted, noise_weight(views, own_share))
-        squares = drawn_squares(views, own_share, weighted, rng)
+        weighted = partial(affinely_weighted, noise_weight(views, own_variance_ratio))
+        squares = drawn_squares(views, own_variance_ratio, weighted, rng)
         offs.append(mean_off(squares, 4 * (len(views.demo) - 4)))
     assert_together(offs)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import rank3
 from viewimit.estimation.views import FourViews
 from viewimit.simulation.scene import load_scene

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.transfers.rectified import fit
 from viewimit.estimation.views import FourViews

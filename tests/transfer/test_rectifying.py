@@ -50,17 +50,17 @@ def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
 def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
     now = session.run(6).last
-    seen, conflict, others = session.observation(now), session.predicted_conflict(now), now.rectification.others
+    seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.others
     assert seen.heads == len(others) == 7
     for head, other in enumerate(others, 1):
-        e = conflict(now.views.own, head=head)
+        e = residuals(now.views.own, rig=head)
         of_other = now.with_fields(rectification=other).transfer.residual(now.views.used)
         np.testing.assert_array_equal(e, of_other)
-        assert 0 < np.abs(e - conflict(now.views.own)).max() < 2.0
+        assert 0 < np.abs(e - residuals(now.views.own)).max() < 2.0
     last = session.run().last
-    seen, conflict = session.observation(last), session.predicted_conflict(last)
+    seen, residuals = session.observation(last), session.predicted_residuals(last)
     of_heads = [
-        TrustRegion().step(last.servo_state, replace(seen, heads=heads), conflict)[0].certificate.expected
+        TrustRegion().step(last.servo_state, replace(seen, heads=heads), residuals)[0].certificate.expected
         for heads in (0, 7)
     ]
     assert (of_heads[1] > of_heads[0]).all()

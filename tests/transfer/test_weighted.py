@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from viewimit.estimation.evaluation import conflict
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers.weighted import Weighted
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.bound import bound
 from viewimit.geometry.rectification import rectification_of
-from viewimit.servo.minimise import minimise
+from viewimit.servo.least_squares import minimise
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -16,7 +16,7 @@ from ..experiments.executors.study import Study
 from ..geometry.affine import require_points
 from ..loop.body_image import FEWEST
 from ..loop.history import MAX_HISTORY
-from ..sensing.quoting import printable
+from ..sensing.files import printable
 from ..servo import SERVOS
 from ..simulation.scene import load_scene, scene_names
 from ..simulation.world import World

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
 from ..drawing.metrics import AMBER
-from ..estimation.evaluation import conflict
+from ..estimation.residuals import conflict
 from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
 from ..estimation.transfers.rectified import fit
 from ..estimation.transfers.transfer import FLAT, FLATNESS
@@ -21,10 +21,10 @@ from ..geometry.distortion import Radial
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
 from ..loop.suspects import rounding_of, suspects, telling
-from ..sensing.degeneracy import extents, why_degenerate
-from ..sensing.quoting import MOST_NAME, printable
+from ..sensing.files import MOST_NAME, printable
+from ..sensing.point_checks import extents, why_degenerate
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from ..simulation.lens import undistorted
+from ..simulation.camera import undistorted
 from . import BadInput, evaluate_report, evaluate_suspects, evaluate_transfers
 from .json_output import print_json
 from .options import (

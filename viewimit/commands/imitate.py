@@ -13,7 +13,7 @@ from ..loop.history import MAX_HISTORY
 from ..loop.result import RunResult
 from ..loop.session import Session
 from ..loop.settings import Settings
-from ..sensing.quoting import MOST_NAME, printable
+from ..sensing.files import MOST_NAME, printable
 from ..servo import SERVOS
 from . import BadInput, history_file
 from .json_output import print_json
@@ -99,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
 def _write(path: Path, session: Session) -> str:
     """By its extension → how large it is, if that is for somebody to be sent. Raises OSError."""
     if path.suffix.lower() in PAGES:
-        from ..export.replay import replay  # it loads all that draws
+        from ..drawing.export.replay import replay  # it loads all that draws
 
         return f", {replay(session).save(path) / 1e6:.2f} MB"
     history_file.write(path, session.history)
@@ -135,7 +135,7 @@ def _told(known: Assessment | None, joint: int) -> bool | None:
         return None
     if known.certificate.told[joint]:
         return True
-    return False if joint in known.untold else None
+    return False if joint in known.unobservable else None
 
 
 def outcome(session: Session, ended: RunResult) -> dict:

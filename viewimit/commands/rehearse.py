@@ -13,7 +13,7 @@ from ..loop.rehearsal import POSTURES, rehearse
 from ..loop.session import Session
 from ..loop.settings import Settings
 from ..loop.wording import as_imitation
-from ..sensing.quoting import printable
+from ..sensing.files import printable
 from ..simulation.disturbances import ImageDisturbance
 from . import BadInput
 from .json_output import print_json

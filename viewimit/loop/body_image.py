@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sensing.files import read_npz
-from ..servo.visit import Visit
+from ..servo.observation import Visit
 
 CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
 STRETCH = 1.15  # of these about the middle: the images of a range are least known at its edges

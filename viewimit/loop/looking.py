@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
 from ..sensing import frames
-from ..sensing.latency import MOST_LAG, lag_of
+from ..sensing.frames import MOST_LAG, lag_of
 from ..simulation.disturbances import (
     ImageDisturbance,
     MatchDisturbance,

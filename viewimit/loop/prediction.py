@@ -6,14 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.evaluation import conflict as evaluate
+from ..estimation.residuals import NoiseReference, ResidualFunction, conflict
 from ..estimation.transfers.noise import noise_weight
 from ..estimation.transfers.transfer import Residuals, TransferMethod
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, image_unit
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import AFFINE_FREEDOM, Rectification, affine_squares, level
-from ..servo.observation import Conflict, Weighting
 from .rectifying import pooled
 from .snapshot import Snapshot
 
@@ -42,7 +41,7 @@ def demo_drift(moments: Sequence[Snapshot]) -> NDArray:
 
 
 class DemoResiduals:
-    """Residuals of the demonstrator's images by one geometry of the head, for any weighting.
+    """Residuals of the demonstrator's images by one geometry of the head, for any noise reference.
 
     About own images that are near enough to the demonstrator's they are weighted exactly; elsewhere, and where no own
     images are given, all points alike.
@@ -54,20 +53,22 @@ class DemoResiduals:
         self._head, self._noise_px = head, noise_px
         self._weighted: dict[Weights, Residuals] = {}
 
-    def of(self, views: FourViews, points: NDArray, weighting: Weighting | None) -> Residuals:
+    def of(self, views: FourViews, points: NDArray, noise_reference: NoiseReference | None) -> Residuals:
         """What gives the residuals of views of some points, (N,) bool."""
-        if weighting is None or weighting.own is None:
+        if noise_reference is None or noise_reference.own is None:
             return self._alike(views, self._head)
-        about = weighting.own.tobytes(), weighting.own_share, points.tobytes()
+        about = noise_reference.own.tobytes(), noise_reference.own_variance_ratio, points.tobytes()
         if about not in self._weighted:  # a servo asks about many images with the same weights
-            self._weighted[about] = self._about(views.with_own(weighting.own[points]), weighting.own_share)
+            self._weighted[about] = self._about(
+                views.with_own(noise_reference.own[points]), noise_reference.own_variance_ratio
+            )
         return self._weighted[about]
 
-    def _about(self, views: FourViews, own_share: float) -> Residuals:
+    def _about(self, views: FourViews, own_variance_ratio: float) -> Residuals:
         alike = self._alike(views, self._head)
-        E, demo = float(evaluate(alike.residual(views))), views.demo[views.visible[:, :2].all(1)]
+        E, demo = float(conflict(alike.residual(views))), views.demo[views.visible[:, :2].all(1)]
         near = max(NEAR_SHARE * float(demo.var(0).sum()), NEAR_NOISE * self._noise_px**2)
-        return self._exactly(views, self._head, own_share) if E < near else alike
+        return self._exactly(views, self._head, own_variance_ratio) if E < near else alike
 
 
 class _Answers:
@@ -114,13 +115,13 @@ def _image_key(own: NDArray) -> bytes:
     return own.astype(np.float32).tobytes()
 
 
-class PredictedConflict:
+class PredictedResiduals:
     """What a servo may ask: residuals (..., n, C) px that own images (..., N, 4) px would have against the
     demonstrator as now seen, and displaced by `drift`, (N, 4) px; both rectified as now, if at all.
 
     Of the n points that are known in all of them; by the transfer chosen or by another one's name; weighted by noise,
     as `DemoResiduals` where the head's geometry is known, else as affine cameras spread it; rectified as for another
-    `head`, if one is named. With fewer points than a transfer needs they are infinite. Own images that only a mirror
+    `rig`, if one is named. With fewer points than a transfer needs they are infinite. Own images that only a mirror
     image of the demonstrator fits have further columns: what a fit that may not reflect leaves. Behind a moving
     demonstrator seen with noise, noise_px > 0, the transfer of the last convergence serves (Section 5.4): fitted anew
     at postures apart it would add its own noise to theirs. moments: of the history, whose own images may be asked about
@@ -137,14 +138,14 @@ class PredictedConflict:
         self._moments = moments
         self._answers = _Answers(now, () if drift.any() else moments)
         self._affine_weights: dict[Weights, NDArray] = {}
-        self._heads: dict[int, Conflict] = {}
+        self._rigs: dict[int, ResidualFunction] = {}
         self._handedness: dict[bytes, Handedness | None] = {}
 
     def __call__(
-        self, own: NDArray, by: str | None = None, weighting: Weighting | None = None, head: int = 0
+        self, own: NDArray, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
     ) -> NDArray:
-        if head:
-            return self._of_head(head)(own, by, weighting)
+        if rig:
+            return self._of_rig(rig)(own, transfer, noise_reference)
         told = np.isfinite(own)
         seen = self._demo_seen
         known = seen if told.all() else seen & told.all(-1).reshape(-1, len(seen)).all(0)
@@ -153,11 +154,14 @@ class PredictedConflict:
             return np.full((*own.shape[:-2], 1, 4), np.inf)
         imagined = FourViews(self._demo, own, self._now.views.visible)
         imagined = imagined if count == len(known) else imagined.select(known)
-        e, mirrored = self._residual(imagined, known, by, weighting), self.mirror_residual(imagined.own, known)
+        e, mirrored = (
+            self._residual(imagined, known, transfer, noise_reference),
+            self.mirror_residual(imagined.own, known),
+        )
         return e if mirrored is None else np.concatenate([e, mirrored], -1)
 
-    def with_half_seen(self) -> Conflict:
-        return HalfSeenConflict(self, self._now, self._demo, self._noise_px)
+    def with_partially_visible(self) -> ResidualFunction:
+        return PartialPointResiduals(self, self._now, self._demo, self._noise_px)
 
     def mirror_residual(self, own: NDArray, points: NDArray) -> NDArray | None:
         """As `Handedness.mirror_residual`, of own images (..., n, 4) px of the points (N,) bool, which both cameras
@@ -181,20 +185,22 @@ class PredictedConflict:
         fits = affine_squares(left, right) < (len(left) - AFFINE_FREEDOM) * most**2
         return level(left, right) if fits else None
 
-    def _residual(self, views: FourViews, known: NDArray, by: str | None, weighting: Weighting | None) -> NDArray:
+    def _residual(
+        self, views: FourViews, known: NDArray, transfer: str | None, noise_reference: NoiseReference | None
+    ) -> NDArray:
         """(..., n, C) px of views of the known points, (N,) bool."""
-        if by is None and weighting is None:
+        if transfer is None and noise_reference is None:
             answered = self._answers.to(views.own) if views.own.ndim == 3 else None
             if answered is not None:
                 return answered
-        if weighting is not None and by is None and self._frozen is None and self._of_demo is not None:
+        if noise_reference is not None and transfer is None and self._frozen is None and self._of_demo is not None:
             if len(views.demo) >= NEAR_POINTS:
-                return self._of_demo.of(views, known, weighting).residual(views)
-        transfer = self._now.fit(views, by) if by or self._frozen is None else self._frozen
-        e = transfer.residual(views)
-        if weighting is None or weighting.own is None or transfer.weighs_noise:
+                return self._of_demo.of(views, known, noise_reference).residual(views)
+        fitted = self._now.fit(views, transfer) if transfer or self._frozen is None else self._frozen
+        e = fitted.residual(views)
+        if noise_reference is None or noise_reference.own is None or fitted.weighs_noise:
             return e
-        return e @ self._affine_weight(views.with_own(weighting.own[known]), weighting.own_share)
+        return e @ self._affine_weight(views.with_own(noise_reference.own[known]), noise_reference.own_variance_ratio)
 
     @cached_property
     def _of_demo(self) -> DemoResiduals | None:
@@ -204,10 +210,10 @@ class PredictedConflict:
             return None
         return DemoResiduals(method, self.head, self._noise_px)
 
-    def _affine_weight(self, views: FourViews, own_share: float) -> NDArray:
-        about = views.own.tobytes(), own_share, views.demo.tobytes()
+    def _affine_weight(self, views: FourViews, own_variance_ratio: float) -> NDArray:
+        about = views.own.tobytes(), own_variance_ratio, views.demo.tobytes()
         if about not in self._affine_weights:
-            self._affine_weights[about] = noise_weight(views, own_share)
+            self._affine_weights[about] = noise_weight(views, own_variance_ratio)
         return self._affine_weights[about]
 
     def _handedness_of(self, points: NDArray) -> Handedness | None:
@@ -220,15 +226,15 @@ class PredictedConflict:
         by = self._now.rectification
         return images if by is None else by.apply(images)
 
-    def _of_head(self, head: int) -> Conflict:
-        if head not in self._heads:
+    def _of_rig(self, rig: int) -> ResidualFunction:
+        if rig not in self._rigs:
             assert self._now.rectification is not None
-            other = self._now.with_fields(rectification=self._now.rectification.others[head - 1])
-            self._heads[head] = PredictedConflict(other, self._drift, self._noise_px)
-        return self._heads[head]
+            other = self._now.with_fields(rectification=self._now.rectification.others[rig - 1])
+            self._rigs[rig] = PredictedResiduals(other, self._drift, self._noise_px)
+        return self._rigs[rig]
 
 
-class HalfSeenConflict:
+class PartialPointResiduals:
     """The predicted conflict of all points of which the demonstrator shows one image at least.
 
     Points that both cameras see can be held against each other before anything is concluded from them; the image of a
@@ -236,24 +242,24 @@ class HalfSeenConflict:
     answers for other transfers; demo: (N, 4) px, what is asked; noise_px: of an image coordinate, standard deviation.
     """
 
-    def __init__(self, whole: PredictedConflict, now: Snapshot, demo: NDArray, noise_px: float):
+    def __init__(self, whole: PredictedResiduals, now: Snapshot, demo: NDArray, noise_px: float):
         self._whole, self._demo, self._visible = whole, demo, now.views.visible
         head = now.rectification or level(*np.split(np.concatenate(now.views.matches), 2, axis=1))
         method = now.method
-        self._by_head = [DemoResiduals(method, one, noise_px) for one in (head, *head.others)]
+        self._by_rig = [DemoResiduals(method, one, noise_px) for one in (head, *head.others)]
 
     def __call__(
-        self, own: NDArray, by: str | None = None, weighting: Weighting | None = None, head: int = 0
+        self, own: NDArray, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
     ) -> NDArray:
-        if by is not None:
-            return self._whole(own, by, weighting, head)
+        if transfer is not None:
+            return self._whole(own, transfer, noise_reference, rig)
         shown = self._visible[:, :2]
         known = shown.any(1) & np.isfinite(own).all(-1).reshape(-1, len(shown)).all(0)
         in_both = known & shown.all(1)
         if np.count_nonzero(in_both) < MIN_POINTS:
             return np.full((*own.shape[:-2], 1, 4), np.inf)
         views = FourViews(self._demo, own, self._visible).select(known)
-        e = self._by_head[head].of(views, known, weighting).residual(views)
+        e = self._by_rig[rig].of(views, known, noise_reference).residual(views)
         mirrored = self._whole.mirror_residual(own[..., in_both, :], in_both)
         if mirrored is None:
             return e
@@ -261,5 +267,5 @@ class HalfSeenConflict:
         columns[..., in_both[known], :] = mirrored
         return np.concatenate([e, columns], -1)
 
-    def with_half_seen(self) -> Conflict:
+    def with_partially_visible(self) -> ResidualFunction:
         return self

@@ -10,10 +10,10 @@ from .snapshot import Snapshot
 
 WHY = {
     ServoStatus.CONVERGED: "the learner claims to have arrived",
-    ServoStatus.RESTS: "it rests, without evidence of having arrived",
+    ServoStatus.SETTLED: "it rests, without evidence of having arrived",
     ServoStatus.UNOBSERVABLE: "the points do not determine every joint",
-    ServoStatus.STALLED: "stalled",
-    ServoStatus.STOPPED: "too few points are seen in all four images",
+    ServoStatus.NO_PROGRESS: "no progress",
+    ServoStatus.TOO_FEW_POINTS: "too few points are seen in all four images",
     ServoStatus.MAX_MOTIONS: "it made as many motions as it was allowed",
 }
 
@@ -36,10 +36,10 @@ class RunResult:
 
     @property
     def status(self) -> ServoStatus:
-        """Of the servo at rest; else stopped, for want of points, or max_motions."""
+        """Of the servo at rest; else too-few-points or max-motions."""
         if self.last.status.is_at_rest:
             return self.last.status
-        return ServoStatus.STOPPED if self.last.transfer is None else ServoStatus.MAX_MOTIONS
+        return ServoStatus.TOO_FEW_POINTS if self.last.transfer is None else ServoStatus.MAX_MOTIONS
 
     @property
     def success(self) -> bool:
@@ -51,7 +51,7 @@ class RunResult:
         """Why it ended, in a line."""
         status, last = self.status, self.last
         why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        says = last.servo.says(last.servo_state, last.status) if status == ServoStatus.STALLED else ""
+        says = last.servo.says(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
         return f"{why}: {says}" if says else why
 
     @property

@@ -15,12 +15,12 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
 from ..servo import MinimalServo, Observation, Servo, completed_servo
-from ..servo.observation import Conflict
+from ..servo.observation import Visit
 from ..servo.status import ServoStatus
-from ..servo.visit import Visit
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
@@ -30,7 +30,7 @@ from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener
 from .embodiment.in_scene import OpenEyes, degrees, told
 from .embodiment.motion_limits import waypoints, within
 from .history import MAX_HISTORY, RECENT, History
-from .prediction import DRIFT_MOMENTS, PredictedConflict, demo_drift
+from .prediction import DRIFT_MOMENTS, PredictedResiduals, demo_drift
 from .rectifying import POOLED, rectification_for
 from .result import RunResult
 from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
@@ -167,7 +167,7 @@ class Session:
                 in_vain, motions, travel = 0, motions + 1, travel + float(moved.max())
                 joint_travel += moved
                 each(self.snapshot)
-            elif self.snapshot.status == ServoStatus.STOPPED:
+            elif self.snapshot.status == ServoStatus.TOO_FEW_POINTS:
                 in_vain += 1
             else:
                 break
@@ -189,7 +189,7 @@ class Session:
             return False
         if now.motion >= MAX_HISTORY:
             self.log.note(now.motion, Stepped(1))
-            self.history.replace(now.with_fields(status=ServoStatus.STOPPED))
+            self.history.replace(now.with_fields(status=ServoStatus.MAX_MOTIONS))
             return False
         if now.target is not None:
             self.log.note_on(now.motion, looked=False)
@@ -229,7 +229,7 @@ class Session:
         rectification = rectification_for(settings, before, views)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
-            return seen.with_fields(E=np.nan, status=ServoStatus.STOPPED)
+            return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
         return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → e → E
 
     def look(self) -> bool:
@@ -266,10 +266,10 @@ class Session:
             restarts=now.settings.restarts,
         )
 
-    def predicted_conflict(self, now: Snapshot) -> Conflict:
+    def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
         """What a servo may ask at a moment, the present one, about images that it predicts."""
         moments, noise_px = self.history.recent(RECENT), self.observer.noise_at_rest(now.settings)
-        return PredictedConflict(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
+        return PredictedResiduals(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout, start or workspace begins anew; all else re-observes the
@@ -414,7 +414,7 @@ class Session:
         """The servo's next state, and the displacement that it wants, (m,) rad."""
         servo, seen = now.servo, self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
-        answer = servo.step(state, seen, self.predicted_conflict(now))
+        answer = servo.step(state, seen, self.predicted_residuals(now))
         if not (isinstance(answer, tuple) and len(answer) == 2):
             raise TypeError(f"the servo {servo.title!r} must return its state and its motion, (m,) rad, got {answer!r}")
         state, displacement = answer[0], np.asarray(answer[1], float)
@@ -498,8 +498,8 @@ def _log_anew(settings: Settings, before: Session | None) -> Log:
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:
     """The moment at which a servo, now in this state, wants no motion any more."""
-    status = status_of(state, ServoStatus.RESTS)
-    status = ServoStatus.STALLED if status == ServoStatus.MOVING else status
+    status = status_of(state, ServoStatus.SETTLED)
+    status = ServoStatus.NO_PROGRESS if status == ServoStatus.MOVING else status
     frozen = now.transfer if status.is_at_minimum else now.frozen
     return now.with_fields(servo_state=state, status=status, frozen=frozen)
 

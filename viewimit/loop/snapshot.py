@@ -28,7 +28,7 @@ class Snapshot:
     they are not; E: px², NaN with too few points to fit a transfer;
     commanded: (m,) rad, where the learner has sent its arm, which is theta if that obeys exactly;
     moved: (m,) rad, the motion that led here; probe: it was a probe;
-    status: any but max_motions; servo_state: None before the servo was asked;
+    status: any; servo_state: None before the servo was asked;
     lag: looks that images come late, None until a motion has shown it;
     frozen: the transfer as it was fitted at the last convergence, None before;
     body: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;

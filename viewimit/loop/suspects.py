@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.evaluation import conflict
+from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS
 from ..estimation.transfers.rectified import fit
 from ..estimation.views import VIEWS, FourViews, Pairs, exchange
@@ -21,8 +21,7 @@ from ..geometry.affine import MIN_POINTS
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification, rectification_of
 from ..geometry.robust_fit import FEWEST, FEWEST_OF_F, Fit, contradicting, geometry_of, rows_of, spread
-from ..sensing.degeneracy import why_degenerate
-from ..sensing.rounding import rounding
+from ..sensing.point_checks import rounding, why_degenerate
 from .rectifying import pooled
 
 POOLED, MATCHES = 200, 8000  # frames, evenly spaced, and matches of those, that tell the geometry

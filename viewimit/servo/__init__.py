@@ -1,11 +1,9 @@
 """Servo laws: from what the learner saw to its next displacement.
 
 A servo knows image points and its own displacements, never a posture, a body or a camera. Its methods have
-no side effects: start(observation) -> state; step(state, observation, conflict) -> (state, displacement); and
+no side effects: start(observation) -> state; step(state, observation, residuals) -> (state, displacement); and
 retarget(state, observation) -> state when E has changed by itself, because the demonstrator moved, say.
-`conflict(own, by=None, weighting=None, head=0) -> e` tells what the residual would be of images (..., N, 4) px that the
-servo predicts, NaN for points that it knows nothing of; by: the name of another transfer than the chosen one;
-weighting: a `Weighting`, the own images about which e is weighted by its noise. Asking needs no motion.
+`residuals` is a `ResidualFunction`: it computes the residuals of images that the servo predicts, without a motion.
 
 A new one is an object with `start` and `step`, given to `Session(settings, servo=…)`. As a file with a whole `Servo`,
 and a line here, it has a name for all commands and the page: title, limits, equations and how it is stored come with
@@ -14,15 +12,16 @@ it.
 
 from collections import UserDict
 
+from ..estimation.residuals import NoiseReference, ResidualFunction
 from .broyden import Broyden
-from .certificate import Certificate
 from .gauss_newton import GaussNewton
 from .gradient import RETUNED_LAW, Gradient
 from .kalman import Kalman
-from .observation import Conflict, Observation, Weighting
+from .observation import Observation
 from .servo import MinimalServo, Moment, Servo, ServoState, completed_servo
 from .status import ServoStatus
-from .trust_region import TrustRegion
+from .trust_region.algorithm import TrustRegion
+from .trust_region.convergence import Certificate
 
 
 class Servos(UserDict[str, Servo]):
@@ -47,7 +46,7 @@ __all__ = [
     "SERVOS",
     "Broyden",
     "Certificate",
-    "Conflict",
+    "ResidualFunction",
     "GaussNewton",
     "Gradient",
     "Kalman",
@@ -59,6 +58,6 @@ __all__ = [
     "ServoStatus",
     "Servos",
     "TrustRegion",
-    "Weighting",
+    "NoiseReference",
     "completed_servo",
 ]

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import Equation, angles, short
-from ..estimation.evaluation import conflict as evaluate
+from ..estimation.residuals import ResidualFunction, conflict
 from .image_model import ImageModel
-from .minimise import minimise
-from .observation import Conflict, Observation, probe_of
+from .least_squares import minimise
+from .observation import Observation, Visit, probe_of
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 _LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
@@ -64,8 +63,8 @@ class Broyden:
         """What was learned of the own images stays; the region and the promise were about another E."""
         return replace(state, radius=float(FIRST_RADIUS), promised=None, best_E=None, status=ServoStatus.MOVING)
 
-    def step(self, state: BroydenState, seen: Observation, conflict: Conflict) -> tuple[BroydenState, NDArray]:
-        state = _judge(_learn(state, seen), seen.E, conflict)
+    def step(self, state: BroydenState, seen: Observation, residuals: ResidualFunction) -> tuple[BroydenState, NDArray]:
+        state = _judge(_learn(state, seen), seen.E, residuals)
         if state.probes:
             return _probe(state, seen)
         low = np.maximum(seen.lower, state.best.displacement - state.radius)
@@ -76,7 +75,7 @@ class Broyden:
         per_rad = state.model.jacobian.reshape(-1, len(centre)).T
 
         def residual_at(theta: NDArray) -> NDArray:
-            return conflict(told + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
+            return residuals(told + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
 
         found = minimise(residual_at, centre[None], low, high)
         promised = found.E_first - found.E
@@ -84,7 +83,7 @@ class Broyden:
         if np.max(np.abs(step)) < DONE_STEP:
             bounded = state.radius < 2 * DONE_STEP and promised > GAIN_LEFT * seen.E
             # the region, not the model, made the step short
-            status = ServoStatus.STALLED if bounded else ServoStatus.RESTS
+            status = ServoStatus.NO_PROGRESS if bounded else ServoStatus.SETTLED
             return replace(state, promised=None, status=status, probe=False), np.zeros_like(step)
         return replace(state, promised=promised, status=ServoStatus.MOVING, probe=False), step
 
@@ -100,13 +99,13 @@ class Broyden:
     def says(self, state: BroydenState, status: ServoStatus) -> str:
         if status == ServoStatus.MOVING:
             return "a probe, to learn how the images move" if state.probe else ""
-        return f"next step under {np.degrees(DONE_STEP):g}°" if status == ServoStatus.RESTS else ""
+        return f"next step under {np.degrees(DONE_STEP):g}°" if status == ServoStatus.SETTLED else ""
 
 
 def _outcome(state: BroydenState, moment: Moment) -> str:
     """What the last motion has promised and brought; where points are missing, E at both ends is of others, and only
     the motion before has been judged, on points known at both."""
-    if moment.status in (ServoStatus.RESTS, ServoStatus.STALLED):
+    if moment.status in (ServoStatus.SETTLED, ServoStatus.NO_PROGRESS):
         return f"The next step would be below {np.degrees(DONE_STEP):g}°: the servo rests."
     if state.promised is None or state.best_E is None or not np.isfinite(moment.E):
         return ""
@@ -130,7 +129,7 @@ def _learn(state: BroydenState, seen: Observation) -> BroydenState:
     return replace(state, model=model, best=best)
 
 
-def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenState:
+def _judge(state: BroydenState, E_here: float, residuals: ResidualFunction) -> BroydenState:
     """Keep the better of the best and the last visit, and size the region by how true the promise was.
 
     Where E changed by itself, or points are missing so that E is of others each time, both are judged anew on
@@ -138,7 +137,7 @@ def _judge(state: BroydenState, E_here: float, conflict: Conflict) -> BroydenSta
     """
     here, E_best = state.model.last, state.best_E
     if E_best is None or not (here.seen.all() and state.best.seen.all()):
-        E_best, E_here = map(float, evaluate(conflict(_told(state.model, np.stack([state.best.own, here.own])))))
+        E_best, E_here = map(float, conflict(residuals(_told(state.model, np.stack([state.best.own, here.own])))))
     radius, judged = state.radius, None
     if state.promised is not None:
         judged = state.promised, E_best - E_here

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, column, each, number
-from .observation import Conflict, Observation
+from ..estimation.residuals import ResidualFunction
+from .observation import Observation, Visit
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 FORGETTING = 0.5  # λ, a motion
 FIRST = 1e6  # /rad², P_0: nothing is known of the first Jacobian
@@ -56,11 +56,13 @@ class GaussNewton:
         """What was learned of the own images stays; the damping was about another E."""
         return replace(state, best_E=np.inf, damping=DAMPING, before=None, since_best=0, status=ServoStatus.MOVING)
 
-    def step(self, state: GaussNewtonState, seen: Observation, conflict: Conflict) -> tuple[GaussNewtonState, NDArray]:
+    def step(
+        self, state: GaussNewtonState, seen: Observation, residuals: ResidualFunction
+    ) -> tuple[GaussNewtonState, NDArray]:
         model = state.model.learn(seen, FORGETTING, forgetting=FORGETTING)
         state = learned(_judged(state, seen.E), model, seen.E)
-        state, step = next_motion(state, seen, conflict, partial(_damped, damping=state.damping))
-        if state.status == ServoStatus.STALLED:
+        state, step = next_motion(state, seen, residuals, partial(_damped, damping=state.damping))
+        if state.status == ServoStatus.NO_PROGRESS:
             return state, step
         return replace(state, before=None if state.probe else seen.E), step
 

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
-from .observation import Conflict, Observation
+from ..estimation.residuals import ResidualFunction
+from .observation import Observation
 from .servo import Moment
 from .status import ServoStatus
 
@@ -81,7 +82,9 @@ class Gradient:
             state, displacement=seen.displacement, E=seen.E, best_E=np.inf, since_best=0, status=ServoStatus.MOVING
         )
 
-    def step(self, state: GradientState, seen: Observation, conflict: Conflict) -> tuple[GradientState, NDArray]:
+    def step(
+        self, state: GradientState, seen: Observation, residuals: ResidualFunction
+    ) -> tuple[GradientState, NDArray]:
         moved = np.degrees(seen.displacement - state.displacement)
         jacobian, P = self._learn(state, moved, seen.E - state.E)
         u = self._bounded(-self.constants.gain * jacobian * seen.E)
@@ -89,7 +92,7 @@ class Gradient:
         progress = seen.E < PROGRESS * state.best_E
         since_best = 0 if progress else state.since_best + 1
         best_E = seen.E if progress else state.best_E
-        status = ServoStatus.STALLED if since_best >= PATIENCE else ServoStatus.MOVING
+        status = ServoStatus.NO_PROGRESS if since_best >= PATIENCE else ServoStatus.MOVING
         state = GradientState(jacobian, P, seen.displacement, seen.E, best_E, since_best, status)
         low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
         inside = np.radians(u).clip(low, high)  # the dither comes after, to excite a joint that leans on its limit
@@ -112,7 +115,7 @@ class Gradient:
         return (Equation("(13)", "this motion", latex, numbers, note, wide=True),)
 
     def says(self, state: GradientState, status: ServoStatus) -> str:
-        return f"not lower for {state.since_best} motions" if status == ServoStatus.STALLED else ""
+        return f"not lower for {state.since_best} motions" if status == ServoStatus.NO_PROGRESS else ""
 
     def _learn(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:
         """Weighted recursive least squares, ρ the forgetting factor."""

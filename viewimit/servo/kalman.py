@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, column, each, number
-from .observation import Conflict, Observation
+from ..estimation.residuals import ResidualFunction
+from .observation import Observation, Visit
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 GAIN = 1.0  # g
 FIRST, DRIFT = 500.0, 150.0  # px/rad, standard deviations: of the first Jacobian, of its change from motion to motion
@@ -50,10 +50,10 @@ class Kalman:
         """What was learned of the own images stays."""
         return replace(state, best_E=np.inf, since_best=0, status=ServoStatus.MOVING)
 
-    def step(self, state: KalmanState, seen: Observation, conflict: Conflict) -> tuple[KalmanState, NDArray]:
+    def step(self, state: KalmanState, seen: Observation, residuals: ResidualFunction) -> tuple[KalmanState, NDArray]:
         r = BEND**2 + 2 * seen.noise_px**2  # of a difference of two images
         state = learned(state, state.model.learn(seen, r, DRIFT**2), seen.E)
-        return next_motion(state, seen, conflict, _within)
+        return next_motion(state, seen, residuals, _within)
 
     def equations(self, state: KalmanState | None, moment: Moment) -> tuple[Equation, ...]:
         if state is None:

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimation.residuals import ResidualFunction
 from .image_model import rarely_taught
-from .observation import Conflict, Observation
-from .visit import Visit, by_coordinate
+from .observation import Observation, Visit, by_coordinate
 
 DIFFERENCE = 1e-5  # rad
 
@@ -60,13 +60,13 @@ class RecursiveJacobian:
         believed = float((k @ h)[both].mean()) if both.any() else 0.0
         return RecursiveJacobian(jacobian, covariance, here, self.taught + both.all(-1), believed)
 
-    def linearised(self, conflict: Conflict) -> tuple[NDArray, NDArray]:
+    def linearised(self, residuals: ResidualFunction) -> tuple[NDArray, NDArray]:
         """The residual here, (k,) px, and its derivative by the displacement, (k, m) px/rad: what it would be is asked
         of images a little aside, so that the transfer's own derivative is in it. inf with too few points."""
         m = self.jacobian.shape[-1]
         told = np.where(rarely_taught(self.taught, m)[:, None], np.nan, self.last.own)
         aside = DIFFERENCE * np.moveaxis(self.jacobian, -1, 0)
-        e = conflict(told + np.concatenate([np.zeros((1, *told.shape)), aside])).reshape(m + 1, -1)
+        e = residuals(told + np.concatenate([np.zeros((1, *told.shape)), aside])).reshape(m + 1, -1)
         if not np.isfinite(e).all():
             return np.full(1, np.inf), np.zeros((1, m))
         return e[0], ((e[1:] - e[0]) / DIFFERENCE).T

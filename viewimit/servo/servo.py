@@ -9,10 +9,11 @@ from typing import Any, Protocol
 from numpy.typing import NDArray
 
 from ..estimation.equations import Equation
-from .observation import Conflict, Observation
+from ..estimation.residuals import ResidualFunction
+from .observation import Observation
 from .status import ServoStatus
 
-NEEDED = {"start": "start(seen)", "step": "step(state, seen, conflict)"}  # of a servo, by name
+NEEDED = {"start": "start(seen)", "step": "step(state, seen, residuals)"}  # of a servo, by name
 
 
 class ServoState(Protocol):
@@ -78,7 +79,7 @@ class Servo(Protocol):
         """The state before the first motion."""
         ...
 
-    def step(self, state: Any, seen: Observation, conflict: Conflict) -> tuple[Any, NDArray]:
+    def step(self, state: Any, seen: Observation, residuals: ResidualFunction) -> tuple[Any, NDArray]:
         """The state after this look, and the motion to make: (m,) rad, all 0 to rest."""
         ...
 
@@ -105,7 +106,7 @@ class MinimalServo(Protocol):
         """The state before the first motion."""
         ...
 
-    def step(self, state: Any, seen: Observation, conflict: Conflict) -> tuple[Any, NDArray]:
+    def step(self, state: Any, seen: Observation, residuals: ResidualFunction) -> tuple[Any, NDArray]:
         """The state after this look, and the motion to make: (m,) rad, all 0 to rest."""
         ...
 
@@ -154,8 +155,8 @@ class _CompletedServo:
     def start(self, seen: Observation) -> Any:
         return self.law.start(seen)
 
-    def step(self, state: Any, seen: Observation, conflict: Conflict) -> tuple[Any, NDArray]:
-        return self.law.step(state, seen, conflict)
+    def step(self, state: Any, seen: Observation, residuals: ResidualFunction) -> tuple[Any, NDArray]:
+        return self.law.step(state, seen, residuals)
 
     def retarget(self, state: Any, seen: Observation) -> Any:
         """Start afresh by default: what it remembers of E is of another demonstrator."""

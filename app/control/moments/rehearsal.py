@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from viewimit.export.citation import motions
+from viewimit.drawing.export.citation import motions
 from viewimit.loop.body_image import FEWEST
 from viewimit.loop.rehearsal import motions_of_imitation
 from viewimit.loop.session import Session

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.rectification import Rectification
-from ..evaluation import conflict
+from ..residuals import conflict
 from ..views import FourViews
 from .transfer import FittedTransfer, TransferMethod
 

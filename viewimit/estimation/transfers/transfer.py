@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.rectification import Rectification
 from ..equations import Equation
-from ..evaluation import conflict
+from ..residuals import conflict
 from ..views import FourViews
 
 FLATNESS = "σ₁/σ₃"  # of the centred [l r]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.affine import image_unit
-from ...geometry.rectification import NEAREST, Rectification
+from ...geometry.rectification import MIN_DENOMINATOR, Rectification
 from ..views import FourViews
 
 STEPS = 3  # of Gauss and Newton
@@ -119,7 +119,7 @@ def _fit(z: NDArray, t: NDArray, weight: NDArray, frame: Frame) -> NDArray:
     G = G.reshape(*M.shape[:-2], 4, 4)
     for _ in range(STEPS):
         q = h @ np.swapaxes(G, -1, -2)
-        depth = np.maximum(q[..., 3], NEAREST)
+        depth = np.maximum(q[..., 3], MIN_DENOMINATOR)
         found = q[..., :3] / depth[..., None]
         e = np.einsum("nij,...nj->...ni", weight, wanted - found @ TO_PAIR.T)
         B = np.concatenate([np.broadcast_to(A, found.shape[:-1] + (4, 3)), -(A @ found[..., None])], -1)
@@ -128,14 +128,14 @@ def _fit(z: NDArray, t: NDArray, weight: NDArray, frame: Frame) -> NDArray:
         M = M + gauge[..., :, None] * gauge[..., None, :]  # G's scale moves nothing
         slope = np.einsum("...nba,...nb,...nc->...ac", B, e, h / depth[..., None])
         G = G + np.linalg.solve(_steadied(M), slope.reshape(*G.shape[:-2], 16, 1)).reshape(G.shape)
-        G = G / np.maximum(np.abs(G[..., 3:, 3:]), NEAREST)
+        G = G / np.maximum(np.abs(G[..., 3:, 3:]), MIN_DENOMINATOR)
     return G
 
 
 def _mapped(G: NDArray, t: NDArray, frame: Frame) -> NDArray:
     """ẑ: (..., N, 4) rectified px of triples t (..., N, 3)."""
     q = _homogeneous((t - frame.own_mean) / frame.own_scale) @ np.swapaxes(G, -1, -2)
-    triple = q[..., :3] / np.maximum(q[..., 3:], NEAREST) * frame.demo_scale + frame.demo_mean
+    triple = q[..., :3] / np.maximum(q[..., 3:], MIN_DENOMINATOR) * frame.demo_scale + frame.demo_mean
     return triple @ TO_PAIR.T
 
 

@@ -210,7 +210,7 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
         motions_95=float(np.percentile(motions, 95)),
         rms_deg=rms(lambda ending: ending.error),
         expected_deg=rms(lambda ending: ending.expected),
-        stalled=Share.of(ending.status == ServoStatus.STALLED for ending in found),
+        stalled=Share.of(ending.status == ServoStatus.NO_PROGRESS for ending in found),
         claimed_within_bound=Share.of(within_bound) if within_bound else None,
         bound_deg_median=float(np.median([ending.bound for ending in found])),
     )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import grid_axes, landscape_over
-from ...estimation.evaluation import conflict
+from ...estimation.residuals import conflict
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews
 from ...loop.session import Session

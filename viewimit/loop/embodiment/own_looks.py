@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 from ...estimation.views import FourViews
 from ...geometry.affine import MIN_POINTS, image_unit
 from ...sensing import frames
-from ...sensing.degeneracy import dimensions
-from ...sensing.latency import MOST_LAG, lag_of
-from ...sensing.lost import astray, lost
-from ...sensing.rounding import rounding
+from ...sensing.frames import MOST_LAG, lag_of
+from ...sensing.point_checks import astray, dimensions, lost, rounding
 from ..settings import Settings
 from ..snapshot import Snapshot
 from .interface import Eyes

@@ -1,0 +1,80 @@
+"""Residuals e of the own image points, and their conflict E (Eq. (6), Section 3)."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def conflict(e: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute E = 1/(2N) Σ (|e_L|² + |e_R|²), Eq. (6).
+
+    Parameters
+    ----------
+    e : (..., N, C) array
+        Residuals of N points [px].
+
+    Returns
+    -------
+    (...) array
+        E [px²].
+    """
+    return np.einsum("...ij,...ij->...", e, e) / (2 * e.shape[-2])
+
+
+def noise_conflict(points: int, freedom: int, noise_px: float, deviations: float) -> float:
+    """Return E up to which noise explains it, px²: a quantile of χ² (Wilson & Hilferty 1931).
+
+    points: that make E; freedom: residuals that nothing fits; noise_px: standard deviation of a residual; deviations:
+    of a standard normal variable with the same quantile.
+    """
+    spread = 2 / (9 * freedom)
+    chi2 = freedom * (1 - spread + deviations * np.sqrt(spread)) ** 3
+    return float(noise_px**2 * chi2 / (2 * points))
+
+
+@dataclass(frozen=True)
+class NoiseReference:
+    """Own images about which the noise of residuals is propagated, so that residuals can be whitened.
+
+    With these weights, the sum of squares of a residual at the true posture is that of the noise, whatever the scene.
+    """
+
+    own: NDArray[np.float64] | None = None  # (N, 4) px; None: not known yet, so points weigh alike
+    own_variance_ratio: float = 0.0  # κ: variance of the compared own images over that of the demonstrator's
+
+
+class ResidualFunction(Protocol):
+    """Residuals of own images that a servo predicts, against the demonstrator as now seen. It moves nothing."""
+
+    def __call__(
+        self,
+        own: NDArray[np.float64],
+        transfer: str | None = None,
+        noise_reference: NoiseReference | None = None,
+        rig: int = 0,
+    ) -> NDArray[np.float64]:
+        """Compute the residuals of own images.
+
+        Parameters
+        ----------
+        own : (..., N, 4) array
+            Predicted points in [L, R] [px]; NaN for points that the servo cannot predict.
+        transfer : str, optional
+            Name of a transfer to use in place of the chosen one.
+        noise_reference : NoiseReference, optional
+            Whiten the residuals by the noise about these images; by default they are not weighted.
+        rig : int, optional
+            Hypothesis about the stereo head: 0 for its estimate, 1 to `Observation.heads` for the others.
+
+        Returns
+        -------
+        (..., n, C) array
+            Residuals of the n points that are known in all images [px]; infinite if these are too few.
+        """
+        ...
+
+    def with_partially_visible(self) -> "ResidualFunction":
+        """Include the demonstrator's points that only one camera sees, after all others."""
+        ...

@@ -28,7 +28,7 @@ LAYERS = (  # folders and modules of viewimit/: each imports only from lines abo
 )
 # rooms and modules of app/: each imports only what stands in a line above its own, or itself
 APP_ORDER = (
-    {"viser_private", "quiet_client", "static"},
+    {"viser_private", "quiet_client", "static", "lab"},
     {"lessons"},
     {"jobs", "sessions"},
     {"classroom"},
@@ -170,7 +170,7 @@ def test_estimators_and_servos_know_image_points_only(part):
 # worlds, cameras and arms that project; fits and laws
 COMPUTE = {"World", "Camera", "Cameras", "StereoHead", "Robot", "Session"}
 METHODS = {"TRANSFERS", "SERVOS"}  # asked for their words only
-COUNT = {"untold_joints", "weak_joints", "number", "with_minus"}  # functions that only compare or write numbers
+COUNT = {"unobservable_joints", "weak_joints", "number", "with_minus"}  # functions that only compare or write numbers
 DRAWINGS = sorted(
     {path for path in in_part("drawing") if path.stem != "equations" and path.parent.name != "export"}
     | {path for path in in_part("experiments") if path.stem.endswith("_figure")}

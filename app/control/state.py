@@ -8,7 +8,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from viewimit.analysis.construction import Construction, construct
-from viewimit.analysis.joint_errors import recent_errors_deg
+from viewimit.analysis.convergence import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.export.panels import MadeLandscape
 from viewimit.drawing.images.planes import Windows

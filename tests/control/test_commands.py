@@ -17,7 +17,7 @@ from viewimit.app.control.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.control.queue import PENDING_LIMIT, CommandQueue
 from viewimit.app.jobs.experiments import Run
 
-from viewimit.analysis.motion import motion
+from viewimit.analysis.trajectory import make_motion
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
@@ -410,7 +410,7 @@ def test_a_failed_run_is_kept_and_said(experimenting):
 def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(experimenting):
     session, worker, _, motions, visitor, _ = experimenting
     visitor.set("experiment", EXPERIMENTS["fig10"].title)
-    motions.recorded = motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
+    motions.recorded = make_motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
     visitor.set("motion", "recorded")
     visitor.act("run", 0.0)
     assert worker.asked.pop().options == {"motion": motions.recorded}

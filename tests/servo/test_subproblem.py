@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from viewimit.servo.images.learned import Learned
-from viewimit.servo.images.surrogate import learn
 from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
+from viewimit.servo.trust_region.image_models import ImageData
 from viewimit.servo.trust_region.options import TrustRegionOptions
 from viewimit.servo.trust_region.subproblem import SAME_E, argmin_last, evaluate_visits
 
@@ -39,7 +39,7 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
         return residual
 
     for share, best in ((0.5, 1), (0.1, 0)):
-        measured = evaluate_visits(Learned(visits, 0.0), residuals(share), None, 0, OPTIONS)
+        measured = evaluate_visits(ImageData(visits, 0.0), residuals(share), None, 0, OPTIONS)
         assert measured.count.tolist() == [FEW, MANY] and measured.best == best
 
 
@@ -56,11 +56,13 @@ def test_under_noise_a_point_that_is_not_seen_tells_e_only_if_it_is_told_as_well
 
         return residual
 
-    spread = learn(list(visits), len(visits) - 1, 0.08).spread(visits[-1].displacement[None])[0, -1]
+    spread = GaussianProcessImages.fit(list(visits), len(visits) - 1, 0.08).prediction_std(
+        visits[-1].displacement[None]
+    )[0, -1]
     assert 0.08 < spread < OPTIONS.max_prediction_std_px
     near, far = residual_of(0.1), residual_of(1.0)  # E of 0.02 and of 2 px²
-    assert evaluate_visits(Learned(visits, 0.08), near, None, 0, OPTIONS).count.tolist() == [POINTS] * len(away) + [
+    assert evaluate_visits(ImageData(visits, 0.08), near, None, 0, OPTIONS).count.tolist() == [POINTS] * len(away) + [
         MANY
     ]
-    assert evaluate_visits(Learned(visits, 0.08), far, None, 0, OPTIONS).count.tolist() == [POINTS] * len(visits)
-    assert evaluate_visits(Learned(visits, 0.0), near, None, 0, OPTIONS).count.tolist() == [POINTS] * len(visits)
+    assert evaluate_visits(ImageData(visits, 0.08), far, None, 0, OPTIONS).count.tolist() == [POINTS] * len(visits)
+    assert evaluate_visits(ImageData(visits, 0.0), near, None, 0, OPTIONS).count.tolist() == [POINTS] * len(visits)

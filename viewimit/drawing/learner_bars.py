@@ -21,7 +21,7 @@ def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray, assessment: 
     rows, many = [], len(theta) >= MANY
     band = np.zeros(len(theta))
     if assessment is not None:
-        band[assessment.untold] = np.maximum(assessment.spread[assessment.untold], MAX_STD_PER_PX)
+        band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], MAX_STD_PER_PX)
     width = NARROW if many else WIDTH
     limits = zip(scene.lower.tolist(), scene.upper.tolist())
     for k, (joint, own, demo, (low, high)) in enumerate(

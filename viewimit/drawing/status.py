@@ -116,8 +116,8 @@ def describe(
 ) -> Said:
     """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
     from 1 of those that move; advises: whether it says what to do next, which nobody can in a replay."""
-    if snapshot.to_rehearse is not None and snapshot.rehearses:
-        left = len(snapshot.to_rehearse)
+    if snapshot.pending_postures is not None and snapshot.is_rehearsing:
+        left = len(snapshot.pending_postures)
         sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
         return Said(ServoStatus.MOVING if playing else "paused", sentence)
     if snapshot.transfer is None:
@@ -151,8 +151,10 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
     if known is not None and untold:
         names = " and ".join(svg.joint_symbol(joints[k]) for k in untold)
         return Said(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
-    if assessment is not None and assessment.least:
-        return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")
+    if assessment is not None and assessment.at_local_minimum:
+        return Said(
+            "least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.max_displacement)}."
+        )
     if snapshot.status == ServoStatus.SETTLED:
         return Said(ServoStatus.SETTLED, f"{E} {after}{why}")
     advice = "; move an arm or reset" if advises else ""

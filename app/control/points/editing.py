@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import msgspec
 from numpy.typing import NDArray
 
-from viewimit.analysis.point_information import PointInformation, Proposal, best_next, point_information
+from viewimit.analysis.observability import PointInformation, Proposal, best_next, point_information
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session

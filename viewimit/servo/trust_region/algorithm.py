@@ -37,14 +37,14 @@ from ...estimation.equations import Equation
 from ...estimation.residuals import ResidualFunction
 from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ...geometry.rectification import Rectification
-from ..images.innovation import holds
-from ..images.learned import Learned
 from ..observation import Observation, ScaledResiduals, Visit, in_units, probe_of, unit_of
 from ..servo import Moment
 from ..status import ServoStatus
 from .convergence import Certificate
 from .correspondences import find_swapped_matches, with_swapped
 from .explanation import equations, says
+from .image_models import ImageData
+from .localisation import is_consistent
 from .motions import maximin, sample_box
 from .options import TrustRegionOptions
 from .rules import (
@@ -133,9 +133,9 @@ class TrustRegion:
         residuals = ScaledResiduals(residuals, state.unit_px)
         residuals = residuals.with_partially_visible() if state.search.partial_points else residuals
         outdated = state.calibration and state.kinematics is None
-        if outdated and not holds(state.calibration, state.visits, observation.noise_px):
+        if outdated and not is_consistent(state.calibration, state.visits, observation.noise_px):
             state = without_calibration(state, options)
-        images = Learned(state.known, observation.noise_px, state.kinematics)
+        images = ImageData(state.known, observation.noise_px, state.kinematics)
         look = Look(observation, residuals, images, tracking, options)
         phase, displacement = first_phase(state), None
         while displacement is None:
@@ -172,7 +172,7 @@ def match(state: TrustRegionState, look: Look) -> Outcome:
     state = with_plan(state, look)
     if not mismatch_suspected(state, look):
         return Phase.DESCEND, state, None
-    predict, floor = look.images.about().predict, objective_floor(look)
+    predict, floor = look.images.fit().predict, objective_floor(look)
     pairs = find_swapped_matches(predict, look.residuals, observation.lower, observation.upper, floor, options)
     state = replace(state, matching=Matching(pairs, next_attempt(state) + 1))
     if not pairs:

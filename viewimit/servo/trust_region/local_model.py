@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import conflict
-from ..images.learned import Images
-from ..images.own_noise import own_noise
 from ..least_squares import FD_STEP, Minimum, fd_steps
 from ..observation import Observation, Visit
+from .image_models import ImageModel, estimate_own_noise
 from .options import DEFAULTS, TrustRegionOptions
 
 Array = NDArray[np.float64]
@@ -81,7 +80,7 @@ class EstimationData:
     best: int  # index of the visit with the smallest E
     E: float  # px², there
     points: NDArray[np.bool_]  # (N,), that E was evaluated with there
-    model: Images  # learned from the visits
+    model: ImageModel  # learned from the visits
     observation: Observation  # at the last visit
     residuals: Residuals  # by the chosen transfer; points that are NaN are left out
     E_of_visits: Array | None = None  # (n,) px², by each visit's own images; None: residuals are whitened
@@ -116,7 +115,7 @@ def local_model(
     -----
     A point whose slopes are more uncertain than 1 / `max_std_per_px` is left out: its errors would look like curvature.
     """
-    learned = data.model.unlearned_slopes(place) < 1.0 / options.max_std_per_px
+    learned = data.model.jacobian_std(place) < 1.0 / options.max_std_per_px
     hessian, points = minimum.hessian, minimum.points
     if not learned[data.points].all():
         hessian, points = _hessian_of_points(data, data.points & learned, place)
@@ -129,9 +128,9 @@ def local_model(
     if data.observation.noise_px > 0:
         freedom = degrees_of_freedom(points, len(place))
         residuals, seed = _restricted(data, data.residuals, learned, place), data.observation.motion
-        noise = own_noise(data.model, residuals, place, data.observation.noise_px, freedom, seed)
-        hessian, hessians, single = (noise.taken_off(one) for one in (hessian, hessians, single))
-        of_images, of_jacobian = noise.gradients, noise.by_slopes
+        noise = estimate_own_noise(data.model, residuals, place, data.observation.noise_px, freedom, seed)
+        hessian, hessians, single = (noise.debias_hessian(one) for one in (hessian, hessians, single))
+        of_images, of_jacobian = noise.grad_samples_images, noise.grad_samples_jacobian
     return LocalModel(
         hessian=hessian,
         hessian_all_points=minimum.hessian * minimum.points / points,
@@ -159,7 +158,7 @@ def _hessian_of_points(data: EstimationData, points: NDArray[np.bool_], place: A
     return (_hessian(e) if np.isfinite(e).all() else np.zeros((len(place),) * 2)), max(e.shape[-2], 1)
 
 
-def _images_about(model: Images, place: Array) -> Array:
+def _images_about(model: ImageModel, place: Array) -> Array:
     """Predict the images at a posture and one finite difference on by each joint: (1 + m, N, 4) px."""
     return model.predict(place + FD_STEP * fd_steps(len(place)))
 
@@ -228,12 +227,12 @@ def _count_visible(data: EstimationData, points: int) -> int:
 
 def _images_of_visits(data: EstimationData) -> Array:
     """Return the images of all visits, hidden points predicted where that is safe: (n, N, 4) px."""
-    return data.model.completed(np.array([visit.own for visit in data.visits]))
+    return data.model.impute(np.array([visit.own for visit in data.visits]))
 
 
-def _image_gram(model: Images, place: Array) -> Array:
+def _image_gram(model: ImageModel, place: Array) -> Array:
     """Return J_uᵀ J_u / N of the points that the model knows, (m, m) px²/rad²."""
-    slopes = model.slopes(place)[:, np.isfinite(model.at_centre).all(-1)]
+    slopes = model.jacobian(place)[:, np.isfinite(model.at_centre).all(-1)]
     points = max(slopes.shape[1], 1)
     slopes = slopes.reshape(len(place), -1)
     return slopes @ slopes.T / points

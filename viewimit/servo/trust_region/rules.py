@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from ...estimation.residuals import ResidualFunction, noise_conflict
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
-from ..images.learned import Learned
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate
 from .correspondences import with_swapped
+from .image_models import ImageData
 from .local_model import degrees_of_freedom
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .options import TrustRegionOptions
@@ -27,7 +27,7 @@ class Look:
 
     observation: Observation  # in image units, relative to where the arm is by its images
     residuals: ResidualFunction  # in image units; the phases change which points it uses
-    images: Learned  # predicts the own images from all visits
+    images: ImageData  # predicts the own images from all visits
     tracking: bool  # whether the demonstrator keeps moving
     options: TrustRegionOptions
     plan: StepPlan | None = None  # made by MATCH

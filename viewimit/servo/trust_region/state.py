@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from ...estimation.views import Pairs
 from ...geometry.kinematics.adjustment import fit_kinematics
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ..images.learned import seen_at
-from ..images.standing import contradicts, standing
 from ..observation import Observation, Visit
 from ..status import ServoStatus
 from .convergence import Certificate
+from .image_models import observations_of
+from .localisation import contradicts_command, localise
 from .options import TrustRegionOptions
 
 
@@ -170,7 +170,7 @@ def record_visit(
     if again and len(after.visits) > 1:
         return after, observation
     after = _with_kinematics(after, observation, options)
-    if not again and after.kinematics is None and contradicts(state.known, here, observation.noise_px):
+    if not again and after.kinematics is None and contradicts_command(state.known, here, observation.noise_px):
         return _on_mismatch(state, here, options), observation
     return after, observation
 
@@ -182,7 +182,9 @@ def _with_kinematics(
     since = len(state.visits) - (0 if state.calibration else len(observation.displacement))
     if state.kinematics is None and since not in options.fit_kinematics_at:
         return state
-    found = fit_kinematics(seen_at(state.known), observation.noise_px, observation.rectification, state.kinematics)
+    found = fit_kinematics(
+        observations_of(state.known), observation.noise_px, observation.rectification, state.kinematics
+    )
     return replace(state, kinematics=found)
 
 
@@ -213,7 +215,7 @@ def _localise_from_images(
     if np.abs(sent.displacement - last).max() < options.same_posture:
         here, been = replace(sent, displacement=last), False
     else:
-        here, been = standing(state.known, sent, observation.noise_px)
+        here, been = localise(state.known, sent, observation.noise_px)
     stuck = been and np.array_equal(here.displacement, last)
     region = state.region
     if been and region.predicted_reduction is not None:

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
-from ..images.learned import Images, Learned
 from ..least_squares import Minimum, minimise
 from ..observation import Observation
 from .convergence import Certificate, certify, curvature_directions
+from .image_models import ImageData, ImageModel
 from .local_model import EstimationData, absorbed_points, local_model, min_points_identifiable
 from .options import TrustRegionOptions
 
@@ -44,7 +44,7 @@ class StepPlan:
 
     E: float  # px², at the best visit
     n_points: int  # that determine it
-    model: Images  # predicts images, about the best visit
+    model: ImageModel  # predicts images, about the best visit
     minimum: Minimum  # of the predicted E inside the region
     noise_reference: NoiseReference | None  # of whitened residuals; None without noise
     certify: Callable[[NDArray[np.float64]], Certificate] | None  # convergence test at a posture; None if E is
@@ -73,7 +73,7 @@ class StepPlan:
 
 
 def evaluate_visits(
-    images: Learned,
+    images: ImageData,
     residuals: ResidualFunction,
     transfer: str | None,
     min_points: int,
@@ -83,7 +83,7 @@ def evaluate_visits(
 
     Parameters
     ----------
-    images : Learned
+    images : ImageData
         All visits and what they show of the own images.
     residuals : ResidualFunction
     transfer : str or None
@@ -111,7 +111,7 @@ def evaluate_visits(
 
 def _evaluate(
     max_std_px: float,
-    images: Learned,
+    images: ImageData,
     residuals: ResidualFunction,
     transfer: str | None,
     min_points: int,
@@ -130,7 +130,7 @@ def _evaluate(
     return replace(evaluate(noise_reference=reference), noise_reference=reference)
 
 
-def _variance_ratio(images: Learned, best: int, options: TrustRegionOptions) -> float:
+def _variance_ratio(images: ImageData, best: int, options: TrustRegionOptions) -> float:
     """Return the variance of the compared own images, relative to a single image.
 
     Kinematics average the noise of many visits. Nothing does without them, nor if images repeat to the last bit at
@@ -139,14 +139,14 @@ def _variance_ratio(images: Learned, best: int, options: TrustRegionOptions) -> 
     return 1.0 if images.kinematics is None or _repeats(images, best) else options.averaged_variance
 
 
-def _repeats(images: Learned, best: int) -> bool:
+def _repeats(images: ImageData, best: int) -> bool:
     """Whether some point has exactly the same image at another posture."""
     here, others = images.visits[best], [visit for k, visit in enumerate(images.visits) if k != best]
     apart = (visit for visit in others if (visit.displacement != here.displacement).any())
     return any(bool((visit.own == here.own).all(-1).any()) for visit in apart)
 
 
-def _impute(images: Learned, max_std_px: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def _impute(images: ImageData, max_std_px: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return the images of all visits and which points are known in them.
 
     Returns (n, N, 4) px with hidden points predicted and noise averaged, and (n, N) bool of points that were seen, or
@@ -158,10 +158,10 @@ def _impute(images: Learned, max_std_px: float) -> tuple[NDArray[np.float64], ND
     hidden = np.isnan(own)
     if noise_px == 0 and not hidden.any():
         return own, seen
-    model = images.about()
+    model = images.fit()
     displacement = np.array([visit.displacement for visit in visits])
     predicted = model.predict(displacement)
-    known = seen if seen.all() else seen | (model.spread(displacement) < max_std_px)
+    known = seen if seen.all() else seen | (model.prediction_std(displacement) < max_std_px)
     return (predicted if noise_px > 0 else np.where(hidden, predicted, own)), known
 
 
@@ -199,7 +199,7 @@ def argmin_last(E: NDArray[np.float64]) -> int:
 
 
 def solve_subproblem(
-    images: Learned,
+    images: ImageData,
     visited: VisitObjectives,
     radius: float,
     observation: Observation,
@@ -211,7 +211,7 @@ def solve_subproblem(
 
     Parameters
     ----------
-    images : Learned
+    images : ImageData
         Predicts the own images from all visits.
     visited : VisitObjectives
         E at the visits; the centre is the best of them.
@@ -229,8 +229,8 @@ def solve_subproblem(
     StepPlan
     """
     best, reference = visited.best, visited.noise_reference
-    E, points, model = float(visited.E[best]), visited.points[best], images.about(best)
-    predict = model.only(points).predict
+    E, points, model = float(visited.E[best]), visited.points[best], images.fit(best)
+    predict = model.restrict(points).predict
     minimum = _search(
         model.centre, radius, observation, lambda theta: residuals(predict(theta), transfer, reference), options
     )

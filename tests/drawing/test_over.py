@@ -6,14 +6,21 @@ import zlib
 import numpy as np
 import pytest
 from drawn import NEAREST, WAY_FROM_START, classes, marked, parsed, paths
+from viewimit.app.drawing.landscapes import describe_basin, draw_basin
+from viewimit.app.drawing.overlays import (
+    LEAST,
+    SINK,
+    axis_end,
+    moment_links,
+    moments_made,
+    point_links,
+    point_places,
+    posture_links,
+)
 
 from viewimit.analysis.convergence import Basin, Ending
-from viewimit.drawing.curves import axis_end, draw_curves, moment_links, moments_made
+from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.images.planes import SIZES, image_windows
-from viewimit.drawing.over.basin import describe_basin, draw_basin
-from viewimit.drawing.over.links import SINK
-from viewimit.drawing.over.points import LEAST, point_links, point_places
-from viewimit.drawing.over.postures import posture_links
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

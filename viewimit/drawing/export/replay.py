@@ -19,7 +19,7 @@ from ..curves import paired_axis
 from ..glossary import cards
 from ..theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 from .citation import Citation, cite, motions
-from .panels import draw_panels, farthest_off, kept_motions
+from .panels import draw_panels, kept_motions, largest_residual
 from .space import describe_space
 
 CELL_HEIGHT = 700  # px, in a notebook
@@ -49,7 +49,7 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     """
     world, first = session.world, session.history[0]
     if chosen is None:
-        chosen = farthest_off(first)
+        chosen = largest_residual(first)
     elif not 0 <= chosen < len(world.body):
         raise ValueError(f"no point {chosen}; there are {len(world.body)}, from 0")
     kept = kept_motions(session.history)

@@ -7,17 +7,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.landscape import Landscape
-from ..estimation.transfers import TRANSFERS
-from ..loop.snapshot import Snapshot
-from ..servo import SERVOS, ServoStatus
-from ..simulation.scene import Scene
-from . import svg
-from .axes import Axes, decade_ticks, decades, log10
-from .plots import Style
-from .posture_plane import PosturePlane
-from .small_landscape import WIDTH as COLUMN
-from .small_landscape import draw_small, small_plane
+from viewimit.analysis.landscape import Landscape
+from viewimit.drawing import svg
+from viewimit.drawing.landscape import WIDTH as COLUMN
+from viewimit.drawing.landscape import draw_small, small_plane
+from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.snapshot import Snapshot
+from viewimit.servo import SERVOS, ServoStatus
+from viewimit.simulation.scene import Scene
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP

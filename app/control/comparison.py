@@ -35,7 +35,7 @@ class Comparison:
         """Ask anew if what is shown would differ."""
         if not self.on:
             return
-        asked = world, *landscape_key(snapshot, but=("transfer",))
+        asked = world, *landscape_key(snapshot, ignored=("transfer",))
         if asked == self._asked:
             return
         if self._asked is None or self._asked[0] is not world:

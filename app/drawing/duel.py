@@ -31,7 +31,17 @@ LEAST_DEG = 1e-3  # of the axis of errors
 LIMIT = 240  # vertices of a curve or path
 ONE_DIGIT_TO = 100  # of the figures beneath, so that they do not meet
 OF = ("own", "opponent")  # their classes
-STATES = {ServoStatus.READY: "is at the start", ServoStatus.MOVING: "is still moving"}
+STATES = {  # after "the learner"
+    ServoStatus.READY: "is at the start",
+    ServoStatus.REHEARSING: "is still moving",
+    ServoStatus.MOVING: "is still moving",
+    ServoStatus.CONVERGED: "converged",
+    ServoStatus.SETTLED: "rests",
+    ServoStatus.UNOBSERVABLE: "cannot tell all joints",
+    ServoStatus.NO_PROGRESS: "stalled",
+    ServoStatus.TOO_FEW_POINTS: "stopped",
+    ServoStatus.MAX_MOTIONS: "stopped",
+}
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
 WHY = (
     "Choose the opponent's transfer and servo above, then begin:",
@@ -206,7 +216,7 @@ def _rests(snapshot: Snapshot) -> bool:
 
 
 def _state(snapshot: Snapshot) -> str:
-    return STATES.get(snapshot.status, snapshot.status)
+    return STATES[snapshot.status]
 
 
 def _motions(count: int) -> str:

@@ -323,7 +323,7 @@ class TestCurves:
         html = curves.draw_curves(history, 2999, None, (2, 4))
         line = path(parsed(html), E_CURVE)
         x = numbers(line).reshape(-1, 2)[:, 0]
-        assert len(x) <= curves.LIMIT and x[0] == curves.LEFT
+        assert len(x) <= curves.MAX_VERTICES and x[0] == curves.LEFT
         assert x[-1] == pytest.approx(curves.LEFT + (424 - curves.RIGHT - curves.LEFT) * 2999 / 4000, abs=0.06)
         assert len(html.encode()) < 12_000
 

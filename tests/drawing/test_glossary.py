@@ -8,7 +8,7 @@ from drawn import SCALE_OF_MORE, parsed
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.control.commands.session import Play, Step, Undo
-from viewimit.app.drawing.glossary import asks, current_values, listed
+from viewimit.app.drawing.glossary import asks, beside, current_values, listed
 from viewimit.app.panels.guide.glossary import numbers_now
 from viewimit.app.panels.guide.help import help_html
 
@@ -66,7 +66,7 @@ def test_what_a_number_is_now_is_told_at_its_place_on_the_scale():
 
 
 def test_every_question_has_its_card():
-    for ask in (glossary.ask, glossary.beside):
+    for ask in (glossary.ask, beside):
         button = parsed(ask("basin")).find(".//button")
         assert f'id="{button.get("popovertarget")}"' in glossary.cards()
         assert f"#{button.get('popovertarget')}{{position-anchor:" in glossary.cards()

@@ -130,9 +130,9 @@ def test_a_label_moves_only_where_the_path_or_the_learners_own_label_needs_its_p
 
 def test_a_label_without_room_is_left_out():
     labels = Labels(0, 0, 100, 20)
-    assert "E" in posture_plane.beside(50, 10, "E", "", 4)
+    assert "E" in labels.beside(50, 10, "E", "", 4)
     labels.take((0, 0, 100, 20))
-    assert posture_plane.beside(50, 10, "E", "", 4) == "" == labels.led(50, 10, "E", LED, True)
+    assert labels.beside(50, 10, "E", "", 4) == "" == labels.led(50, 10, "E", LED, True)
 
 
 def test_a_line_is_kept_free_between_its_corners():

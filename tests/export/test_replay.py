@@ -102,7 +102,7 @@ def test_what_is_woven_comes_out_as_it_was(drawings):
 
 
 def test_where_all_points_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
-    monkeypatch.setattr(panels_module, "MOST_IMAGES", 10)
+    monkeypatch.setattr(panels_module, "MAX_IMAGES", 10)
     small = viewimit.replay(session, chosen=6)
     panels = told(small)["panels"]
     assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["ways"]) == 1 for one in panels["images"])

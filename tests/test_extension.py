@@ -258,7 +258,7 @@ def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
 def test_the_transfer_frozen_at_convergence_is_kept():
     history = stepped(40).history
     back = decode(encode(history))
-    assert isinstance(back[-1].frozen.penalty, Penalty)
+    assert isinstance(back[-1].converged_transfer.penalty, Penalty)
     assert_same(tuple(back), tuple(history))
 
 
@@ -271,7 +271,7 @@ def test_what_is_not_said_to_be_stored_is_not(monkeypatch, methods, name, withou
     )
     monkeypatch.setattr(Broyden, "stored", ())
     with pytest.raises(TypeError, match=f"cannot keep a {without.__name__}"):
-        encode([replace(moment, frozen=fit_ridge(moment.views)) for moment in history])
+        encode([replace(moment, converged_transfer=fit_ridge(moment.views)) for moment in history])
 
 
 def test_two_stored_classes_of_one_name_are_refused(monkeypatch):

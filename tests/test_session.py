@@ -10,10 +10,10 @@ from viewimit.assets import ROOT
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines
-from viewimit.loop.embodiment.in_scene import complete
 from viewimit.loop.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings, warn_of_radians
+from viewimit.loop.simulated_robot import complete
 from viewimit.servo import SERVOS
 from viewimit.simulation.scene import Scene
 

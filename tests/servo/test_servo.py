@@ -8,7 +8,7 @@ from linear_world import LinearWorld
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.loop import looking
+from viewimit.loop import simulated_robot as looking
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation

@@ -14,7 +14,7 @@ import numpy as np
 from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS
 from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import Radial
-from ..loop.embodiment.motion_limits import within, workspace
+from ..loop.embodiment import within, workspace
 from ..loop.settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
 from ..sensing.files import MOST_NAME, printable
 from ..servo import SERVOS

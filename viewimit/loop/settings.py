@@ -256,6 +256,15 @@ def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
     return angles_deg
 
 
+def convert_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert values as JSON has them to the types of these fields. Raises ValueError for another name or value."""
+    try:
+        whole = msgspec.convert(dict(fields), Settings)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from None
+    return {name: getattr(whole, name) for name in fields}
+
+
 def _require_choice(name: str, value: str, choices: Collection[str]) -> None:
     if value not in choices and not (value == OWN and name in ("transfer", "servo")):
         raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")

@@ -245,7 +245,7 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 def _says(snapshot: Snapshot) -> str:
     """The servo's own words, "" without any."""
     state = snapshot.servo_state
-    return "" if state is None else snapshot.servo.says(state, snapshot.status)
+    return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)
 
 
 def _motions(count: int) -> str:

@@ -118,7 +118,5 @@ def _known_images(model: BroydenModel, own: NDArray) -> NDArray:
 
 def _probe(state: BroydenState, observation: Observation) -> tuple[BroydenState, NDArray]:
     joint, *rest = state.joints_to_probe
-    state = replace(
-        state, joints_to_probe=tuple(rest), predicted_reduction=None, status=ServoStatus.MOVING, probe=True
-    )
+    state = replace(state, joints_to_probe=tuple(rest), predicted_reduction=None, status=ServoStatus.MOVING, probe=True)
     return state, probe_of(joint, observation)

@@ -134,9 +134,7 @@ def _with_update(state: S, model: RecursiveJacobian, E: float) -> S:
     """State after the last motion, which led to E px²."""
     has_progressed = PROGRESS * state.best_E > E
     n_since_best, best_E = (0, E) if has_progressed else (state.n_since_best + 1, state.best_E)
-    return replace(
-        state, model=model, best_E=best_E, n_since_best=n_since_best, status=ServoStatus.MOVING, probe=False
-    )
+    return replace(state, model=model, best_E=best_E, n_since_best=n_since_best, status=ServoStatus.MOVING, probe=False)
 
 
 def _next_motion(state: S, observation: Observation, residuals: ResidualFunction, law: Law) -> tuple[S, NDArray]:

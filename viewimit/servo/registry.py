@@ -53,6 +53,11 @@ class ServoMethod:
     def __post_init__(self) -> None:
         self.title = self.title or type(self.servo).__name__
 
+    @property
+    def fails(self) -> str:
+        """As `limitations`."""
+        return self.limitations
+
     def start(self, observation: Observation) -> Any:
         """Return the state before the first motion."""
         return self.servo.start(observation)
@@ -102,9 +107,7 @@ class Servos(UserDict[str, ServoMethod]):
 
 
 _GRADIENT_LAW = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
-_BROYDEN_LAW = (
-    r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
-)
+_BROYDEN_LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 _KALMAN_LAW, _KALMAN_FILTER = r"𝐮=-g\,\hat{𝐉}_e^{+}𝐞", r"𝐤=\frac{𝐏𝐡}{r+𝐡^{\top}𝐏𝐡}"
 _GAUSS_NEWTON_LAW = r"𝐮=-(\hat{𝐉}_e^{\top}\hat{𝐉}_e+\mu 𝐃)^{-1}\hat{𝐉}_e^{\top}𝐞"
 _WEIGHTED_LEAST_SQUARES = r"\hat{𝐉}=\mathrm{arg\,min}\sum_i\lambda^{k-i}\,|Δ𝐲_i-𝐉𝐡_i|^2"
@@ -226,7 +229,7 @@ SERVOS = Servos(
             Gradient(),
             title="Gradient (paper)",
             assumes="That E is convex, and that a gradient learned on the way stays true.",
-            limitations="The input fades with E, the gradient goes stale: thousands of motions, mostly without arriving.",
+            limitations="The input fades with E and the gradient goes stale: thousands of motions, mostly in vain.",
         ),
         "gradient-retuned": _gradient_method(
             Gradient(RETUNED),
@@ -238,7 +241,7 @@ SERVOS = Servos(
             servo=Broyden(),
             title="Broyden on images",
             assumes="That the images follow the joints nearly linearly; E is predicted, not tried.",
-            limitations="Flat valleys and missing points: it may stop degrees away, and does not know whether it arrived.",
+            limitations="Flat valleys and missing points: it may stop degrees away, and cannot tell if it arrived.",
             stored=(BroydenState, BroydenModel, Visit),
             equations=_broyden_equations,
             describe_status=_describe_broyden,
@@ -256,7 +259,7 @@ SERVOS = Servos(
             servo=GaussNewton(),
             title="Damped Gauss-Newton",
             assumes="That the images are linear in the joints over the last few motions, and E in one valley.",
-            limitations="Where the Jacobian of some motions ago misleads: its motions are damped until it stands still.",
+            limitations="Where the Jacobian of some motions ago misleads: it damps its motions until it stands still.",
             stored=(GaussNewtonState, RecursiveJacobian, Visit),
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,

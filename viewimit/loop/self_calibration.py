@@ -16,7 +16,7 @@ from ..servo.observation import Visit
 
 CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
 STRETCH = 1.15  # of these about the middle: the images of a range are least known at its edges
-FEWEST = 3
+MIN_POSTURES = 3
 TURN = np.radians(20.0)  # of each joint by itself
 
 
@@ -42,7 +42,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class BodyImage:
+class SelfCalibration:
     """visits: displacements are (m,) rad from the lower limits of all joints; noise_px: of an image coordinate then,
     standard deviation; scene: where that was, for people."""
 
@@ -54,7 +54,7 @@ class BodyImage:
     def __len__(self) -> int:
         return len(self.visits)
 
-    def with_visit(self, visit: Visit) -> "BodyImage":
+    def with_visit(self, visit: Visit) -> "SelfCalibration":
         return replace(self, visits=(*self.visits, visit))
 
     def seen_from(self, lower: NDArray) -> tuple[Visit, ...]:
@@ -78,7 +78,7 @@ class BodyImage:
             np.savez(file, **table)
 
     @classmethod
-    def load(cls, path: Path) -> "BodyImage":
+    def load(cls, path: Path) -> "SelfCalibration":
         """Raises OSError, or ValueError that names the file and what is wrong with it."""
         try:
             return _body_image(read_npz(path))
@@ -88,7 +88,7 @@ class BodyImage:
             raise ValueError(f"{path}: no body image: {error}; `viewimit rehearse` makes one") from None
 
 
-def _body_image(table: dict[str, NDArray]) -> BodyImage:
+def _body_image(table: dict[str, NDArray]) -> SelfCalibration:
     """Raises KeyError for what is missing, ValueError for shapes and numbers that cannot be."""
     displacement, own, seen = np.radians(table["displacement_deg"]), table["own_px"], table["seen"]
     body = Body(
@@ -106,36 +106,36 @@ def _body_image(table: dict[str, NDArray]) -> BodyImage:
     for name, (values, wanted) in shapes.items():
         if values.shape != wanted:
             raise ValueError(f"{name} has shape {values.shape}, not {wanted}")
-    if K < FEWEST or N == 0 or seen.dtype != bool or own.dtype != float:
-        raise ValueError(f"needs {FEWEST} postures or more with points in px, and which of them were seen")
+    if K < MIN_POSTURES or N == 0 or seen.dtype != bool or own.dtype != float:
+        raise ValueError(f"needs {MIN_POSTURES} postures or more with points in px, and which of them were seen")
     if not (np.isfinite(displacement).all() and np.isfinite(own[np.repeat(seen, 2, -1)]).all() and noise_px >= 0):
         raise ValueError("a number in it is not finite")
     visits = tuple(Visit.of(*visit) for visit in zip(displacement, own, seen))
-    return BodyImage(body, str(table["scene"]), noise_px, visits)
+    return SelfCalibration(body, str(table["scene"]), noise_px, visits)
 
 
 def _numbers(values: NDArray, kind: type) -> tuple[Any, ...]:
     return tuple(kind(value) for value in values.tolist())
 
 
-def rehearsal_postures(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:
-    """(count, m) rad: `postures_apart`, and on from the first of them by each joint in turn, as far as they are enough
+def calibration_postures(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:
+    """(count, m) rad: `spread_postures`, and on from the first of them by each joint in turn, as far as they are enough
     for both: images between which one joint was turned tell which points it moves. Raises ValueError for fewer than
-    FEWEST."""
+    MIN_POSTURES."""
     joints = len(low)
-    if count < FEWEST + joints:
-        return postures_apart(low, high, count, rng)
-    first, *others = postures_apart(low, high, count - joints, rng)
+    if count < MIN_POSTURES + joints:
+        return spread_postures(low, high, count, rng)
+    first, *others = spread_postures(low, high, count - joints, rng)
     way = np.where(first < (low + high) / 2, 1.0, -1.0)  # where the limits leave more room
     turns = np.minimum(TURN, (high - low) / 2)
     return np.vstack([first, first + np.cumsum(np.diag(way * turns), axis=0), *others])
 
 
-def postures_apart(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:
+def spread_postures(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:
     """(count, m) rad: each joint within [low, high], (m,) rad, all as far from each other as may be (Lloyd 1982), in an
-    order in which the way from one to the next is short. Raises ValueError for fewer than FEWEST."""
-    if count < FEWEST:
-        raise ValueError(f"needs {FEWEST} postures or more, got {count}")
+    order in which the way from one to the next is short. Raises ValueError for fewer than MIN_POSTURES."""
+    if count < MIN_POSTURES:
+        raise ValueError(f"needs {MIN_POSTURES} postures or more, got {count}")
     drawn = rng.uniform(size=(max(CANDIDATES, 10 * count), len(low)))
     centres = drawn[:count].copy()
     for _ in range(ROUNDS):
@@ -155,3 +155,6 @@ def _short_way(postures: NDArray) -> list[int]:
         way.append(min(left, key=lambda k: float(np.abs(postures[k] - here).max())))
         left.remove(way[-1])
     return way
+
+
+DEFAULT_POSTURES = 12  # with which two joints are imitated in two motions

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import msgspec
 
 from ..sensing.files import is_text
-from .script import Began, Changed, Deed, Looked, Posed, Rehearsed, Script, Stepped
+from .script import Action, Begin, Calibrate, ChangeSettings, Looks, MoveDemonstrator, Script, Steps
 from .settings import DISTURBANCES, SAFETY, USUAL_POINTS, Settings
 
 MOST_LINES = 12
@@ -24,7 +24,7 @@ def as_python(script: Script) -> str:
             "from viewimit import Session, Settings",
             "",
             f"session = Session({_settings(script.settings)})",
-            *(line for deed in script.deeds for line in _lines(deed)),
+            *(line for action in script.actions for line in _lines(action)),
             "print(session.snapshot.theta)",
         )
     )
@@ -37,7 +37,7 @@ def as_command(script: Script) -> str:
     options = _options(settings, Settings())
     if is_text(settings.scene):
         raise ValueError("no command: its scene came without a file; save the scene, and name its file")
-    if not all(isinstance(deed, Stepped) for deed in script.deeds):
+    if not all(isinstance(action, Steps) for action in script.actions):
         raise ValueError("no command: something was done by hand on the way; as Python it can be said")
     return shlex.join(["viewimit", "imitate", *options, f"--max-motions={script.steps}", "--json"])
 
@@ -100,22 +100,22 @@ def _fields(fields: dict[str, object]) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in fields.items())
 
 
-def _lines(deed: Deed) -> list[str]:
-    if isinstance(deed, Stepped | Looked):
-        verb = "session.step()" if isinstance(deed, Stepped) else "session.look()"
-        return [verb] if deed.times == 1 else [f"for _ in range({deed.times}):", f"    {verb}"]
-    if isinstance(deed, Posed):
-        return [f"session.pose({deed.theta_demo!r})  # rad"]
-    if isinstance(deed, Changed):
-        return [f"session.change({_fields(deed.fields)})"]
-    if isinstance(deed, Began):
-        return [f"session.begin({_settings(deed.settings)})"]
-    return ["session.remember(None)"]
+def _lines(action: Action) -> list[str]:
+    if isinstance(action, Steps | Looks):
+        verb = "session.step()" if isinstance(action, Steps) else "session.look()"
+        return [verb] if action.times == 1 else [f"for _ in range({action.times}):", f"    {verb}"]
+    if isinstance(action, MoveDemonstrator):
+        return [f"session.pose({action.theta_demo!r})  # rad"]
+    if isinstance(action, ChangeSettings):
+        return [f"session.change({_fields(action.fields)})"]
+    if isinstance(action, Begin):
+        return [f"session.begin({_settings(action.settings)})"]
+    return ["session.use_calibration(None)"]
 
 
 def _is_data(script: Script) -> bool:
     """Whether it holds what nobody wants to read."""
-    return any(isinstance(deed, Rehearsed) for deed in script.deeds)
+    return any(isinstance(action, Calibrate) for action in script.actions)
 
 
 def _as_data(script: Script) -> str:
@@ -125,11 +125,10 @@ def _as_data(script: Script) -> str:
             "import msgspec",
             "",
             "from viewimit import Session",
-            "from viewimit.loop.script_player import play",
             "from viewimit.loop.script import Script",
             "",
             "session = Session()",
-            f"play(msgspec.json.decode({written!r}, type=Script), session)",
+            f"session.play(msgspec.json.decode({written!r}, type=Script))",
             "print(session.snapshot.theta)",
         )
     )

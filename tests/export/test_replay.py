@@ -235,17 +235,14 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(browser, session,
     page.keyboard.press("Home")
 
     run = told(replay)["space"]
-    columns = page.evaluate(
-        """async () => { const {space} = await unpacked("run").json(), {learner} = space.moments.at(-1);
-        let T = new Float32Array(space.bases.learner); const frames = [[...T]];
-        space.joints.forEach((joint, k) => { T = M4.mul(M4.mul(T, new Float32Array(joint.T)),
-          M4.turn(joint.axis, learner[k])); frames.push([...T]); }); return frames; }"""
+    rows = page.evaluate(
+        "() => replay.framesOf('learner', replay.moments.at(-1).learner).map(frame => Array.from(frame))"
     )
-    frames = np.array(columns).reshape(-1, 4, 4).swapaxes(1, 2)
+    frames = np.array(rows).reshape(-1, 3, 4)
     world, points = session.world, np.array(run["points"]["local"])
     placed = np.einsum("nij,nj->ni", frames[run["points"]["link"]], np.column_stack([points, np.ones(len(points))]))
     truth = world.points_world(session.history[-1].theta, world.T_world_own)
-    assert np.allclose(placed[:, :3], truth, atol=2e-4)  # m; coordinates are kept to a tenth of a mm
+    assert np.allclose(placed, truth, atol=2e-4)  # m; coordinates are kept to a tenth of a mm
 
     page.keyboard.press("d")
     assert page.evaluate("getComputedStyle(document.body).color") == "rgb(240, 242, 245)"

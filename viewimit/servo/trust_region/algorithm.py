@@ -33,16 +33,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...estimation.equations import Equation
 from ...estimation.residuals import ResidualFunction
-from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
-from ...geometry.rectification import Rectification
-from ..observation import Observation, ScaledResiduals, Visit, in_units, probe_of, unit_of
-from ..servo import Moment
+from ..observation import Observation, ScaledResiduals, in_units, probe_of, unit_of
 from ..status import ServoStatus
-from .convergence import Certificate
 from .correspondences import find_swapped_matches, with_swapped
-from .explanation import equations, says
 from .image_models import ImageData
 from .localisation import is_consistent
 from .motions import maximin, sample_box
@@ -76,8 +70,6 @@ from .state import (
     Matching,
     Mismatch,
     Phase,
-    Region,
-    Search,
     TrustRegionState,
     first_region,
     initial_state,
@@ -93,16 +85,6 @@ class TrustRegion:
     """Uncalibrated servo that learns the images as a function of the posture."""
 
     options: TrustRegionOptions = TrustRegionOptions()
-
-    title = "Trust region on images"
-    assumes = "That joints turn points as rigid bodies; or else that the images follow the joints smoothly."
-    fails = "Where two postures give the same images, or every transfer misleads: then it reports no progress."
-    slow = False
-    predicts = True
-    stored = (
-        *(TrustRegionState, Region, Search, Destination, Matching, Mismatch, Phase),
-        *(Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
-    )
 
     def start(self, observation: Observation) -> TrustRegionState:
         """Return the state before the first motion."""
@@ -142,14 +124,6 @@ class TrustRegion:
             run, _ = PHASES[phase]
             phase, state, displacement = run(state, look)
         return replace(state, phase=phase), displacement
-
-    def equations(self, state: TrustRegionState | None, moment: Moment) -> tuple[Equation, ...]:
-        """Return the law with the numbers of a moment."""
-        return equations(state, moment)
-
-    def says(self, state: TrustRegionState, status: ServoStatus) -> str:
-        """Return what the servo does, or why it rests, in a few words."""
-        return says(state, status, self.options)
 
 
 def first_phase(state: TrustRegionState) -> Phase:

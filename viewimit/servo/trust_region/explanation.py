@@ -3,9 +3,9 @@
 import numpy as np
 
 from ...estimation.equations import Equation, angles, short
-from ..servo import Moment
+from ..servo import LastMotion
 from ..status import ServoStatus
-from .options import TrustRegionOptions
+from .options import DEFAULTS, TrustRegionOptions
 from .state import Phase, TrustRegionState
 
 _LAW = (
@@ -19,8 +19,8 @@ _BY_KINEMATICS = (
 AT_JOINT_LIMIT = "a joint was sent to its limit: if the arm moves less than commanded, begin nearer"
 
 
-def equations(state: TrustRegionState | None, moment: Moment) -> tuple[Equation, ...]:
-    """Return the law with the numbers of a moment, as `Servo.equations`."""
+def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equation, ...]:
+    """Return the law with the numbers of a motion, as `ServoMethod.equations`."""
     if state is None:
         return (Equation("", "no motion yet", _LAW, wide=True),)
     several = "s" if len(state.visits) > 1 else ""
@@ -29,12 +29,12 @@ def equations(state: TrustRegionState | None, moment: Moment) -> tuple[Equation,
         law, known = _LAW, f"{known}; D = {np.degrees(state.region.radius):.3g}°"
     else:
         law, known = _BY_KINEMATICS, f"{known}, which show how each joint turns the points"
-    note = f"{known}. {_outcome(state, moment)}"
+    note = f"{known}. {_outcome(state, motion)}"
     return (Equation("", "servo: the images are predicted, and E is minimised", law, note=note, wide=True),)
 
 
-def says(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions) -> str:
-    """Return what the servo does, or why it rests, as `Servo.says`."""
+def describe_status(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions = DEFAULTS) -> str:
+    """Return what the servo does, or why it rests, as `ServoMethod.describe_status`."""
     search = state.search
     if status == ServoStatus.CONVERGED and state.mismatch is not None:
         return "E rises in every direction, and its motions lead no nearer"
@@ -66,12 +66,12 @@ def says(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptio
     return f"tries the {transfer} transfer" if transfer else ""
 
 
-def _outcome(state: TrustRegionState, moment: Moment) -> str:
+def _outcome(state: TrustRegionState, motion: LastMotion) -> str:
     """Return what the last motion was for, or why there is none."""
-    made = f"This motion, ({angles(moment.moved)}), "
-    if moment.status == ServoStatus.CONVERGED:
+    made = f"This motion, ({angles(motion.moved)}), "
+    if motion.status == ServoStatus.CONVERGED:
         return "What is left of E leaves no room for a displacement worth a motion: the servo rests."
-    if moment.status == ServoStatus.NO_PROGRESS:
+    if motion.status == ServoStatus.NO_PROGRESS:
         return "Neither another transfer nor a restart led further: the servo rests."
     if state.phase is Phase.PROBE:
         return f"{made}is a probe: it shows how the joint moves the images."

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
-from ..geometry.fundamental import FREE, fit_fundamental_with_prior, sampson_distance
+from ..geometry.fundamental import DEGREES_OF_FREEDOM, fit_fundamental_with_prior, sampson_distance
 from ..geometry.rectification import Rectification, rectification_of, rectification_with_prior, rectify
 from ..loop.suspects import telling
 from ..sensing.point_checks import dimensions
@@ -196,7 +196,7 @@ def _noise_px(matches: NDArray) -> float:
     """Standard deviation of matches from their fundamental matrix."""
     left, right = np.split(matches, 2, axis=1)
     away = sampson_distance(fit_fundamental_with_prior(left, right), left, right)
-    return float(np.sqrt(away @ away / max(len(away) - FREE, 1)))
+    return float(np.sqrt(away @ away / max(len(away) - DEGREES_OF_FREEDOM, 1)))
 
 
 def _matches(views: FourViews, frames: NDArray) -> tuple[NDArray, NDArray]:

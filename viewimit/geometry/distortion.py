@@ -72,9 +72,7 @@ class RadialDistortion:
             if (np.abs(error) <= TOL * distorted).all():
                 break
             low, high = np.where(error < 0, r, low), np.where(error > 0, r, high)
-            slope = np.where(
-                r < self.max_radius, 1 + r_squared * (3 * self.k1 + 5 * self.k2 * r_squared), factor
-            )
+            slope = np.where(r < self.max_radius, 1 + r_squared * (3 * self.k1 + 5 * self.k2 * r_squared), factor)
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = r - error / slope
             r = np.where((low <= step) & (step <= high), step, (low + high) / 2)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod, rectified
 from ..estimation.views import FourViews, Pairs
-from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
+from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, ServoMethod, ServoStatus
 from .self_calibration import SelfCalibration
@@ -214,7 +214,7 @@ class Snapshot:
         if by is None:
             return fundamental.lines(images.reshape(4, 2))
         lines = fundamental.lines(by.apply(images).reshape(4, 2))
-        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
+        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[LINE_VIEWS % 2])
 
 
 T = TypeVar("T")

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..geometry.rigid import look_rotation, rigid_transform, rotation_about_axis
 
 WORLD = np.eye(4)
@@ -20,8 +20,8 @@ class Lens:
 
     focal: tuple[float, float]
     centre: tuple[float, float]
-    distortion: Radial = Radial()
-    undone: Radial = Radial()
+    distortion: RadialDistortion = RadialDistortion()
+    undone: RadialDistortion = RadialDistortion()
 
     @cached_property
     def is_distorted(self) -> bool:
@@ -35,8 +35,8 @@ class Lens:
 
     def stretch(self, squared: NDArray) -> NDArray:
         """How many times as far from the centre an image is as a pinhole's. squared: r², of that, in focal lengths."""
-        factor = self.distortion.stretch(squared)
-        return factor * self.undone.undone(squared * factor * factor) if self.undone.bends else factor
+        factor = self.distortion.factor(squared)
+        return factor * self.undone.inverse_factor(squared * factor * factor) if self.undone.bends else factor
 
     def direction(self, image: NDArray) -> NDArray:
         """image: (..., 2) px → (..., 2), where its ray meets the plane one focal length ahead."""
@@ -44,16 +44,18 @@ class Lens:
         if not self.is_distorted:
             return on_plane
         squared = (on_plane * on_plane).sum(-1)
-        factor = self.undone.stretch(squared)
-        return on_plane * (factor * self.distortion.undone(squared * factor * factor))[..., None]
+        factor = self.undone.factor(squared)
+        return on_plane * (factor * self.distortion.inverse_factor(squared * factor * factor))[..., None]
 
     def shows(self, image: NDArray) -> bool:
         """Whether what is seen in all of image, (..., 2) px, can be told."""
         seen = np.hypot(*((image - self.centre) / self.focal).reshape(-1, 2).T)
-        return bool((seen < min(self.distortion.rim, self.undone.reach)).all())
+        return bool((seen < min(self.distortion.max_distorted_radius, self.undone.max_radius)).all())
 
 
-def undistort_points(points: NDArray, focal: tuple[float, float], centre: tuple[float, float], by: Radial) -> NDArray:
+def undistort_points(
+    points: NDArray, focal: tuple[float, float], centre: tuple[float, float], by: RadialDistortion
+) -> NDArray:
     """(..., 2) px of a lens with that distortion → px of a pinhole."""
     return Lens(focal, centre, by).direction(points) * focal + centre
 

@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.affine import centred, require_points, scatter
+from ...geometry.affine import centred, cross_scatter, require_points
 from ..equations import Equation
 from ..views import FourViews
 from .affine_map import AffineTransfer, map_equation
@@ -39,7 +39,7 @@ def fit(views: FourViews) -> LinearTransfer:
     demo = np.asarray(views.demo, float)
     demo_mean, sigma, inverse = _kept(demo.tobytes()) if demo.ndim == 2 else _inverted(demo)
     own_mean, own = centred(views.own)
-    matrix = scatter(inverse, own).transpose(2, 1, 0).reshape(own.shape[:-2] + (4, 4))
+    matrix = cross_scatter(inverse, own).transpose(2, 1, 0).reshape(own.shape[:-2] + (4, 4))
     return LinearTransfer(matrix, demo_mean, own_mean, sigma)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
-from ..drawing.metrics import AMBER
+from ..drawing.images.panel import AMBER
 from ..estimation.residuals import conflict
 from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
 from ..estimation.transfers.rectified import fit

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from viewimit.geometry.rigid import rigid_transform, rotation_about_axis
-from viewimit.simulation.meshes import ray_distances, first_hit
+from viewimit.simulation.meshes import first_hit, ray_distances
 from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World

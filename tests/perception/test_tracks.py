@@ -93,7 +93,7 @@ def suspicious(tmp_path):
     """Three frames of 16 points, the learner in the demonstrator's posture: p2 and p9 are swapped, p5 is misplaced."""
     world, lines = World(load_scene("panda"), 16), ["frame,view,point,x,y,confidence"]
     for frame, theta in enumerate(np.radians([(45, -90), (20, -40), (70, -140)])):
-        seen = world.look(theta, theta).with_exchanged(((2, 9),))
+        seen = world.look(theta, theta).permuted(((2, 9),))
         seen.own[5, 1] += 60 * (frame == 1)
         for view, points in images(seen).items():
             lines += [f"{10 + frame},{view},<p{k}>,{x!r},{y!r},0.9" for k, (x, y) in enumerate(points.tolist())]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..analysis.observability import untold_joints
 from ..analysis.point_information import PointInformation, Proposal
-from ..estimation.transfers.transfer import FLATNESS
+from ..estimation.transfers.registry import FLATNESS
 from ..geometry.affine import MIN_POINTS
 from . import svg
 from .observability import described, draw_bars

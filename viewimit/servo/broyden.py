@@ -51,7 +51,7 @@ class Broyden:
 
     title = "Broyden on images"
     assumes = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
-    fails = "Flat valleys and missing points: it may stop degrees away, and does not know whether it has arrived."
+    limitations = "Flat valleys and missing points: it may stop degrees away, and does not know whether it has arrived."
     slow = False
     predicts = False
     stored = (BroydenState, ImageModel, Visit)

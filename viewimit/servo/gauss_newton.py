@@ -45,7 +45,9 @@ class GaussNewton:
 
     title = "Damped Gauss-Newton"
     assumes = "That the images are linear in the joints over the last few motions, and E in one valley."
-    fails = "Where the Jacobian of some motions ago misleads: it damps its motions until it stands still, and stalls."
+    limitations = (
+        "Where the Jacobian of some motions ago misleads: it damps its motions until it stands still, and stalls."
+    )
     slow = False
     predicts = False
     stored = (GaussNewtonState, RecursiveJacobian, Visit)

@@ -66,7 +66,9 @@ class Gradient:
     seed: int = 0
     title: str = "Gradient (paper)"
     assumes: str = "That E is convex, and that a gradient learned on the way stays true."
-    fails: str = "The input fades with E and the gradient goes stale: thousands of motions, mostly without arriving."
+    limitations: str = (
+        "The input fades with E and the gradient goes stale: thousands of motions, mostly without arriving."
+    )
     slow = True
     predicts = False
     stored = (GradientState,)
@@ -147,5 +149,5 @@ RETUNED_LAW = Gradient(
     RETUNED,
     title="Gradient, retuned",
     assumes="The same, with a larger gain, bounded steps and a dither that keeps the gradient fresh.",
-    fails="Hundreds of motions; it never stands still, so it never says that it has arrived.",
+    limitations="Hundreds of motions; it never stands still, so it never says that it has arrived.",
 )

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.residuals import NoiseReference, ResidualFunction, conflict
-from ..estimation.views import Pairs, exchange
+from ..estimation.views import Pairs, permute
 from .minimise import minimise
 
 GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
@@ -24,7 +24,7 @@ DECISIVE = 0.1  # of the conflict without an exchange
 
 def exchanged(images: NDArray, pairs: Pairs) -> NDArray:
     """(..., N, k) with the rows of each pair exchanged."""
-    return images[..., exchange(np.arange(images.shape[-2]), pairs), :] if pairs else images
+    return images[..., permute(np.arange(images.shape[-2]), pairs), :] if pairs else images
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def likely_exchange(
         blocks = [hypotheses[k : k + TOGETHER] for k in range(0, len(hypotheses), TOGETHER)]
 
         def ask(block: Sequence[Pairs]) -> NDArray:
-            together = np.stack([images[exchange(np.arange(len(images)), pairs)] for pairs in block], 2)
+            together = np.stack([images[permute(np.arange(len(images)), pairs)] for pairs in block], 2)
             return conflict(residuals(together.transpose(2, 3, 0, 1)))
 
         return np.concatenate([ask(block) for block in blocks])

@@ -39,7 +39,9 @@ class Kalman:
 
     title = "Kalman filter"
     assumes = "That the image Jacobian changes little from motion to motion, and that e is small enough to be linear."
-    fails = "Far from the goal: long motions change the Jacobian more than its filter allows, and nothing judges them."
+    limitations = (
+        "Far from the goal: long motions change the Jacobian more than its filter allows, and nothing judges them."
+    )
     slow = False
     predicts = False
     stored = (KalmanState, RecursiveJacobian, Visit)

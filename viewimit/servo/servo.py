@@ -50,7 +50,7 @@ class Moment:
 class Servo(Protocol):
     """A law, with all that anybody says about it. Its methods have no side effects.
 
-    title: in dropdowns; assumes, fails: a sentence each; slow: whether it makes hundreds of motions or more;
+    title: in dropdowns; assumes, limitations: a sentence each; slow: whether it makes hundreds of motions or more;
     predicts: whether it predicts its images from all that it has seen: it begins with what was `rehearsed`, if anything
     was, and knows a way on from where too few of its own points are in sight.
     stored: the dataclasses that its state is made of, nested ones too; they are stored by their fields, which are
@@ -64,7 +64,7 @@ class Servo(Protocol):
     def assumes(self) -> str: ...
 
     @property
-    def fails(self) -> str: ...
+    def limitations(self) -> str: ...
 
     @property
     def slow(self) -> bool: ...
@@ -137,8 +137,8 @@ class _CompletedServo:
         return getattr(self.law, "assumes", "")
 
     @property
-    def fails(self) -> str:
-        return getattr(self.law, "fails", "")
+    def limitations(self) -> str:
+        return getattr(self.law, "limitations", "")
 
     @property
     def slow(self) -> bool:

@@ -6,13 +6,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.views import FourViews
+from ...estimation.noise import rounding_std
+from ...estimation.views import FourViews, dimensions
 from ...geometry.affine import MIN_POINTS, image_unit
 from ...sensing import frames
-from ...sensing.degeneracy import dimensions
 from ...sensing.latency import MOST_LAG, lag_of
 from ...sensing.lost import astray, lost
-from ...sensing.rounding import rounding
 from ..settings import Settings
 from ..snapshot import Snapshot
 from .interface import Eyes
@@ -74,7 +73,7 @@ class OwnLooks:
         """Of a single picture, px, and what rounding adds however many are averaged: none if noise mixes the steps."""
         if self._noise is None:
             points, visible = self._pictures(REST_LOOKS)
-            measured, rounded = frames.noise(points[..., 4:], visible[..., 2:]), rounding(points, visible)
+            measured, rounded = frames.noise(points[..., 4:], visible[..., 2:]), rounding_std(points, visible)
             single = float(np.hypot(measured, _unmeasured(self._eyes)))
             self._noise = single, 0.0 if measured > rounded else rounded
         return self._noise

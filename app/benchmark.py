@@ -9,9 +9,9 @@ import time
 
 import numpy as np
 
+from viewimit.drawing.export.panels import make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.viewer.landscapes import make_landscape
 
 from .control.commands.display import ChoosePoint
 from .control.page_model import PageModel

@@ -27,8 +27,8 @@ from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
 from ..simulation.markers import Markers
-from ..simulation.physics.model import write_urdf
-from ..simulation.physics.studio import Studio
+from ..simulation.physics import write_urdf
+from ..simulation.rendering import Studio
 from ..simulation.robot import BodyPoints
 from ..simulation.scene import load_scene
 from ..simulation.world import World

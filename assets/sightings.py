@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..simulation.camera import Camera
-from ..simulation.physics.studio import SAMPLES, Studio
+from ..simulation.rendering import SAMPLES, Studio
 from ..simulation.world import World
 
 BEHIND_M = 0.004  # that a surface may lie before the ball's own without hiding it

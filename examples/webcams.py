@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from viewimit import FourViews, Session
-from viewimit.sensing.fiducials import Fiducials
+from viewimit.sensing.detection import Fiducials
 
 MARKERS, DEMONSTRATOR = 25, 25  # on each arm; what is added to the numbers on the demonstrator
 

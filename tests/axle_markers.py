@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from viewimit.simulation.robot import BodyPoints
-from viewimit.simulation.robots import load_robot
+from viewimit.simulation.robot import BodyPoints, load_robot
 
 SIDE_M = 0.07
 

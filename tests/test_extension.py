@@ -122,7 +122,7 @@ class Cautious:
         return (Equation("C", "caution", rf"\sum|𝐮_B-𝐮|={HOLE}", (number(state.saved, 6),)),)
 
     def says(self, state, status):
-        return "caution is satisfied" if status == "rests" else ""
+        return "caution is satisfied" if status == "settled" else ""
 
 
 # An experiment: E at the start, and after a motion of the demonstrator
@@ -195,7 +195,7 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     page.tick_until(lambda: "caution is satisfied" in page.shown)
     page.tick(1.0)
     last = page.page.memory().history[-1]
-    assert (last.settings.transfer, last.settings.servo, last.status) == ("ridge", "cautious", "rests")
+    assert (last.settings.transfer, last.settings.servo, last.status) == ("ridge", "cautious", "settled")
     assert np.abs(last.theta - last.theta_demo).max() < np.radians(5)
     assert "caution is satisfied" in page.shown
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
@@ -260,7 +260,7 @@ def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
 def test_the_transfer_frozen_at_convergence_is_kept():
     history = stepped(40).history
     back = decode(encode(history))
-    assert isinstance(back[-1].frozen.penalty, Penalty)
+    assert isinstance(back[-1].converged_transfer.penalty, Penalty)
     assert_same(tuple(back), tuple(history))
 
 
@@ -273,7 +273,7 @@ def test_what_is_not_said_to_be_stored_is_not(monkeypatch, methods, name, withou
     )
     monkeypatch.setattr(Broyden, "stored", ())
     with pytest.raises(TypeError, match=f"cannot keep a {without.__name__}"):
-        encode([replace(moment, frozen=fit_ridge(moment.views)) for moment in history])
+        encode([replace(moment, converged_transfer=fit_ridge(moment.views)) for moment in history])
 
 
 def test_two_stored_classes_of_one_name_are_refused(monkeypatch):
@@ -286,7 +286,7 @@ def test_imitate_and_landscape_take_them(ask_json, ask):
     chosen = "--transfer", "ridge", "--start", "25,-45"
     status, told = ask_json("imitate", *chosen, "--servo", "cautious", "--frames", "1")
     session = stepped(40)
-    assert status == 1 and told["status"] == "rests" and told["E"] == pytest.approx(session.snapshot.E, rel=1e-6)
+    assert status == 1 and told["status"] == "settled" and told["E"] == pytest.approx(session.snapshot.E, rel=1e-6)
     status, told = ask_json("landscape", "--transfer", "ridge", "--step-deg", "10")
     assert status == 0 and told["transfer"] == "ridge"
     epipolar = ask_json("landscape", "--transfer", "epipolar", "--step-deg", "10")[1]

@@ -19,8 +19,8 @@ from viewimit.commands import BadInput
 from viewimit.commands.cli import COMMANDS, main
 from viewimit.commands.docs import first_page
 from viewimit.drawing.glossary import glossary
+from viewimit.loop.codegen import as_python
 from viewimit.loop.settings import Settings
-from viewimit.loop.wording import as_python
 from viewimit.simulation.eyes import has_wheel
 
 try:

@@ -12,7 +12,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import predicted_residuals
-from viewimit.servo.identities import exchanged, with_exchanged
+from viewimit.servo.trust_region.correspondences import exchanged, with_exchanged
 
 
 def drift_of(session):
@@ -132,7 +132,7 @@ def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
 def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
     first = Session(Settings.paper(transfer="linear", start_deg=(25, -45)))
     then = first.snapshot.transfer
-    now = first.run().last.with_fields(frozen=then)
+    now = first.run().last.with_fields(converged_transfer=then)
     own, drift = now.views.own, np.ones_like(now.views.demo)
 
     def of_frozen(by_px):

@@ -36,7 +36,7 @@ def examples():
 
 @pytest.mark.parametrize("words, shown", list(examples()), ids=lambda value: value[0])
 def test_commands_print_what_readme_shows(words, shown, capsys):
-    assert main(words) == (1 if ", rests" in shown else 0)  # as what is printed says
+    assert main(words) == (1 if ", settled" in shown else 0)  # as what is printed says
     assert capsys.readouterr().out == shown
 
 

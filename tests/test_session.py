@@ -10,10 +10,10 @@ from viewimit.assets import ROOT
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines
-from viewimit.loop.embodiment.in_scene import complete
 from viewimit.loop.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings, warn_of_radians
+from viewimit.loop.simulated_robot import complete
 from viewimit.servo import SERVOS
 from viewimit.simulation.scene import Scene
 
@@ -185,7 +185,7 @@ def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_
     assert not hasattr(now, "nothing_of_the_kind")
     with pytest.raises(TypeError, match="no fields e"):
         now.with_fields(e=now.e)
-    other = now.with_fields(status="stalled", E=1.0)
+    other = now.with_fields(status="no-progress", E=1.0)
     assert other.transfer is now.transfer and other.E == 1.0 and now.status == "ready"
     for changes in ({"views": dataclasses.replace(now.views)}, {"settings": Settings.paper(transfer="rank3")}):
         other = now.with_fields(**changes)
@@ -195,7 +195,7 @@ def test_a_moment_is_immutable_and_passes_its_fit_on_only_if_views_and_transfer_
 def test_run_steps_until_the_servo_rests_or_the_motions_are_made_and_tells_of_each():
     seen, session = [], Session(CALM)
     last = session.run(each=seen.append).last
-    assert last is session.snapshot and last.status == "rests" and not session.step()
+    assert last is session.snapshot and last.status == "settled" and not session.step()
     assert [moment.motion for moment in seen] == list(range(1, last.motion + 1))
     assert Session(CALM).run(3).last.motion == 3
     assert session.run().last is session.snapshot
@@ -203,10 +203,10 @@ def test_run_steps_until_the_servo_rests_or_the_motions_are_made_and_tells_of_ea
 
 def test_run_gives_up_when_too_few_points_are_seen_for_long_and_goes_on_when_they_come_back():
     blind = Session(Settings.paper(missing=1.0))
-    assert blind.run(patience=5).last.look == 5 and blind.snapshot.status == "stopped"
+    assert blind.run(patience=5).last.look == 5 and blind.snapshot.status == "too-few-points"
     now_and_then = Settings.paper(transfer="linear", servo="gradient-retuned", points=20, missing=0.25, seed=0)
     impatient, patient = Session(now_and_then).run(30, patience=1).last, Session(now_and_then).run(30).last
-    assert impatient.status == "stopped" and impatient.motion < patient.motion == 30 < patient.look
+    assert impatient.status == "too-few-points" and impatient.motion < patient.motion == 30 < patient.look
 
 
 def test_motions_lead_from_one_posture_to_the_next():
@@ -224,7 +224,7 @@ def test_a_demonstrator_that_moves_while_the_loop_runs_is_followed(motions_befor
     session.pose(target)
     np.testing.assert_array_equal(session.snapshot.views.demo, session.world.demo_images(target)[0])
     run(session)
-    assert session.snapshot.status == "rests"
+    assert session.snapshot.status == "settled"
     assert np.degrees(np.abs(session.snapshot.theta - target)).max() < 3  # METHOD: an affine transfer's bias
 
 
@@ -235,10 +235,10 @@ def test_too_few_points_hold_the_arm_still_and_say_so():
     for _ in range(3):
         assert not session.step()
         now = session.snapshot
-        assert now.status == "stopped" and now.transfer is None and np.isnan(now.E)
+        assert now.status == "too-few-points" and now.transfer is None and np.isnan(now.E)
         assert now.motion == 3 and np.array_equal(now.theta, theta)
     session.change(missing=0.0)
-    assert run(session).snapshot.status == "rests"
+    assert run(session).snapshot.status == "settled"
 
 
 def test_points_that_are_not_seen_in_all_four_views_take_no_part():
@@ -368,7 +368,7 @@ def test_a_demonstrator_that_moves_is_not_taken_for_convergence():
         session.pose(rng.uniform(session.scene.lower, session.scene.upper))
         for _ in range(rng.integers(1, 40)):
             session.step()
-        if session.snapshot.status == "rests":
+        if session.snapshot.status == "settled":
             assert np.degrees(np.abs(session.snapshot.theta - session.snapshot.theta_demo)).max() < 8  # affine bias
 
 
@@ -409,7 +409,7 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
     "settings, max_motions, status, said",
     [
         (Settings(start_deg=(25, -45)), 100, "converged", "the learner claims to have arrived"),
-        (Settings.paper(start_deg=(25, -45)), 100, "rests", "it rests, without evidence of having arrived"),
+        (Settings.paper(start_deg=(25, -45)), 100, "settled", "it rests, without evidence of having arrived"),
         (
             Settings(points=5, demonstrator_deg=(20, -30)),
             100,
@@ -419,11 +419,11 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
         (
             Settings.paper(servo="gradient", start_deg=(25, -45)),
             3,
-            "max_motions",
+            "max-motions",
             "it made as many motions as it was allowed",
         ),
-        (Settings(), 0, "max_motions", "no motion was made"),
-        (Settings(missing=1.0), 5, "stopped", "too few points are seen in all four images"),
+        (Settings(), 0, "max-motions", "no motion was made"),
+        (Settings(missing=1.0), 5, "too-few-points", "too few points are seen in all four images"),
     ],
 )
 def test_a_run_says_why_it_ended(settings, max_motions, status, said):
@@ -436,8 +436,8 @@ def test_a_run_says_why_it_ended(settings, max_motions, status, said):
 
 def test_a_run_that_stalled_says_so_in_the_servos_words():
     ended = Session(Settings.paper(servo="kalman", scene="panda-facing", noise_px=1.0, start_deg=(75, -150))).run(200)
-    assert ended.status == "stalled" and not ended.success
-    assert ended.message == "stalled: not lower for 30 motions"
+    assert ended.status == "no-progress" and not ended.success
+    assert ended.message == "no progress: not lower for 30 motions"
 
 
 def test_travel_is_that_of_the_run_joint_by_joint_and_of_the_joint_that_moved_most():

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 from msgspec import Meta
 
-from viewimit.viewer.landscapes import HILLS
+from viewimit.drawing.export.panels import HILLS
 
 from ..sessions.link import MOST_CHARS
 
@@ -22,7 +22,7 @@ MOST_ROSTER = MOST_STUDENTS * MOST_SUMMARY
 MOST_ORDERS = 64_000
 MOST_REPLY = MOST_CHARS + 500
 # who needs help first: words of `ServoStatus`, and of the page
-STATES = ("lost", "stopped", "stalled", "unobservable", "moving", "paused", "ready", "rests", "arrived")
+STATES = ("lost", "stopped", "no-progress", "unobservable", "moving", "paused", "ready", "settled", "arrived")
 
 Id = Annotated[str, Meta(pattern="^[0-9a-f]{16}$")]
 Text = Annotated[str, Meta(max_length=80)]
@@ -43,7 +43,7 @@ class Summary(msgspec.Struct, **FIELDS):
     id: Id
     name: Annotated[str, Meta(max_length=MOST_NAME)] = ""
     state: Literal[
-        "lost", "stopped", "stalled", "unobservable", "moving", "paused", "ready", "rests", "arrived"
+        "lost", "stopped", "no-progress", "unobservable", "moving", "paused", "ready", "settled", "arrived"
     ] = "ready"  # fmt: skip
     E: Size | None = None
     off: Size | None = None

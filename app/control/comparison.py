@@ -2,11 +2,11 @@
 
 from functools import partial
 
+from viewimit.drawing.export.panels import landscape_key
 from viewimit.drawing.transfers import draw_together, waiting
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.viewer.landscapes import landscape_key
 
 from ..jobs.landscapes import ComparedTransfer, LandscapeWorker, make_compared
 from .queue import CommandQueue

@@ -5,13 +5,13 @@ from functools import partial
 import msgspec
 
 from viewimit.drawing import duel as drawing
+from viewimit.drawing.export.panels import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.estimation.equations import with_minus
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.viewer.landscapes import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
 
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from ..jobs.landscapes import Ground, LandscapeWorker, make_ground

@@ -6,7 +6,16 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.motion import FRAMES, MOTIONS, STEP_S, TITLES, Motion, decode, encode, require_motion
+from viewimit.analysis.trajectory import (
+    FRAMES,
+    MOTIONS,
+    STEP_S,
+    TITLES,
+    Motion,
+    decode_motion,
+    encode_motion,
+    require_motion,
+)
 from viewimit.loop.session import Session
 
 from .queue import Aside
@@ -151,14 +160,14 @@ class Motions:
         self._with_motion(go)
 
     def save(self) -> None:
-        self._with_motion(lambda shown: self._send(FILE, encode(shown.motion)))
+        self._with_motion(lambda shown: self._send(FILE, encode_motion(shown.motion)))
 
     def load(self, data: bytes | int) -> None:
         """data: what a file holds, or its size if that is too large."""
         self._require_no_recording()
         if not isinstance(data, bytes):
             raise ValueError(f"a motion's file has at most {MOST_BYTES >> 20} MB, this one {data / 2**20:.1f} MB")
-        self._keep(decode(data, self._session.scene))
+        self._keep(decode_motion(data, self._session.scene))
 
     def _take(self, made: tuple | Exception) -> None:
         """A motion that was made aside, if it still goes about the demonstrator's posture in this scene."""
@@ -210,7 +219,7 @@ class Motions:
         if self.recorded is None:
             return None
         if self._encoded is None or self._encoded[0] is not self.recorded:
-            self._encoded = self.recorded, encode(self.recorded)
+            self._encoded = self.recorded, encode_motion(self.recorded)
         return self._encoded[1]
 
     def _require_recorded(self) -> Motion:

@@ -10,8 +10,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from viewimit.export.panels import farthest_off
-from viewimit.export.perspective import Eye
+from viewimit.drawing.export.panels import farthest_off
+from viewimit.drawing.export.perspective import Eye
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 

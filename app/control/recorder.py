@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.motion import MOST_FRAMES, STEP_S, Motion, motion
+from viewimit.analysis.trajectory import MAX_FRAMES, STEP_S, Motion, make_motion
 from viewimit.simulation.scene import Scene
 
 NAME = "recorded"
@@ -24,7 +24,7 @@ class Recorder:
     @property
     def full(self) -> bool:
         """Whether it holds as much as a motion may."""
-        return self.seconds >= STEP_S * (MOST_FRAMES - 1)
+        return self.seconds >= STEP_S * (MAX_FRAMES - 1)
 
     def sample(self, theta: NDArray, now: float) -> None:
         """theta: (m,) rad. Before the first movement only the latest moment is kept."""
@@ -38,10 +38,10 @@ class Recorder:
         """What was recorded, in steps of STEP_S whenever it was sampled. Raises ValueError if nothing moved."""
         if len(self._times) < 2:
             raise ValueError("nothing was recorded: the demonstrator did not move")
-        frames = min(int(np.ceil(self.seconds / STEP_S - 1e-6)) + 1, MOST_FRAMES)
+        frames = min(int(np.ceil(self.seconds / STEP_S - 1e-6)) + 1, MAX_FRAMES)
         asked = self._times[0] + STEP_S * np.arange(frames)
         theta = [np.interp(asked, self._times, angle) for angle in np.transpose(self._postures)]
-        return motion(NAME, self._scene, np.stack(theta, -1))
+        return make_motion(NAME, self._scene, np.stack(theta, -1))
 
 
 class Playback:

@@ -7,16 +7,16 @@ from typing import NamedTuple
 from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.duel import draw_errors_alone, draw_race
 from viewimit.drawing.equations import equations_of
+from viewimit.drawing.export.citation import Citation, cite, cite_both, cite_experiment, motions
+from viewimit.drawing.export.claims import draw_claims
+from viewimit.drawing.export.figures import Figure, beneath, four_images, laid_over, stacked, written
+from viewimit.drawing.export.formulas import TYPESETTER, can_typeset, draw_formulas, require_typesetter
+from viewimit.drawing.export.perspective import Eye, draw_space
+from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.standalone import INSTALL, RENDERER, can_render
 from viewimit.drawing.theme import DRAWING_CSS
 from viewimit.experiments import EXPERIMENTS
-from viewimit.export.citation import Citation, cite, cite_both, cite_experiment, motions
-from viewimit.export.claims import draw_claims
-from viewimit.export.figures import Figure, beneath, four_images, laid_over, stacked, written
-from viewimit.export.formulas import TYPESETTER, can_typeset, draw_formulas, require_typesetter
-from viewimit.export.perspective import Eye, draw_space
-from viewimit.export.replay import replay
 from viewimit.loop.session import Session
 
 from ..jobs.landscapes import LandscapeWorker

@@ -8,8 +8,9 @@ from typing import Any
 from numpy.typing import NDArray
 
 from viewimit.analysis.construction import Construction, construct
-from viewimit.analysis.joint_errors import recent_errors_deg
+from viewimit.analysis.convergence import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
+from viewimit.drawing.export.panels import MadeLandscape
 from viewimit.drawing.images.planes import Windows
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -17,7 +18,6 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
-from viewimit.viewer.landscapes import MadeLandscape
 
 from ..classroom.messages import Asked
 from ..jobs.experiments import Run

@@ -12,7 +12,7 @@ def work(connection: Connection, folder: str) -> None:
     """Carry out the one request that comes through the connection, for its settings."""
 
     def find(name: str, settings, options: dict) -> None:
-        from viewimit.analysis.basin import find_basin
+        from viewimit.analysis.convergence import find_basin
         from viewimit.drawing.over.basin import draw_basin
         from viewimit.simulation.scene import load_scene
 

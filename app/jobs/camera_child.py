@@ -29,7 +29,7 @@ def work(connection: Connection) -> None:
 
 
 def _serve(connection: Connection) -> None:
-    from viewimit.simulation.eyes.rendered import RenderedEyes
+    from viewimit.simulation.rendering import RenderedEyes
 
     answer = answering(RenderedEyes)
     while True:

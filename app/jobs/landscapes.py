@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from viewimit.analysis.minima import study_transfer
 from viewimit.analysis.observability import joint_uncertainty
-from viewimit.analysis.study import study
 from viewimit.drawing import duel
+from viewimit.drawing.export.panels import compute
 from viewimit.drawing.transfers import draw_compared, draw_costs
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
-from viewimit.viewer.landscapes import compute
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,9 @@ def make_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str)
     """For one transfer of all."""
     joints, theta_demo = world.scene.moving_joints, snapshot.theta_demo
     if len(joints) == 2:
-        return ComparedTransfer(asked, draw_compared(world.scene, study(world, snapshot, transfer), theta_demo))
+        return ComparedTransfer(
+            asked, draw_compared(world.scene, study_transfer(world, snapshot, transfer), theta_demo)
+        )
     views = snapshot.views
     fit = partial(snapshot.fit, by=transfer)
     spread = joint_uncertainty(world, fit, views.demo, views.visible[:, :2], theta_demo)

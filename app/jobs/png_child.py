@@ -24,6 +24,6 @@ def render(picture: str) -> bytes:
 
 if __name__ == "__main__":
     stand_back(NICENESS)
-    from viewimit.export.figures import as_png
+    from viewimit.drawing.export.figures import as_png
 
     sys.stdout.buffer.write(as_png(sys.stdin.buffer.read().decode()))

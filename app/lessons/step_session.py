@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.appearance import Bodies, Silhouettes
-from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.world import World
 
 from .dealing import deal, deal_start

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from viser import ClientHandle, ViserServer
 
 from viewimit.drawing.theme import half_white, rgb
-from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.urdf.reference import is_reference
 from viewimit.simulation.world import World

@@ -8,9 +8,7 @@ from viser import ClientHandle, ImageHandle, MeshHandle, SceneApi
 from viewimit.drawing.theme import rgb
 from viewimit.estimation.views import VIEWS
 from viewimit.simulation.camera import Camera
-from viewimit.simulation.world import World
-from viewimit.viewer import shapes
-from viewimit.viewer.furniture import (
+from viewimit.simulation.scene_geometry import (
     CELL,
     LINE,
     LOOKS,
@@ -25,8 +23,10 @@ from viewimit.viewer.furniture import (
     frustum,
     labels,
     on_plate,
+    sheet,
     solids,
 )
+from viewimit.simulation.world import World
 
 from .. import viser_private
 from .colours import linear
@@ -130,7 +130,7 @@ class Fixtures:
         )
         self._plates[name] = scene.add_mesh_simple(
             f"/stage/plate_{name}",
-            *shapes.sheet(plate),
+            *sheet(plate),
             color=self._look.plate,
             opacity=0.55,
             cast_shadow=False,

@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle, ImageHandle
 
-from viewimit.simulation.kinematics import hand_position
-from viewimit.simulation.world import World
+from viewimit.simulation.world import World, hand_position
 
 from ..control.commands.session import PoseHand
 from ..control.queue import CommandQueue

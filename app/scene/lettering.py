@@ -9,7 +9,7 @@ from viewimit.assets import ROOT
 from viser import ImageHandle, SceneApi
 
 from viewimit.drawing.theme import rgb
-from viewimit.viewer.view import looking
+from viewimit.simulation.scene_geometry import looking
 
 from .rotations import quaternion
 

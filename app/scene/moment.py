@@ -10,9 +10,8 @@ from viser import ClientHandle
 from viewimit.drawing.theme import faint, rgb
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.camera import Camera
+from viewimit.simulation.scene_geometry import VIEW_ROLES, octahedron, on_plate
 from viewimit.simulation.world import World
-from viewimit.viewer import shapes
-from viewimit.viewer.furniture import VIEW_ROLES, on_plate
 
 from ..control.state import PageState, View
 from ..viser_private import push_array, push_position
@@ -63,7 +62,7 @@ class Moment:
                 precision="float32",
             )
         )
-        vertices, faces = shapes.octahedron(0.02 * size)
+        vertices, faces = octahedron(0.02 * size)
         self._recovered = nodes.keep(
             scene.add_batched_meshes_simple(
                 "/now/recovered",

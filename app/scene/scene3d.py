@@ -6,15 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
+from viewimit.drawing.export.perspective import Eye
 from viewimit.drawing.theme import rgb
-from viewimit.export.perspective import Eye
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.ray_casting import SurfaceHit, first_hit
+from viewimit.simulation.meshes import SurfaceHit, first_hit
+from viewimit.simulation.robot import link_meshes
+from viewimit.simulation.scene_geometry import BELOW, LOOKS, POINT_SIZE, arm_landmarks, landmarks, octahedron
 from viewimit.simulation.world import World
-from viewimit.viewer import shapes
-from viewimit.viewer.furniture import LOOKS, POINT_SIZE, arm_landmarks, landmarks
-from viewimit.viewer.view import BELOW
 
 from ..control.commands.display import ChoosePoint
 from ..control.commands.points import PlacePoint
@@ -156,7 +154,7 @@ class Scene3D:
             size = self._world.scene.size * POINT_SIZE[arm] / 2
             add(scene.add_icosphere(name, size, color=colour, subdivisions=2, position=position, cast_shadow=False))
         else:
-            shape = shapes.octahedron(self._world.scene.size * POINT_SIZE[arm])
+            shape = octahedron(self._world.scene.size * POINT_SIZE[arm])
             add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
 
     def _take_click(self, origin: NDArray, direction: NDArray) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle
 
-from viewimit.viewer.view import BELOW, FOV, fitted_view
+from viewimit.simulation.scene_geometry import BELOW, FOV, fitted_view
 
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 DOCKED_WITHIN = 3.0  # s

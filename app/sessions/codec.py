@@ -18,11 +18,11 @@ from viewimit.estimation.rectification import RectifiedTransfer
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification
-from viewimit.loop.body_image import Body, BodyImage
+from viewimit.loop.self_calibration import Body, SelfCalibration
 from viewimit.loop.settings import OWN, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
 
 from .kinds import fields_of, require_fields
 
@@ -30,7 +30,7 @@ MOST_BYTES = 8 << 20  # of a part, unpacked
 SCALARS = (type(None), bool, int, float, str)
 KINDS = "biuf"  # of arrays: numbers and truth values, no objects
 DTYPE = re.compile(f"[<>|][{KINDS}][0-9]{{1,2}}")
-OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, BodyImage, Body, Visit)
+OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, SelfCalibration, Body, Visit)
 ARRAY, SCALAR, STATUS, TUPLE, SETTINGS = "array", "scalar", "status", "tuple", "settings"
 
 

@@ -22,7 +22,7 @@ from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.lessons.view import draw_view
 from viewimit.simulation.appearance import Bodies, Silhouettes, reach
-from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.robot import link_meshes
 
 from . import states
 

@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.analysis.basin import MOST_MOTIONS, NEAR_DEG, find_basin, place_of, smallest_E, spread_starts
+from viewimit.analysis.convergence import MAX_MOTIONS, NEAR_DEG, find_basin, place_of, smallest_E, spread_starts
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -28,7 +28,7 @@ def test_every_run_is_a_sessions_own():
     found = find_basin(FEW, lambda *news: told.append(news), (1, 2))
     for start, ending in zip(found.starts, found.endings):
         alone = Session(msgspec.structs.replace(FEW, start_deg=tuple(np.degrees(start).tolist())))
-        last = alone.run(MOST_MOTIONS, patience=1).last
+        last = alone.run(MAX_MOTIONS, patience=1).last
         assert np.array_equal(ending.start, start) and np.array_equal(ending.end, last.theta)
         assert ending.claimed is (last.status == "converged")
         assert ending.place == place_of(last.theta, last.theta_demo, smallest_E(alone))

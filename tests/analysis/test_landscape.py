@@ -58,12 +58,12 @@ def test_known_conditions_of_the_panda():
     assert found.condition.max() == pytest.approx(36, abs=0.5)
 
 
-@pytest.mark.parametrize("seen, block", [(30_000, 5_000), (5_000, 1_500), (1, 1)])
-def test_it_is_the_same_however_few_points_are_seen_and_evaluated_together(monkeypatch, seen, block):
+@pytest.mark.parametrize("projected, evaluated", [(30_000, 5_000), (5_000, 1_500), (1, 1)])
+def test_it_is_the_same_however_few_points_are_seen_and_evaluated_together(monkeypatch, projected, evaluated):
     axes = grid_axes(panda(), step_deg=5)
     whole, _ = over_grid(panda(), axes=axes, with_condition=True)
-    monkeypatch.setattr(landscape_module, "SEEN", seen)
-    monkeypatch.setattr(landscape_module, "BLOCK", block)
+    monkeypatch.setattr(landscape_module, "PROJECTED_POINTS", projected)
+    monkeypatch.setattr(landscape_module, "EVALUATED_POINTS", evaluated)
     found, _ = over_grid(panda(), axes=axes, with_condition=True)
     np.testing.assert_allclose(found.E, whole.E, rtol=1e-9)
     np.testing.assert_allclose(found.condition, whole.condition, rtol=1e-9)

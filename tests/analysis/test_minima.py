@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from viewimit.analysis.convexity import GOOD, RADII_DEG, convexity, hessian
 from viewimit.analysis.landscape import Landscape
-from viewimit.analysis.minima import local_minima
+from viewimit.analysis.minima import MAX_RELATIVE_ERROR, RADII_DEG, convexity, hessian, local_minima
 from viewimit.experiments.paper.fig7 import conflict_of, over_grid
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -84,8 +83,8 @@ def test_a_saddle_is_not_positive_definite():
 
 
 def test_a_quartic_leaves_its_parabola_where_it_must():
-    """E = r² + c r⁴ errs by c r²: within GOOD up to r = √(GOOD / c). Convex throughout."""
-    c = GOOD / 12.0**2
+    """E = r² + c r⁴ errs by c r²: within MAX_RELATIVE_ERROR up to r = √(MAX_RELATIVE_ERROR / c). Convex throughout."""
+    c = MAX_RELATIVE_ERROR / 12.0**2
     square = quadratic(np.eye(2), 0.0)
     found = convexity(lambda theta: square(theta) + c * square(theta) ** 2, np.radians([45.0, -90.0]), BOUNDS)
     assert found.holds_to_deg == RADII_DEG[RADII_DEG < 12][-1] and found.convex_radius_deg == RADII_DEG[-1]

@@ -5,10 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from viewimit.analysis import motion
-from viewimit.simulation.kinematics import hand_position
+from viewimit.analysis import trajectory
 from viewimit.simulation.scene import load_scene
-from viewimit.simulation.world import World
+from viewimit.simulation.world import World, hand_position
 
 
 @pytest.fixture(scope="module")
@@ -18,36 +17,42 @@ def world():
 
 @pytest.mark.parametrize("posture", [(45, -90), (0, 0), (90, -180), (88, -3)])
 def test_the_sinusoid_swings_each_joint_k_times_within_its_limits(world, posture):
-    made = motion.sinusoid(world, np.radians(posture), frames=360)
+    made = trajectory.sinusoid(world, np.radians(posture), frames=360)
     theta = np.array(made.theta_deg)
     low, high = np.transpose(world.scene.range_deg)
     assert (theta >= low - 1e-6).all() and (theta <= high + 1e-6).all()
-    np.testing.assert_allclose(np.ptp(theta, axis=0), 2 * motion.SWING_DEG, rtol=1e-3)
+    np.testing.assert_allclose(np.ptp(theta, axis=0), 2 * trajectory.SWING_DEG, rtol=1e-3)
     centred = theta - (theta.max(0) + theta.min(0)) / 2
     turns = [(np.diff(np.sign(centred[1:-1, k])) != 0).sum() for k in range(2)]
     assert turns == [1, 3]  # sin t crosses its middle once between the ends of a period, sin 2t three times
-    assert made.seconds == pytest.approx(359 * motion.STEP_S)
+    assert made.seconds == pytest.approx(359 * trajectory.STEP_S)
 
 
 def test_the_hand_draws_its_circle_from_where_it_is(world):
     theta = np.radians([45.0, -90.0])
-    made = motion.hand_circle(world, theta, frames=40)
+    made = trajectory.hand_circle(world, theta, frames=40)
     hand = np.array([hand_position(world, posture, world.T_world_demo) for posture in made.theta])
     np.testing.assert_allclose(hand[0], hand_position(world, theta, world.T_world_demo), atol=1e-4)
     np.testing.assert_allclose(hand[0], hand[-1], atol=1e-3)
     centre = hand[:-1].mean(0)
-    np.testing.assert_allclose(np.linalg.norm(hand - centre, axis=1), motion.RADIUS_M, atol=2e-3)
+    np.testing.assert_allclose(np.linalg.norm(hand - centre, axis=1), trajectory.RADIUS_M, atol=2e-3)
     _, sizes, _ = np.linalg.svd(hand - centre)
     assert sizes[2] < 1e-3 * sizes[0]  # in a plane
 
 
 def test_a_motion_comes_back_from_its_file(world, tmp_path):
-    made = motion.sinusoid(world, np.radians([30.0, -60.0]), frames=12)
-    motion.save(tmp_path / "wave.json", made)
-    assert motion.load(tmp_path / "wave.json", world.scene) == made
+    made = trajectory.sinusoid(world, np.radians([30.0, -60.0]), frames=12)
+    trajectory.save_motion(tmp_path / "wave.json", made)
+    assert trajectory.load_motion(tmp_path / "wave.json", world.scene) == made
 
 
-GOOD = {"format": motion.FORMAT, "name": "wave", "joints": [2, 4], "step_s": 0.05, "theta_deg": [[45, -90], [46, -91]]}
+GOOD = {
+    "format": trajectory.FORMAT,
+    "name": "wave",
+    "joints": [2, 4],
+    "step_s": 0.05,
+    "theta_deg": [[45, -90], [46, -91]],
+}
 
 
 @pytest.mark.parametrize(
@@ -70,11 +75,11 @@ def test_what_is_no_motion_of_this_scene_is_told(world, tmp_path, change, messag
     path = tmp_path / "wave.json"
     path.write_text(json.dumps({**GOOD, **change}))
     with pytest.raises(ValueError, match=f"wave.json: .*{message}"):
-        motion.load(path, world.scene)
+        trajectory.load_motion(path, world.scene)
 
 
 @pytest.mark.parametrize("data", [b"", b"[]", b"{", b"\xff\xfe", json.dumps(GOOD).replace("46", "NaN").encode()])
 def test_bytes_that_are_no_motion_are_told(world, data):
     with pytest.raises(ValueError, match="not a recorded motion"):
-        motion.decode(data, world.scene)
-    assert motion.decode(json.dumps(GOOD).encode(), world.scene).theta_deg == ((45, -90), (46, -91))
+        trajectory.decode_motion(data, world.scene)
+    assert trajectory.decode_motion(json.dumps(GOOD).encode(), world.scene).theta_deg == ((45, -90), (46, -91))

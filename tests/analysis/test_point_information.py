@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from viewimit.analysis.observability import joint_uncertainty
-from viewimit.analysis.point_information import best_next, point_information, with_point
+from viewimit.analysis.observability import best_next, joint_uncertainty, point_information, with_point
 from viewimit.geometry.affine import flatness
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.derived.candidates import candidates
+from viewimit.simulation.autoscene.candidates import candidates
 from viewimit.simulation.robot import BodyPoints
 
 # on the links that joint 4 moves, all rigid to each other
@@ -30,8 +29,8 @@ def test_it_says_of_a_scene_what_its_landscape_says():
     told = point_information(world, moment)
     views = moment.views
     spread = joint_uncertainty(world, moment.fit, views.demo, views.visible[:, :2], moment.theta_demo)
-    assert (told.count, told.seen, told.untold) == (10, 10, [])
-    np.testing.assert_allclose(told.spread, spread)
+    assert (told.count, told.visible, told.unobservable) == (10, 10, [])
+    np.testing.assert_allclose(told.std_per_px, spread)
     centred = views.demo - views.demo.mean(0)
     values = np.linalg.svd(centred, compute_uv=False)
     assert told.flatness == pytest.approx(values[0] / values[2]) == flatness(views.demo)
@@ -39,17 +38,17 @@ def test_it_says_of_a_scene_what_its_landscape_says():
 
 def test_noise_makes_no_difference():
     exact, noisy = (point_information(*of(noise_px=noise)) for noise in (0.0, 3.0))
-    np.testing.assert_allclose(exact.spread, noisy.spread, rtol=1e-6)
+    np.testing.assert_allclose(exact.std_per_px, noisy.std_per_px, rtol=1e-6)
 
 
 def test_points_rigid_to_each_other_tell_no_joint():
-    assert sorted(point_information(*of(body_points=RIGID)).untold) == [0, 1]
+    assert sorted(point_information(*of(body_points=RIGID)).unobservable) == [0, 1]
 
 
 def test_too_few_points_tell_nothing_and_the_farthest_place_is_next():
     world, moment = of(body_points=RIGID[:3])
     told = point_information(world, moment)
-    assert (told.count, told.spread, told.untold) == (3, None, []) and np.isinf(told.flatness)
+    assert (told.count, told.std_per_px, told.unobservable) == (3, None, []) and np.isinf(told.flatness)
     places = some(world, moment)
     proposal = best_next(world, moment, places)
     frames = world.link_frames(moment.theta_demo, world.T_world_demo)
@@ -63,11 +62,11 @@ def test_no_other_place_makes_the_worst_joint_cost_less(settings):
     world, moment = of(**settings)
     places = some(world, moment)
     proposal = best_next(world, moment, places)
-    worst = [point_information(with_point(world, places, k), moment).spread.max() for k in range(len(places))]
-    assert proposal.after.spread.max() == min(worst)
+    worst = [point_information(with_point(world, places, k), moment).std_per_px.max() for k in range(len(places))]
+    assert proposal.after.std_per_px.max() == min(worst)
     assert proposal.after.count == proposal.before.count + 1
     if "body_points" in settings:
-        assert proposal.after.spread.max() < 0.1 * proposal.before.spread.max()
+        assert proposal.after.std_per_px.max() < 0.1 * proposal.before.std_per_px.max()
 
 
 def test_without_a_place_there_is_nothing_to_propose():

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.landscape import conflict_at
-from viewimit.analysis.observability import joint_uncertainty
-from viewimit.analysis.scatter import scatter
+from viewimit.analysis.observability import joint_uncertainty, sample_estimates
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -16,7 +15,7 @@ WORLD, DEMO = SESSION.world, MOMENT.theta_demo
 
 
 def found(noise_px, frames=1, runs=RUNS, seed=3, **more):
-    return scatter(WORLD, MOMENT.fit, DEMO, noise_px, frames, runs, np.random.default_rng(seed), **more)
+    return sample_estimates(WORLD, MOMENT.fit, DEMO, noise_px, frames, runs, np.random.default_rng(seed), **more)
 
 
 def test_without_noise_it_is_the_demonstrators_posture():
@@ -28,7 +27,7 @@ def test_noise_of_the_own_images_alone_costs_what_the_curvature_of_E_tells():
     session = Session(Settings.paper(transfer="linear", demonstrator_deg=(45, -90)))
     moment, noise_px = session.snapshot, 0.02
     rng = np.random.default_rng(1)
-    theta = scatter(session.world, moment.fit, DEMO, noise_px, 1, RUNS, rng, of_demo=False)
+    theta = sample_estimates(session.world, moment.fit, DEMO, noise_px, 1, RUNS, rng, noisy_demo=False)
     views = moment.views
     about = theta.mean(0)
     told = joint_uncertainty(session.world, moment.fit, views.demo, views.visible[:, :2], about)
@@ -37,7 +36,7 @@ def test_noise_of_the_own_images_alone_costs_what_the_curvature_of_E_tells():
 
 def test_E_rises_on_all_sides_of_what_was_found():
     noise_px, rng = 0.5, np.random.default_rng(8)
-    theta = scatter(WORLD, MOMENT.fit, DEMO, noise_px, 1, 1, rng)[0]
+    theta = sample_estimates(WORLD, MOMENT.fit, DEMO, noise_px, 1, 1, rng)[0]
     again = np.random.default_rng(8)
     own, demo = (again.normal(0.0, noise_px, (1, 1, *MOMENT.views.own.shape)).mean(1)[0] for _ in range(2))
 
@@ -62,5 +61,5 @@ def test_a_point_out_of_sight_is_refused():
     rng = np.random.default_rng(0)
     world = Session(Settings.paper(demonstrator_deg=(45, -90))).world
     world.own_images = lambda theta: (np.zeros((10, 4)), np.zeros((10, 2), bool))
-    with pytest.raises(ValueError, match="needs all points in all four images"):
-        scatter(world, MOMENT.fit, DEMO, 0.5, 1, 2, rng)
+    with pytest.raises(ValueError, match="all points must be in all four images"):
+        sample_estimates(world, MOMENT.fit, DEMO, 0.5, 1, 2, rng)

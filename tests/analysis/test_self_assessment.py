@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.observability import joint_uncertainty
-from viewimit.analysis.self_assessment import NEAR, assess
+from viewimit.analysis.self_assessment import AT_MINIMUM_RAD, assess
 from viewimit.drawing.status import describe
 from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.servo.trust_region import CERTAIN
+from viewimit.servo.trust_region.algorithm import CERTAIN
 
 
 def rested(settings):
@@ -36,12 +36,12 @@ def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
     now = session.snapshot
     views = now.views
     true = joint_uncertainty(session.world, now.fit, views.demo, views.visible[:, :2], now.theta)
-    assert assess(session).spread == pytest.approx(true, rel=0.1)
+    assert assess(session).std_per_px == pytest.approx(true, rel=0.1)
 
 
 def test_five_points_do_not_tell_the_joints():
     found = assess(rested(Settings.paper(points=5, start_deg=(25, -45))))
-    assert found.untold[0] == 0 and found.certificate.claim == "unobservable"
+    assert found.unobservable[0] == 0 and found.certificate.claim == "unobservable"
 
 
 @pytest.mark.parametrize("noise_px, seed", [(0.5, 7), (0.25, 1)])
@@ -51,15 +51,19 @@ def test_what_the_visits_under_noise_leave_open_is_not_said_of_the_points(noise_
     views = now.views
     true = joint_uncertainty(session.world, now.fit, views.demo, views.visible[:, :2], now.theta)
     assert not found.certificate.told.any() and (true < np.radians(3)).all()
-    assert found.untold == [] and describe(now, assessment=found, joints=(2, 4)).state in ("rests", "least", "stalled")
+    assert found.unobservable == [] and describe(now, assessment=found, joints=(2, 4)).state in (
+        "settled",
+        "least",
+        "no-progress",
+    )
 
 
 def test_only_an_E_that_leaves_no_room_is_a_claim():
     sure, bent = rested(Settings()), rested(Settings.paper(scene="panda-facing", start_deg=(25, -45)))
     off = np.abs(bent.snapshot.theta - bent.snapshot.theta_demo).max()
     found = assess(bent)
-    assert sure.snapshot.status == "converged" and assess(sure).room < CERTAIN
-    assert bent.snapshot.status == "rests" and found.least and off < found.room
+    assert sure.snapshot.status == "converged" and assess(sure).max_displacement < CERTAIN
+    assert bent.snapshot.status == "settled" and found.at_local_minimum and off < found.max_displacement
 
 
 @pytest.mark.parametrize("points", [5, 10])
@@ -77,7 +81,7 @@ def test_a_moment_is_assessed_once():
 
 def test_a_law_that_gave_up_knows_that_E_is_lower_elsewhere():
     found = assess(rested(Settings.paper(servo="gradient", start_deg=(30, -60))))
-    assert found.lower > NEAR and not found.least
+    assert found.distance > AT_MINIMUM_RAD and not found.at_local_minimum
 
 
 def test_it_is_told_no_posture():
@@ -88,7 +92,7 @@ def test_it_is_told_no_posture():
     hidden = [moment.with_fields(theta=unknown, theta_demo=unknown) for moment in session.history]
     session.history = History(hidden, session.cursor)
     found = assess(session)
-    assert found.room == expected.room and (found.spread == expected.spread).all()
+    assert found.max_displacement == expected.max_displacement and (found.std_per_px == expected.std_per_px).all()
 
 
 def test_before_every_joint_has_moved_nothing_is_told():
@@ -110,5 +114,5 @@ def test_no_flight_goes_without_a_word():
     assert len(said) > 4
     assert all("looking for something lower" in words or words == "back to the best posture" for words in said)
     last = session.snapshot
-    assert last.status == "stalled" and "nothing lower in 4 searches" in servo.says(last.servo_state, last.status)
-    assert assess(session).least
+    assert last.status == "no-progress" and "nothing lower in 4 searches" in servo.says(last.servo_state, last.status)
+    assert assess(session).at_local_minimum

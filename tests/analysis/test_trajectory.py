@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit.analysis import motion
+from viewimit.analysis import trajectory
 from viewimit.analysis.trajectory import follow, hand_points, learned_images
 from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.world import hand_position
 
 QUICK = {"start_deg": (30, -70)}
 
@@ -41,7 +41,7 @@ class Oracle:
 
 def test_with_a_transfer_without_error_the_posture_itself_is_imitated(session):
     """What is left is how fast J turns in one frame: 1.6° a frame times J's change, a few hundredths of a degree."""
-    moves = motion.sinusoid(session.world, session.snapshot.theta_demo)
+    moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo)
     found = follow(session, Oracle(session, moves), moves, np.ones(10, bool))
     assert np.median(found.joint_deg) < 0.05 and found.joint_deg.max() < 0.3
     assert np.median(found.hand_m) < 0.5e-3
@@ -49,7 +49,7 @@ def test_with_a_transfer_without_error_the_posture_itself_is_imitated(session):
 
 
 def test_what_is_told_is_what_it_is(session):
-    moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=15)
+    moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=15)
     hand = hand_points(session)
     found = follow(session, session.snapshot.transfer, moves, hand)
     world = session.world
@@ -72,7 +72,7 @@ def test_a_motion_is_carried_over_within_the_workspace_and_in_short_steps():
     limits = {"max_step_deg": 1.0, "workspace_deg": ((0, 90), (-130, -40))}
     bound = Session(Settings(transfer="epipolar", servo="broyden", **QUICK, **limits))
     bound.run(60)
-    moves = motion.sinusoid(bound.world, bound.snapshot.theta_demo)
+    moves = trajectory.sinusoid(bound.world, bound.snapshot.theta_demo)
     theta = np.degrees(follow(bound, bound.snapshot.transfer, moves, np.ones(10, bool)).theta)
     assert np.abs(np.diff(theta, axis=0)).max() == pytest.approx(1.0)  # as the demonstrator is faster
     assert theta[:, 1].max() <= -40 + 1e-9
@@ -85,7 +85,7 @@ def test_the_hand_is_the_three_points_farthest_out(session):
 
 def test_the_learner_sees_no_truth(session, monkeypatch):
     """The same way of the arm, whatever the truth that is kept for people says."""
-    moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=10)
+    moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=10)
     honest = follow(session, session.snapshot.transfer, moves, np.ones(10, bool))
     poisoned = Session(Settings.paper(**QUICK))
     moments = [replace(moment, theta_demo=moment.theta_demo * np.nan) for moment in session.history]
@@ -97,14 +97,14 @@ def test_the_learner_sees_no_truth(session, monkeypatch):
 
 def test_the_session_stays_as_it_is(session):
     before = session.snapshot
-    follow(session, before.transfer, motion.sinusoid(session.world, before.theta_demo, frames=5), np.ones(10, bool))
+    follow(session, before.transfer, trajectory.sinusoid(session.world, before.theta_demo, frames=5), np.ones(10, bool))
     assert session.snapshot is before
 
 
 def test_noise_repeats_itself_by_its_seed_and_missing_points_are_survived():
     def found(seed):
         session = converged(noise_px=0.1, missing=0.2, frames=9, points=16, seed=seed, transfer="linear")
-        moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=20)
+        moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=20)
         return follow(session, session.snapshot.transfer, moves, np.ones(16, bool))
 
     first, again, other = found(3), found(3), found(4)
@@ -122,12 +122,12 @@ def test_what_was_learned_is_what_broyden_knows_nearly():
 
 def test_the_share_done_grows_to_one(session):
     told = []
-    moves = motion.sinusoid(session.world, session.snapshot.theta_demo, frames=8)
+    moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=8)
     follow(session, session.snapshot.transfer, moves, np.ones(10, bool), told.append)
     assert told == sorted(told) and len(told) == 8 and told[-1] == 1
 
 
 def test_the_first_frame_is_approached_with_as_many_motions_as_it_needs(session):
-    far = motion.sinusoid(session.world, np.radians([75.0, -40.0]), frames=10)
+    far = trajectory.sinusoid(session.world, np.radians([75.0, -40.0]), frames=10)
     found = follow(session, Oracle(session, far), far, np.ones(10, bool))
     assert found.joint_deg[0] < 0.1  # from 50° away, at most 10° a motion

@@ -40,7 +40,7 @@ def test_imitate_tells_the_run_of_the_session(ask_json):
     )
     session = Session(Settings.paper(demonstrator_deg=(40, -80), start_deg=(60, -130), transfer="linear"))
     last = session.run().last
-    assert status == 1 and told["converged"] is False and told["status"] == "rests"
+    assert status == 1 and told["converged"] is False and told["status"] == "settled"
     assert told["demonstrator_deg"] == pytest.approx([40, -80])
     assert told["final_deg"] == np.degrees(last.theta).round(6).tolist()
     assert told["error_deg"] == pytest.approx(np.abs(np.degrees(last.theta) - (40, -80)).max())

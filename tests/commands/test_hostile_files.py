@@ -173,8 +173,7 @@ def test_robots_of_too_many_parts(tmp_path, refused):
 
 
 def test_meshes_that_no_arm_has_are_told_and_not_drawn(tmp_path):
-    from viewimit.simulation.urdf.mesh_files import load_mesh
-    from viewimit.simulation.urdf.packages import NotFound
+    from viewimit.simulation.urdf.mesh_files import NotFound, load_mesh
 
     path = tmp_path / "far.stl"
     path.write_bytes(bytes(80) + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 3e38, 0, 0, 0, 3e38, 0, 0))

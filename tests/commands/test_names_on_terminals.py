@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from viewimit.commands.cli import main
-from viewimit.sensing.files import parse_toml
-from viewimit.sensing.quoting import MOST_NAME, printable
+from viewimit.sensing.files import MOST_NAME, parse_toml, printable
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -17,12 +17,12 @@ from viewimit.app.control.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.control.queue import PENDING_LIMIT, CommandQueue
 from viewimit.app.jobs.experiments import Run
 
-from viewimit.analysis.motion import motion
+from viewimit.analysis.trajectory import make_motion
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.simulation.kinematics import hand_position
+from viewimit.simulation.world import hand_position
 
 AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 
@@ -93,7 +93,7 @@ def test_every_preset_begins_and_moves_or_says_why_not(page, preset):
     visitor.set("preset", preset.name)
     assert model.generation == 1 and session.snapshot.motion == 0 and player.speed == preset.motions_per_second
     moved = [session.step() for _ in range(6)]
-    assert any(moved) or session.snapshot.status == "stopped"
+    assert any(moved) or session.snapshot.status == "too-few-points"
 
 
 def test_what_the_command_line_asked_for_is_a_preset_of_its_own(page):
@@ -410,7 +410,7 @@ def test_a_failed_run_is_kept_and_said(experimenting):
 def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(experimenting):
     session, worker, _, motions, visitor, _ = experimenting
     visitor.set("experiment", EXPERIMENTS["fig10"].title)
-    motions.recorded = motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
+    motions.recorded = make_motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
     visitor.set("motion", "recorded")
     visitor.act("run", 0.0)
     assert worker.asked.pop().options == {"motion": motions.recorded}

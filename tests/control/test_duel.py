@@ -7,7 +7,7 @@ from page_fakes import Hands, quiet_model
 from viewimit.app.control.duel import ARRIVED_DEG, Duel
 from viewimit.app.control.player import Player
 
-from viewimit.analysis.joint_errors import RECENT, ErrorTrace, recent_errors_deg
+from viewimit.analysis.convergence import RECENT, ErrorTrace, recent_errors_deg
 from viewimit.drawing.curves import following
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

@@ -7,9 +7,9 @@ import pytest
 from viewimit.app.control.landscapes import OwnLandscape
 from viewimit.app.control.queue import CommandQueue
 
+from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute, make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.viewer.landscapes import COARSE_DEG, FINE_DEG, compute, make_landscape
 
 
 class Asked:

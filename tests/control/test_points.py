@@ -10,7 +10,7 @@ from viewimit.app.control.points.editing import MOST_POINTS
 from viewimit.app.sessions import codec
 from viewimit.app.sessions.autosave import SavedSession
 
-from viewimit.analysis.point_information import point_information
+from viewimit.analysis.observability import point_information
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -143,7 +143,7 @@ def test_what_the_points_tell_is_said_at_once(visit):
         edit()
         shown, now = model.state(0.0).points, model.session.snapshot
         true = point_information(model.session.world, now)
-        np.testing.assert_array_equal(shown.information.spread, true.spread)
+        np.testing.assert_array_equal(shown.information.std_per_px, true.std_per_px)
         assert (shown.information.count, shown.information.flatness) == (true.count, true.flatness)
         assert model.state(0.1).points is shown
 
@@ -160,8 +160,8 @@ def test_the_best_next_is_proposed_then_taken(visit, worker):
     visitor.act("best next")
     assert rows(model)[:-1] == before and model.view.chosen == 10
     after = model.state(0.0).points
-    np.testing.assert_allclose(after.information.spread, shown.proposal.after.spread, rtol=1e-6)
-    assert after.information.spread.max() < was.spread.max() and after.proposal is None
+    np.testing.assert_allclose(after.information.std_per_px, shown.proposal.after.std_per_px, rtol=1e-6)
+    assert after.information.std_per_px.max() < was.std_per_px.max() and after.proposal is None
 
 
 @pytest.mark.parametrize(
@@ -252,12 +252,12 @@ def test_a_rehearsal_with_other_points_is_forgotten(visit):
     model.player.pause()
     for _ in range(12):
         visitor.act("step")
-    assert len(model.session.snapshot.body) == 12
+    assert len(model.session.snapshot.calibration) == 12
     visitor.act("reset")
-    assert model.session.snapshot.body is not None
+    assert model.session.snapshot.calibration is not None
     visitor.set("chosen", "0")
     visitor.act("remove point")
-    assert model.session.snapshot.body is None
+    assert model.session.snapshot.calibration is None
     PLACE.apply(model, 0.0)
     other = model.session.embodiment.body(model.session.settings)
     assert other.points == 10 and other != model.session.embodiment.body(Settings.paper())

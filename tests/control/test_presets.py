@@ -33,17 +33,17 @@ class End:
 
 LESSONS: dict[str, Callable[[End], bool]] = {
     "Beyond the paper": lambda end: end.off < 0.1 and end.last.motion <= 12,
-    "Paper, Section 5.3": lambda end: end.off < 3 and end.known.least,
+    "Paper, Section 5.3": lambda end: end.off < 3 and end.known.at_local_minimum,
     "The paper's own law": lambda end: end.off > 3 and np.abs(end.last.moved).max() < np.radians(0.5),
     "The paper's law, retuned": lambda end: (
         100 < np.argmax(end.off_deg < 3) < MOTIONS and end.last.motion == MOTIONS and end.last.status != "converged"
     ),
-    "Linear combination of views": lambda end: end.off < 3 and end.known.least,
-    "Seven joints": lambda end: end.off < 0.3 and end.known.spread[5:].min() > 1.5 * end.known.spread[:5].max(),
-    "Verged cameras": lambda end: end.known.least and end.off > 5,
+    "Linear combination of views": lambda end: end.off < 3 and end.known.at_local_minimum,
+    "Seven joints": lambda end: end.off < 0.3 and end.known.std_per_px[5:].min() > 1.5 * end.known.std_per_px[:5].max(),
+    "Verged cameras": lambda end: end.known.at_local_minimum and end.off > 5,
     "Toed-in cameras": lambda end: end.off < 0.2 and end.last.motion <= 12 and end.last.rectification is not None,
-    "Demonstrator faces the learner": lambda end: end.known.least and end.off > 10 and end.last.E > 20,
-    "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.untold,
+    "Demonstrator faces the learner": lambda end: end.known.at_local_minimum and end.off > 10 and end.last.E > 20,
+    "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.unobservable,
     "Nearly coplanar points": lambda end: end.last.flatness > RED,
     "Half a pixel of noise": lambda end: end.off > 1,
     "Points get lost": lambda end: end.last.usable.sum() < len(end.last.usable),

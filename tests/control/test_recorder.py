@@ -8,7 +8,7 @@ import pytest
 from viewimit.app.control.motions import FILE, MOST_BYTES, Motions
 from viewimit.app.control.recorder import Playback, Recorder
 
-from viewimit.analysis.motion import MOST_FRAMES, MOTIONS, STEP_S, decode, encode, motion
+from viewimit.analysis.trajectory import MAX_FRAMES, MOTIONS, STEP_S, decode_motion, encode_motion, make_motion
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -59,14 +59,14 @@ class TestRecorder:
             recorded([0.0, 0.1, 0.2], [(45, -90)] * 3).finish()
 
     def test_it_is_full_with_as_many_frames_as_a_motion_may_have(self):
-        count = MOST_FRAMES + 50
+        count = MAX_FRAMES + 50
         swing = np.stack([45 + 10 * np.sin(np.arange(count)), np.full(count, -90.0)], -1)
         recorder = recorded(STEP_S * np.arange(count) * 1.003, swing)
-        assert recorder.full and len(recorder.finish().theta_deg) == MOST_FRAMES
+        assert recorder.full and len(recorder.finish().theta_deg) == MAX_FRAMES
 
 
 class TestPlayback:
-    MADE = motion("line", SCENE, np.radians(line(0.5 * np.arange(5))), step_s=0.5)
+    MADE = make_motion("line", SCENE, np.radians(line(0.5 * np.arange(5))), step_s=0.5)
 
     def at(self, playback):
         return np.degrees(playback.theta)
@@ -161,7 +161,7 @@ class TestMotions:
         assert name == FILE and json.loads(data)["theta_deg"][-1] == list(WAVE[-1])
         other = Desk()
         other.motions.load(data)
-        assert other.motions.recorded == made == decode(data, SCENE) and other.motions.name == "recorded"
+        assert other.motions.recorded == made == decode_motion(data, SCENE) and other.motions.name == "recorded"
         assert other.motions.asked_for() == made
 
     def test_scrubbing_shows_a_moment_and_ends_the_replay(self, desk):
@@ -206,8 +206,8 @@ class TestMotions:
         desk.motions.record()
         desk.tick()
         desk.pose(50, -50)
-        desk.tick(2, seconds=STEP_S * MOST_FRAMES)
-        assert not desk.motions.recording and len(desk.motions.recorded.theta_deg) == MOST_FRAMES
+        desk.tick(2, seconds=STEP_S * MAX_FRAMES)
+        assert not desk.motions.recording and len(desk.motions.recorded.theta_deg) == MAX_FRAMES
 
     def test_another_scene_ends_recording_and_replaying(self, desk):
         desk.motions.record()
@@ -242,8 +242,8 @@ class TestMotions:
             (b"not json", "not a recorded motion"),
             (b"\xff\xfe", "not a recorded motion"),
             (b'{"format": "viewimit motion 1"}', "missing required field"),
-            (encode(others), "it moves joints 1, 2"),
-            (encode(msgspec.structs.replace(kept, step_s=0.0)), "step_s must be"),
+            (encode_motion(others), "it moves joints 1, 2"),
+            (encode_motion(msgspec.structs.replace(kept, step_s=0.0)), "step_s must be"),
             (MOST_BYTES + 1, "at most 2 MB"),
         ):
             with pytest.raises(ValueError, match=words):

@@ -48,7 +48,7 @@ from viewimit.geometry.affine import EYES, PAIRS, fit_affine_fundamental
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
-from viewimit.servo.surroundings import UNTOLD
+from viewimit.servo.trust_region.local_model import UNTOLD
 from viewimit.simulation.appearance import Silhouettes, reach
 
 MINUS = "−"
@@ -419,8 +419,8 @@ class TestStatus:
         assert status.describe(now).state == "moving"
         assert status.describe(now, playing=False).state == "paused"
         assert status.describe(replace(now, status=ServoStatus.CONVERGED)).state == "arrived"
-        assert status.describe(replace(now, status=ServoStatus.STALLED)).state == "stalled"
-        assert status.describe(replace(now, status=ServoStatus.RESTS)).state == "rests"
+        assert status.describe(replace(now, status=ServoStatus.NO_PROGRESS)).state == "no-progress"
+        assert status.describe(replace(now, status=ServoStatus.SETTLED)).state == "settled"
         lost = status.describe(stepped(0, missing=0.5).snapshot)
         assert lost.state == "lost" and "at least 5 non-coplanar points are needed" in lost.sentence
         method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
@@ -431,20 +431,25 @@ class TestStatus:
         "claimed, known, state, doubt",
         [
             ("converged", assessed(), "arrived", ""),
-            ("rests", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
-            ("rests", assessed(room_deg=0.34), "least", "So much E could hide up to 0.3°."),
-            ("rests", assessed(room_deg=0.02), "least", "So much E could hide less than 0.1°."),
-            ("rests", assessed(room_deg=120), "least", "So much E could hide any displacement."),
-            ("rests", assessed(lower_deg=3), "rests", ""),
-            ("stalled", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
-            ("stalled", assessed(room_deg=14, lower_deg=3), "stalled", ""),
+            ("settled", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
+            ("settled", assessed(room_deg=0.34), "least", "So much E could hide up to 0.3°."),
+            ("settled", assessed(room_deg=0.02), "least", "So much E could hide less than 0.1°."),
+            ("settled", assessed(room_deg=120), "least", "So much E could hide any displacement."),
+            ("settled", assessed(lower_deg=3), "settled", ""),
+            ("no-progress", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
+            ("no-progress", assessed(room_deg=14, lower_deg=3), "no-progress", ""),
             ("unobservable", assessed((36.0, 3.0)), "unobservable", ""),
             ("unobservable", assessed(told=(False, True)), "unobservable", ""),
-            ("rests", assessed((36.0, 3.0)), "unobservable", ""),
-            ("stalled", assessed((36.0, 3.0)), "unobservable", ""),
+            ("settled", assessed((36.0, 3.0)), "unobservable", ""),
+            ("no-progress", assessed((36.0, 3.0)), "unobservable", ""),
             ("unobservable", assessed((36.0, 3.0), learnable=True), "unobservable", ""),
-            ("rests", assessed((36.0, 3.0), lower_deg=3, learnable=True), "rests", ""),
-            ("stalled", assessed((36.0, 3.0), room_deg=14, learnable=True), "least", "So much E could hide up to 14°."),
+            ("settled", assessed((36.0, 3.0), lower_deg=3, learnable=True), "settled", ""),
+            (
+                "no-progress",
+                assessed((36.0, 3.0), room_deg=14, learnable=True),
+                "least",
+                "So much E could hide up to 14°.",
+            ),
         ],
     )
     def test_at_rest_it_claims_no_more_than_it_can_know(self, session, claimed, known, state, doubt):

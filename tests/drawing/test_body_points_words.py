@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from viewimit.analysis.point_information import PointInformation, Proposal
+from viewimit.analysis.observability import PointInformation, Proposal
 from viewimit.drawing.body_points import describe_edited, draw_edited
 from viewimit.simulation.robot import BodyPoints
 

@@ -7,7 +7,7 @@ import pytest
 from viewimit.app.control.comparison import Comparison
 from viewimit.app.control.queue import CommandQueue
 
-from viewimit.analysis.study import study
+from viewimit.analysis.minima import study_transfer
 from viewimit.drawing.transfers import draw_compared, draw_together
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
@@ -83,7 +83,7 @@ def test_a_moving_demonstrator_is_followed_and_its_last_posture_is_what_remains(
     tick()
     assert len(shown) == 4 and not worker
     drawn = [
-        draw_compared(session.scene, study(session.world, session.snapshot, name), session.snapshot.theta_demo)
+        draw_compared(session.scene, study_transfer(session.world, session.snapshot, name), session.snapshot.theta_demo)
         for name in TRANSFERS
     ]
     assert plain(shown[-1]) == plain(draw_together(drawn)) != plain(shown[-2])

@@ -31,7 +31,7 @@ from viewimit.app.control.player import Player
 from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.analysis.study import study
+from viewimit.analysis.minima import study_transfer
 from viewimit.drawing import curves, learner_bars, observability, transfers
 from viewimit.drawing import duel as duel_drawing
 from viewimit.drawing.images import planes
@@ -66,7 +66,7 @@ def race():
 @pytest.fixture(scope="module")
 def studied():
     session = Session(Settings())
-    return session, [study(session.world, session.snapshot, transfer) for transfer in TRANSFERS]
+    return session, [study_transfer(session.world, session.snapshot, transfer) for transfer in TRANSFERS]
 
 
 def draw_race(session, duel):

@@ -210,7 +210,9 @@ class TestFig9:
         count = 3001
         theta = np.stack([np.linspace(25, 60, count), np.linspace(-25, -80, count)], -1)
         probe = np.zeros(count, bool)
-        run = fig9.Run("gradient", (25.0, -25.0), (45.0, -90.0), theta, np.geomspace(200, 3, count), probe, "stalled")
+        run = fig9.Run(
+            "gradient", (25.0, -25.0), (45.0, -90.0), theta, np.geomspace(200, 3, count), probe, "no-progress"
+        )
         settings = Settings.paper(demonstrator_deg=(45.0, -90.0), start_deg=(25.0, -25.0))
         runs = tuple(replace(run, law=law) for law in fig9.laws_of(settings) for _ in range(7))
         html = draw("fig9", fig9.Fig9(settings, (2, 4), ((25.0, -25.0),) * 7, 1.6, runs))
@@ -256,14 +258,14 @@ class TestFig10:
         for name, pair in ((fig10.CONVERGED, panels[:2]), (fig10.BEFORE, panels[2:])):
             run, scales = trajectory.runs[name], []
             for k, ((own,), (true,), said) in enumerate(pair):
-                assert "LR"[k] in said and own.count("M") == true.count("M") == run.wanted.sum()
+                assert "LR"[k] in said and own.count("M") == true.count("M") == run.followed.sum()
                 kept = svg.thinned(len(run.own), fig10_figure.VERTICES)
                 view = slice(2 * k, 2 * k + 2)
-                apart = (run.own - run.desired)[kept][:, run.wanted, view]
+                apart = (run.own - run.desired)[kept][:, run.followed, view]
                 drawn = (vertices(own.replace("M", " ")) - vertices(true.replace("M", " "))).reshape(
-                    run.wanted.sum(), -1, 2
+                    run.followed.sum(), -1, 2
                 )
-                span = np.ptp(run.desired[kept][:, run.wanted, view], (0, 1)).max()
+                span = np.ptp(run.desired[kept][:, run.followed, view], (0, 1)).max()
                 scales.append(np.ptp(vertices(true.replace("M", " ")), 0).max() / span)
                 np.testing.assert_allclose(drawn, scales[-1] * np.moveaxis(apart, 1, 0), atol=0.25)
             assert scales[0] == pytest.approx(scales[1], rel=0.02)
@@ -272,7 +274,7 @@ class TestFig10:
         html = draw("fig10", trajectory)
         run = trajectory.runs[fig10.CONVERGED]
         own = vertices(self.panels(html)[1][0][0].replace("M", " "))
-        scale = np.ptp(own, 0)[1] / np.ptp(run.own[:, run.wanted, 3])
+        scale = np.ptp(own, 0)[1] / np.ptp(run.own[:, run.followed, 3])
         x, _, end = numbers(paths(html, SCALE_BAR)[0])
         said = float(re.search(r"(\d+) px", self.panels(html)[1][2])[1])
         assert (end - x) / said == pytest.approx(scale, rel=0.03)
@@ -303,7 +305,7 @@ class TestFig10:
         lost = replace(run, own=own)
         html = draw("fig10", replace(trajectory, runs={fig10.CONVERGED: lost}))
         assert "nan" not in html
-        assert self.panels(html)[0][0][0].count("M") == 2 * run.wanted.sum()
+        assert self.panels(html)[0][0][0].count("M") == 2 * run.followed.sum()
         gone = replace(run, own=np.full_like(own, np.nan), desired=np.full_like(own, np.nan))
         assert "nan" not in draw("fig10", replace(trajectory, runs={fig10.CONVERGED: gone}))
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from drawn import NEAREST, WAY_FROM_START, classes, marked, parsed, paths
 
-from viewimit.analysis.basin import Basin, Ending
+from viewimit.analysis.convergence import Basin, Ending
 from viewimit.drawing.curves import axis_end, draw_curves, moment_links, moments_made
 from viewimit.drawing.images.planes import SIZES, image_windows
 from viewimit.drawing.over.basin import describe_basin, draw_basin

@@ -16,8 +16,8 @@ from viewimit.estimation.views import VIEWS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reach
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.viewer.furniture import on_plate
+from viewimit.simulation.robot import link_meshes
+from viewimit.simulation.scene_geometry import on_plate
 
 PICTURES = {view: f"picture of {view}".encode() for view in VIEWS}
 

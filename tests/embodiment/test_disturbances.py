@@ -17,7 +17,7 @@ from viewimit.simulation.disturbances import GROSS_PX, ArmDisturbance, ImageDist
 POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 # the fields, cases made of them, and a noise that was measured
 KNOWN_BY_NAME = {
-    "body_image.py",
+    "self_calibration.py",
     "rehearse.py",
     "settings.py",
     "presets.py",

@@ -4,10 +4,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.loop.looking import Observer
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.sensing.latency import MOST_LAG
+from viewimit.loop.simulated_robot import SimulatedObserver
+from viewimit.sensing.frames import MOST_LAG
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 
@@ -37,7 +37,7 @@ def eyes():
 
 @pytest.fixture
 def observer(eyes):
-    return Observer(eyes, START)
+    return SimulatedObserver(eyes, START)
 
 
 def test_the_demonstrator_is_looked_at_again_only_when_it_or_its_disturbance_has_changed(eyes, observer):

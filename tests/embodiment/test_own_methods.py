@@ -7,8 +7,8 @@ import pytest
 from viewimit.app.sessions import codec
 
 from viewimit import SERVOS, TRANSFERS, FourViews, Session, Settings, replay
+from viewimit.drawing.export.citation import cite
 from viewimit.estimation.transfers import TransferMethod, linear, transfer_method
-from viewimit.export.citation import cite
 from viewimit.loop.settings import OWN
 from viewimit.servo import GaussNewton
 
@@ -112,7 +112,7 @@ def test_a_servo_of_two_methods_moves_as_the_whole_one_does():
 def test_a_servo_without_a_status_that_wants_no_motion_rests():
     session = Session(Settings(**START), servo=Still())
     assert not session.step()
-    assert session.snapshot.status == "rests" and session.snapshot.servo_state == {"asked": 1}
+    assert session.snapshot.status == "settled" and session.snapshot.servo_state == {"asked": 1}
 
 
 def test_a_motion_of_a_servo_without_a_status_is_divided_as_any_other():

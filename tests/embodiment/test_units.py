@@ -58,7 +58,7 @@ def test_a_run_ends_the_same_in_any_unit(scale, noise_px, seed):
 @pytest.mark.parametrize("servo", ["broyden", "kalman", "gauss-newton"])
 def test_so_it_does_by_other_laws_but_for_their_priors_in_pixels(servo):
     in_px, scaled = (end(scale, 0.1, 4, servo=servo) for scale in (1.0, 0.01))
-    assert scaled.status == in_px.status == "rests"
+    assert scaled.status == in_px.status == "settled"
     np.testing.assert_allclose(scaled.theta, in_px.theta, atol=np.radians(0.01))
 
 

@@ -97,7 +97,7 @@ class Picture:
     def taken(self):
         from tags import picture_of
 
-        from viewimit.sensing.fiducials import Fiducials
+        from viewimit.sensing.detection import Fiducials
 
         fake, webcams = import_module("fake_robot"), import_module("webcams")
         own = fake.picture_points(self.robot.theta, (-0.5, 2.2, -0.2), 0.2)[self.side]

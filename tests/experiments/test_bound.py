@@ -5,8 +5,8 @@ import pytest
 
 from viewimit.experiments.bench.bound import bound
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
-from viewimit.geometry.kinematics.clusters import Seen
-from viewimit.geometry.kinematics.covariance import Information
+from viewimit.geometry.kinematics.clusters import Observations
+from viewimit.geometry.kinematics.covariance import KinematicsCovariance
 from viewimit.geometry.kinematics.model import ProjectiveKinematics
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -37,10 +37,10 @@ def test_it_is_what_noise_of_the_demonstrator_and_of_learned_kinematics_leaves(w
     at its posture, whose covariance is that of fitted projective kinematics; θ and H are fitted to them."""
     visited = visited[:visits]
     own = np.array([world.own_images(tuple(theta))[0] for theta in visited])
-    seen = Seen(visited - visited[0], own, np.ones(own.shape[:2], bool))
+    seen = Observations(visited - visited[0], own, np.ones(own.shape[:2], bool))
     kinematics = fit_kinematics(seen, 0.0)
     assert kinematics is not None
-    covariance = foretold_covariance(kinematics, Information.of(kinematics, seen), THERE - visited[0])
+    covariance = foretold_covariance(kinematics, KinematicsCovariance.estimate(kinematics, seen), THERE - visited[0])
     to_demo, J, J_H = demonstrator_derivatives(world)
     total = np.eye(len(J)) + to_demo @ covariance @ to_demo.T
     white = np.linalg.solve(np.linalg.cholesky(total), np.hstack([J, J_H]))
@@ -51,13 +51,17 @@ def test_it_is_what_noise_of_the_demonstrator_and_of_learned_kinematics_leaves(w
 
 
 def foretold_covariance(
-    kinematics: ProjectiveKinematics, information: Information, displacement: np.ndarray
+    kinematics: ProjectiveKinematics, information: KinematicsCovariance, displacement: np.ndarray
 ) -> np.ndarray:
     """(4 N, 4 N) px², for noise of 1 px at the visits: what all points share, and what each has of its own."""
     parameters, points = information.columns(TINY)
     off = [
         ProjectiveKinematics(
-            kinematics.parameters + p, kinematics.shape + s, kinematics.moved, kinematics.reference, kinematics.frame
+            kinematics.parameters + p,
+            kinematics.points + s,
+            kinematics.moved_by,
+            kinematics.reference,
+            kinematics.frame,
         ).predict(displacement)
         - kinematics.predict(displacement)
         for p, s in zip(parameters, points)
@@ -66,7 +70,7 @@ def foretold_covariance(
     covariance = np.einsum("knc,kmd->ncmd", shared, shared)
     for n in range(covariance.shape[0]):
         covariance[n, :, n] += np.einsum("kc,kd->cd", alone[:, n], alone[:, n])
-    return covariance.reshape(2 * (4 * len(kinematics.shape),))
+    return covariance.reshape(2 * (4 * len(kinematics.points),))
 
 
 def demonstrator_derivatives(world):

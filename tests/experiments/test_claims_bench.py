@@ -42,7 +42,10 @@ def test_points_are_on_the_links_surface_and_hidden_where_it_is_turned_away():
 def test_a_claim_is_false_that_is_far_off_and_farther_than_it_expects(error, expected, falsely, covered):
     found = outcome(
         "one",
-        [Ending(ServoStatus.CONVERGED, 7, True, error, expected), Ending(ServoStatus.STALLED, 9, True, 50.0, np.inf)],
+        [
+            Ending(ServoStatus.CONVERGED, 7, True, error, expected),
+            Ending(ServoStatus.NO_PROGRESS, 9, True, 50.0, np.inf),
+        ],
     )
     assert (found.falsely.count, found.covered.count, found.claimed.count) == (falsely, covered, 1)
     assert found.falsely.runs == 1 and found.motions_median == 8
@@ -160,7 +163,13 @@ def test_of_symmetric_markers_no_claim_is_of_the_mirrored_posture():
 
 
 def test_the_bound_of_each_run_says_which_ones_could_be_claimed():
-    ends = [("converged", 0.2), ("stalled", 0.9), ("converged", 1.0), ("stalled", 1.1), ("unobservable", np.inf)]
+    ends = [
+        ("converged", 0.2),
+        ("no-progress", 0.9),
+        ("converged", 1.0),
+        ("no-progress", 1.1),
+        ("unobservable", np.inf),
+    ]
     found = outcome("one", [Ending(ServoStatus(status), 7, True, 0.5, 0.5, bound) for status, bound in ends])
     assert (found.claimed_within_bound.count, found.claimed_within_bound.runs) == (2, 3)
     assert found.stalled.count == 2 and found.tellable.count == 4 and found.bound_deg_median == 1.0

@@ -15,16 +15,16 @@ from viewimit.experiments.bench.compare_table import Row, read, write
 from viewimit.experiments.bench.compared import compared
 from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
 from viewimit.experiments.bench.success import wilson
-from viewimit.loop.result import RunResult
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import RunResult
 from viewimit.servo import SERVOS, ServoStatus
 
 DOCS = Path(__file__).parents[2] / "docs"
 SETTINGS = Settings.paper(transfer="projective")
 
 
-def rows_of(servo, errors, motions=9, status="rests", case="a"):
+def rows_of(servo, errors, motions=9, status="settled", case="a"):
     return [Row(case, k, servo, motions, ServoStatus(status), error, np.nan, 0.1) for k, error in enumerate(errors)]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.analysis import motion
+from viewimit.analysis import trajectory
 from viewimit.analysis.trajectory import follow, hand_points
 from viewimit.estimation.residuals import conflict
 from viewimit.experiments.paper import claims, fig7, fig9, fig10
@@ -75,7 +75,7 @@ def test_fig9_the_law_as_printed_does_not_arrive_the_others_do(ninth):
     result, _ = ninth
     assert all(run.motions_until(3) is None for run in result.of("gradient"))
     assert all(run.motions_until(3) is not None for run in result.of("gradient-retuned"))
-    assert all(run.motions_until(1) is not None and run.status == "rests" for run in result.of("broyden"))
+    assert all(run.motions_until(1) is not None and run.status == "settled" for run in result.of("broyden"))
     found = by_name(result)
     assert found["Fig. 9: gradient, came within 3°"].holds is False
     assert found["Fig. 9: gradient, smallest E"].holds is None
@@ -213,8 +213,8 @@ def test_the_table_says_what_passes_and_what_misses_and_the_verdict_counts_it():
 
 def test_every_named_motion_is_a_motion_of_the_scene():
     session = Session(Settings.paper())
-    for make in motion.MOTIONS.values():
-        motion.require_motion(make(session.world, session.snapshot.theta_demo), session.scene)
+    for make in trajectory.MOTIONS.values():
+        trajectory.require_motion(make(session.world, session.snapshot.theta_demo), session.scene)
 
 
 def test_fig7_takes_a_coarser_grid_over_larger_ranges():

@@ -151,7 +151,7 @@ class Rests:
         return self, np.zeros(2)
 
 
-@pytest.mark.parametrize("status, claimed, falsely", [("converged", 5, 3), ("stalled", 0, 0)])
+@pytest.mark.parametrize("status, claimed, falsely", [("converged", 5, 3), ("no-progress", 0, 0)])
 def test_a_claim_is_false_beyond_a_degree_of_the_transfers_own_minimum(status, claimed, falsely, monkeypatch):
     """The minimum of E for (45, -90) is at (45.6, -90): nearer to 46.3 and farther from 44.2 than the demonstrator."""
     monkeypatch.setitem(SERVOS, "broyden", Rests(status))

@@ -18,19 +18,19 @@ from viewimit.app.jobs.experiments import Request, Run
 import viewimit
 from viewimit.drawing import standalone
 from viewimit.drawing.equations import equations_of, filled
+from viewimit.drawing.export import formulas
+from viewimit.drawing.export.citation import cite
+from viewimit.drawing.export.figures import drawings_in, four_images, laid_over, stacked, written
+from viewimit.drawing.export.formulas import can_typeset, draw_formulas
+from viewimit.drawing.export.panels import draw_panels
+from viewimit.drawing.export.perspective import Eye, default_eye, draw_space
 from viewimit.drawing.theme import ROLES
 from viewimit.estimation.equations import Equation
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.claims import Claim
-from viewimit.export import formulas
-from viewimit.export.citation import cite
-from viewimit.export.figures import drawings_in, four_images, laid_over, stacked, written
-from viewimit.export.formulas import can_typeset, draw_formulas
-from viewimit.export.panels import draw_panels
-from viewimit.export.perspective import Eye, default_eye, draw_space
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.viewer.furniture import bases_of
+from viewimit.simulation.scene_geometry import bases_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -114,7 +114,7 @@ def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypat
 def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, monkeypatch):
     monkeypatch.setattr(saving, "can_render", lambda: render)
     monkeypatch.setattr(saving, "can_typeset", lambda: typeset)
-    monkeypatch.setattr("viewimit.export.formulas.can_typeset", lambda: typeset)
+    monkeypatch.setattr("viewimit.drawing.export.formulas.can_typeset", lambda: typeset)
     page = QuietPage(Settings())
     page.tick(1.0)
     assert (html.escape(said) in page.shown) and (bool(said) == ("viewimit[plot]" in page.shown))

@@ -16,15 +16,14 @@ from waiting import wait_until
 
 import viewimit
 from viewimit.analysis.construction import construct
+from viewimit.drawing.export import panels as panels_module
+from viewimit.drawing.export.citation import cite
+from viewimit.drawing.export.dedupe import Woven, weave
+from viewimit.drawing.export.panels import MOST_MOMENTS, Appearance, farthest_off, kept_motions
 from viewimit.drawing.images.panel import draw_images
-from viewimit.export import panels as panels_module
-from viewimit.export.citation import cite
-from viewimit.export.panels import MOST_MOMENTS, farthest_off, kept_motions
-from viewimit.export.weaving import Woven, weave
-from viewimit.loop.script import Posed
+from viewimit.loop.script import MoveDemonstrator
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.viewer.appearance import Appearance
 
 replace = msgspec.structs.replace
 MB = 1_000_000
@@ -129,8 +128,8 @@ def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
 @pytest.mark.parametrize(
     "settings, motions, status",
     [
-        (Settings.paper(servo="gradient-retuned", start_deg=(25, -45)), 100, "stalled"),
-        (Settings.paper(points=16, missing=0.75, transfer="linear"), 3, "stopped"),
+        (Settings.paper(servo="gradient-retuned", start_deg=(25, -45)), 100, "no-progress"),
+        (Settings.paper(points=16, missing=0.75, transfer="linear"), 3, "too-few-points"),
         (
             Settings(joints=(1, 2, 3, 4, 5, 6, 7), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30)),
             3,
@@ -164,7 +163,7 @@ def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
 def test_what_it_cannot_show_it_says(session):
     with pytest.raises(ValueError, match="no point 10; there are 10"):
         viewimit.replay(session, chosen=10)
-    assert any(isinstance(deed, Posed) for deeds in session.log.deeds.values() for deed in deeds)
+    assert any(isinstance(action, MoveDemonstrator) for actions in session.log.actions.values() for action in actions)
     assert cite(session).command is None and "session.pose(" in cite(session).python
 
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from viewimit.simulation.camera import StereoHead
-from viewimit.simulation.lens import Lens
+from viewimit.simulation.camera import Lens, StereoHead
 
 EQUAL = Lens((256, 256), (320, 120))
 UNLIKE = Lens((240, 262), (312, 126)), Lens((280, 271), (331, 109))

@@ -7,8 +7,7 @@ from axle_markers import axle_markers
 
 from viewimit.geometry.handedness import FLAT, Handedness, principal_axes
 from viewimit.geometry.rectification import rectification_of
-from viewimit.simulation.scene import load_scene
-from viewimit.simulation.scene_reading import scene_names
+from viewimit.simulation.scene import load_scene, scene_names
 from viewimit.simulation.world import World
 
 POINTS = 9

@@ -34,7 +34,7 @@ def test_what_is_written_is_read_and_written_again_alike(tmp_path):
 def test_a_difference_in_anything_recorded_is_noticed():
     one = OLD["noise 0.5 px, 25 frames"]
     status, E, commanded = one.status.copy(), one.E.copy(), one.commanded.copy()
-    status[3], E[4], commanded[5, 1] = "stopped", np.nan, commanded[5, 1] + 2 * CLOSE
+    status[3], E[4], commanded[5, 1] = "too-few-points", np.nan, commanded[5, 1] + 2 * CLOSE
     shorter = replace(one, status=one.status[:-1], E=one.E[:-1], commanded=one.commanded[:-1])
     others = [replace(one, status=status), replace(one, E=E), replace(one, commanded=commanded), shorter]
     others += [replace(one, E=one.E * (1 + 2 * CLOSE) + 2 * CLOSE)]

@@ -7,7 +7,7 @@ from viewimit.app.lessons.measures import MEASURES
 from viewimit.app.lessons.reveal import verdict
 from walking import course_at, words
 
-from viewimit.analysis.scatter import scatter
+from viewimit.analysis.observability import sample_estimates
 
 RUNS = 300
 
@@ -23,7 +23,7 @@ def noise():
 def own_scatter(course, noise_px=0.02):
     """(2,) degrees a pixel of the own images, by runs of another seed, not by derivatives."""
     world, moment, rng = course.session.world, course.stage.moments[0], np.random.default_rng(99)
-    found = scatter(world, moment.fit, moment.theta_demo, noise_px, 1, RUNS, rng, of_demo=False)
+    found = sample_estimates(world, moment.fit, moment.theta_demo, noise_px, 1, RUNS, rng, noisy_demo=False)
     return np.degrees(found.std(0)) / noise_px
 
 

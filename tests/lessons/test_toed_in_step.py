@@ -9,7 +9,7 @@ from viewimit.app.lessons.figures import FIGURES
 from viewimit.app.lessons.measures import MEASURES
 from walking import course_at, words
 
-from viewimit.analysis.study import study
+from viewimit.analysis.minima import study_transfer
 from viewimit.loop.session import Session
 
 
@@ -27,7 +27,7 @@ def course():
 )
 def test_how_far_the_smallest_E_is_off_is_what_another_search_finds(course, name, changed, tolerance):
     session = Session(msgspec.structs.replace(course.session.settings, **changed))
-    found = study(session.world, session.snapshot, session.settings.transfer)
+    found = study_transfer(session.world, session.snapshot, session.settings.transfer)
     assert MEASURES[f"off with {name}" if name == "more points" else f"off {name}"].of(course.stage) == pytest.approx(
         np.abs(found.bias_deg).max(), abs=tolerance
     )

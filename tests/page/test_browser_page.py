@@ -110,7 +110,7 @@ def test_a_new_visitor_sees_everything(used_page):
 def test_playing_converges_and_says_so(session):
     page = session
     press(page, "Space")
-    text = wait_for_status(page, "Rests")
+    text = wait_for_status(page, "Settled")
     assert float(re.search(r"E (?:< )?([\d.]+) px²", text)[1]) < 2
     assert np.abs(np.array(posture(page)) - [45, -90]).max() < 2
 
@@ -138,11 +138,11 @@ def test_step_undo_reset_by_button_and_key(session):
 def test_the_demonstrator_may_move_while_the_loop_runs(session):
     page = session
     press(page, "Space")
-    wait_for_status(page, "Rests")
+    wait_for_status(page, "Settled")
     set_number(page, "θ₂", 70)
     wait_for_text(page, "demonstrator (70°")
     wait(page, lambda: np.abs(np.array(posture(page)) - [70, -90]).max() < 5)
-    wait_for_status(page, "Rests")
+    wait_for_status(page, "Settled")
 
 
 def test_every_preset_runs(session):
@@ -243,7 +243,7 @@ def test_two_methods_race_from_one_start(session):
     wait(page, lambda: "Opponent: Rank 3, all views" in said())
     wait_for_count(page, f"{DUEL} {LEVELS}", 2, exactly=True)
     wait(page, lambda: re.search(r"was first within 1° of the demonstrator, after \d+ motions", said()))
-    wait_for_status(page, "Rests")
+    wait_for_status(page, "Settled")
     press(page, "r")
     wait(page, lambda: "Neither is within 1° of the demonstrator yet" in said())
     set_number(page, "θ₄", -45)
@@ -343,7 +343,7 @@ def test_a_learner_that_watches_itself_first_imitates_in_few_motions(session):
 def test_history_can_be_scrubbed(session):
     page = session
     press(page, "Space")
-    wait_for_status(page, "Rests")
+    wait_for_status(page, "Settled")
     end = posture(page)
     assert np.abs(np.array(end) - [45, -90]).max() < 2
     set_number(page, "History", 1)
@@ -366,7 +366,7 @@ def test_nothing_is_sent_when_nothing_changes(session):
 def test_nothing_leaves_the_machine(session):
     page = session
     press(page, "Space")
-    wait_for_status(page, "Rests")
+    wait_for_status(page, "Settled")
     hosts = {urlparse(url).hostname for url in page.requested if not url.startswith(("data:", "blob:"))}
     assert hosts == {"127.0.0.1"}
 

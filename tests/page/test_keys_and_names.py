@@ -159,9 +159,9 @@ def test_after_a_choice_in_a_list_the_keys_are_the_pages(page):
         for key in keys:
             press(page, key)
         press(page, "Space")
-        wait_for_status(page, "Moving|Rests")
+        wait_for_status(page, "Moving|Settled")
         press(page, "Space")
-        wait_for_status(page, "Paused|Rests")
+        wait_for_status(page, "Paused|Settled")
         press(page, "r")
         wait_for_status(page, "Ready")
     page.keyboard.press("Tab")

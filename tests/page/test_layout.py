@@ -63,7 +63,7 @@ def page(browser, server):
     press(page, "Escape")
     press(page, "n")
     press(page, "Space")
-    wait_for_status(page, "Rests")
+    wait_for_status(page, "Settled")
     press(page, "Space")
     page.window = page.context.new_cdp_session(page)
     yield page

@@ -7,7 +7,7 @@ from browsing import open_page, press, wait
 from serving import Server
 from viewimit.app.scene.arms import link_name
 
-from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

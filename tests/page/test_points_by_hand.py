@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from browsing import CHOSEN_POINT, FOUR_IMAGES, choose, chosen_point, open_page, press, wait, wait_for_status
 
-from viewimit.simulation.link_meshes import link_meshes
+from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import load_scene
 
 pytestmark = pytest.mark.browser

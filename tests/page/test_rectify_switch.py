@@ -6,8 +6,8 @@ from viewimit.app.control.commands.session import Step
 
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
+from viewimit.simulation.scene_geometry import PLATE, corners, on_plate
 from viewimit.simulation.world import World
-from viewimit.viewer.furniture import PLATE, corners, on_plate
 
 
 def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():

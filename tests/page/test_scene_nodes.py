@@ -22,7 +22,7 @@ from waiting import wait_until
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.viewer.furniture import cameras_of, on_plate
+from viewimit.simulation.scene_geometry import cameras_of, on_plate
 
 
 class Viewer(Client):

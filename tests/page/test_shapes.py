@@ -4,17 +4,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.robots import robot_names
-from viewimit.viewer import shapes
+from viewimit.simulation import scene_geometry
+from viewimit.simulation.robot import link_meshes, robot_names
 
 RADIUS, HEIGHT = 0.2, 0.3  # m, of a pedestal's plate and of all of it
 CORNERS = np.array([[0, 0, 0], [2, 0, 0], [2, 0, 1], [0, 0, 1]], float)
 SHAPES = {
-    "pedestal": shapes.pedestal(HEIGHT),
-    "stand": shapes.stand(1.0),
-    "box": shapes.box((0.1, 0.2, 0.3)),
-    "octahedron": shapes.octahedron(0.02),
+    "pedestal": scene_geometry.pedestal(HEIGHT),
+    "stand": scene_geometry.stand(1.0),
+    "box": scene_geometry.box((0.1, 0.2, 0.3)),
+    "octahedron": scene_geometry.octahedron(0.02),
 }
 
 
@@ -59,7 +58,7 @@ def test_a_link_that_is_seen_from_outside_shows_its_outside(robot):
 
 
 def test_a_sheet_is_seen_from_both_sides():
-    vertices, faces = shapes.sheet(CORNERS)
+    vertices, faces = scene_geometry.sheet(CORNERS)
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     np.testing.assert_allclose(mesh.area, 2 * 2.0)
     np.testing.assert_allclose(sorted(mesh.face_normals[:, 1]), [-1, -1, 1, 1])

@@ -8,9 +8,18 @@ import trimesh
 from viewimit.app.scene.view import BEFORE, DOCKED_WITHIN, DefaultView, Docking
 
 from viewimit.simulation.scene import load_scene
+from viewimit.simulation.scene_geometry import (
+    BELOW,
+    CELL,
+    FOV,
+    HALF_NAME,
+    LINE,
+    fitted_view,
+    floor_lines,
+    looking,
+    unhidden,
+)
 from viewimit.simulation.world import World
-from viewimit.viewer.furniture import CELL, HALF_NAME, LINE, floor_lines, unhidden
-from viewimit.viewer.view import BELOW, FOV, fitted_view, looking
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))
 

@@ -8,7 +8,7 @@ cv2 = pytest.importorskip("cv2")
 from tags import picture_of  # noqa: E402
 
 from viewimit.estimation.views import VIEW_NAMES, VIEWS, view_of  # noqa: E402
-from viewimit.sensing.fiducials import Fiducials, dictionary_names  # noqa: E402
+from viewimit.sensing.detection import Fiducials, dictionary_names  # noqa: E402
 
 AT = {k: np.array([90.0 + 120 * (k % 8), 90 + 120 * (k // 8)]) + np.sin([k, 2 * k]) for k in range(40)}
 

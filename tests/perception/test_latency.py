@@ -5,7 +5,7 @@ import pytest
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.sensing.latency import MOST_LAG, lag_of
+from viewimit.sensing.frames import MOST_LAG, lag_of
 from viewimit.simulation.disturbances import ImageDisturbance, spoil
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
@@ -40,7 +40,7 @@ def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
         session = Session(settings)
         session.change(delay=late_by)
         session.run()
-        at_rest = "rests" if settings.servo == "broyden" else "converged"
+        at_rest = "settled" if settings.servo == "broyden" else "converged"
         assert session.snapshot.lag == late_by and session.snapshot.status == at_rest
         runs.append([moment.theta for moment in session.history])
     np.testing.assert_array_equal(*runs)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.sensing.lost import FAR, astray, lost
+from viewimit.sensing.point_checks import FAR, astray, lost
 
 
 def test_a_point_is_lost_at_both_coordinates_of_a_mark_only():

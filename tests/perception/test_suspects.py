@@ -13,7 +13,7 @@ from viewimit.estimation.outliers import SWAP_MIN_POINTS, find_outliers
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.random_scenes import draw, resize
 from viewimit.geometry.distortion import Radial
-from viewimit.simulation.lens import undistorted
+from viewimit.simulation.camera import undistorted
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

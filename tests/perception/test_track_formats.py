@@ -416,7 +416,7 @@ def write_as_named(path, images):
         import cv2
         from tags import picture_of
 
-        from viewimit.sensing.fiducials import Fiducials
+        from viewimit.sensing.detection import Fiducials
 
         dictionary = Fiducials("APRILTAG_36h11").dictionary
         cv2.imwrite(str(path), picture_of(dictionary, dict(enumerate(images[view])), shape=(1920, 2560)))

@@ -40,6 +40,6 @@ def test_where_too_few_own_points_are_seen_a_servo_that_predicts_goes_on_and_oth
     assert session.snapshot.views.visible[:, :2].all(-1).sum() >= 5 and session.snapshot.motion == 1
     other = session.copy()
     other.change(servo="broyden")
-    assert not other.step() and other.snapshot.status == "stopped"
+    assert not other.step() and other.snapshot.status == "too-few-points"
     last = session.run(80).last
     assert last.status == "converged" and error_deg(last) < 0.1

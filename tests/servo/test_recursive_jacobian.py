@@ -103,7 +103,7 @@ def test_in_a_linear_world_a_probe_a_joint_tells_the_jacobian_and_the_next_motio
         if motion == m:
             np.testing.assert_allclose(state.model.jacobian, world.J, atol=0.5)  # px/rad, of 100
     assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
-    assert state.status == "rests" and not step.any()  # that the next step is small is no evidence
+    assert state.status == "settled" and not step.any()  # that the next step is small is no evidence
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -122,7 +122,7 @@ def test_a_joint_that_would_leave_its_range_is_held_and_the_others_find_their_le
     J = world.J.reshape(-1, 2)
     least = world.aim[1] + J[:, 1] @ J[:, 0] * (world.aim[0] - 0.1) / (J[:, 1] @ J[:, 1])
     assert theta[0] == pytest.approx(0.1) and theta[1] == pytest.approx(least, abs=np.radians(0.15))
-    assert state.status == "rests"
+    assert state.status == "settled"
 
 
 def test_a_motion_that_raises_E_is_answered_with_more_damping_and_shorter_motions():
@@ -156,10 +156,10 @@ def test_it_gives_up_where_nothing_is_known_or_E_does_not_fall(name):
             theta = theta + step
         raise AssertionError("it never rests")
 
-    assert rests(lambda own: np.full((*own.shape[:-2], 1, 4), np.inf), np.inf) == ("stalled", 2)
+    assert rests(lambda own: np.full((*own.shape[:-2], 1, 4), np.inf), np.inf) == ("no-progress", 2)
     noise = np.random.default_rng(0)
     status, motion = rests(lambda own: world.residuals(own) + noise.normal(0, 100), 5.0)
-    assert status == "stalled" and 25 < motion < 40
+    assert status == "no-progress" and 25 < motion < 40
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -169,7 +169,7 @@ def test_it_ends_at_the_transfers_own_minimum_and_claims_nothing(name):
     for start in ((25, -45), (60, -120), (80, -60)):
         session = Session(Settings.paper(transfer="linear", servo=name, demonstrator_deg=(45, -90), start_deg=start))
         last = session.run(60).last
-        assert last.status == "rests" and last.motion <= 20 and last.certificate is None
+        assert last.status == "settled" and last.motion <= 20 and last.certificate is None
         ends.append(last.theta)
     world, demo, seen = session.world, last.views.demo, last.views.visible[:, :2]
     near = tuple(np.radians(np.arange(-2, 2.001, 0.05)) + at for at in last.theta_demo)
@@ -177,7 +177,7 @@ def test_it_ends_at_the_transfers_own_minimum_and_claims_nothing(name):
     least = landscape_over(world, TRANSFERS["linear"], demo, seen, near).minimum
     off = np.degrees(np.abs(np.array(ends) - least)).max(1)  # a Jacobian of some motions ago may end it early
     assert (off < 1).all() and (off < 0.2).sum() >= 2
-    assert SERVOS[name].says(last.servo_state, "rests") == "next step under 0.1°"
+    assert SERVOS[name].says(last.servo_state, "settled") == "next step under 0.1°"
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -8,7 +8,7 @@ from linear_world import LinearWorld
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.loop import looking
+from viewimit.loop import simulated_robot as looking
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
@@ -38,7 +38,7 @@ def test_a_loop_written_from_the_docstring_runs(name, noise_px):
             break
         theta = theta + displacement
     if name in ("broyden", "trust-region"):  # the gradients' constants are of another scale than this world's
-        assert state.status == {"broyden": "rests", "trust-region": "converged"}[name]
+        assert state.status == {"broyden": "settled", "trust-region": "converged"}[name]
         assert min(found) < 0.01 * found[0]
     if name == "trust-region" and noise_px:
         assert any(weighting is not None for _, weighting in asked)
@@ -57,7 +57,7 @@ def test_broyden_finds_a_linear_image_map_by_one_probe_a_joint_and_then_its_targ
         theta = theta + step
     assert np.degrees(np.abs(theta - world.aim)).max() < 0.1
     state, step = servo.step(state, world.observe(theta, m + 2), world.residuals)
-    assert state.status == "rests" and not step.any()  # that the next step is small is no evidence
+    assert state.status == "settled" and not step.any()  # that the next step is small is no evidence
 
 
 def test_broyden_does_not_learn_from_points_that_were_not_seen():

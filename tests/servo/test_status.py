@@ -27,8 +27,21 @@ def test_a_status_is_the_same_member_when_it_is_read(status):
     assert ServoStatus(status.value) is ServoStatus(status) is pickle.loads(pickle.dumps(status)) is status
 
 
-def test_a_word_of_an_earlier_version_is_read_and_an_unknown_one_refused():
-    assert ServoStatus("untold") is ServoStatus.UNOBSERVABLE
+@pytest.mark.parametrize(
+    "earlier, today",
+    [
+        ("untold", ServoStatus.UNOBSERVABLE),
+        ("rests", ServoStatus.SETTLED),
+        ("stalled", ServoStatus.NO_PROGRESS),
+        ("stopped", ServoStatus.TOO_FEW_POINTS),
+        ("max_motions", ServoStatus.MAX_MOTIONS),
+    ],
+)
+def test_a_word_of_an_earlier_version_is_read(earlier, today):
+    assert ServoStatus(earlier) is today
+
+
+def test_an_unknown_word_is_refused():
     with pytest.raises(ValueError, match="busy"):
         ServoStatus("busy")
 
@@ -37,5 +50,5 @@ def test_a_claim_is_at_a_minimum_at_rest_and_an_end():
     said = lambda asked: {status.value for status in ServoStatus if asked(status)}
     claims, least = said(lambda one: one.is_claim), said(lambda one: one.is_at_minimum)
     rests, ends = said(lambda one: one.is_at_rest), said(lambda one: one.has_ended)
-    assert claims == {"converged"} and least == claims | {"rests", "unobservable"}
-    assert rests == least | {"stalled"} and ends == rests | {"stopped", "max_motions"}
+    assert claims == {"converged"} and least == claims | {"settled", "unobservable"}
+    assert rests == least | {"no-progress"} and ends == rests | {"too-few-points", "max-motions"}

@@ -13,10 +13,10 @@ from viewimit.estimation.transfers import linear, projective
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
-from viewimit.servo.certificate import EQUAL
-from viewimit.servo.trust_motions import aside, farthest
-from viewimit.servo.trust_region import TrustRegion
-from viewimit.servo.visit import Visit
+from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.algorithm import TrustRegion
+from viewimit.servo.trust_region.convergence import EQUAL
+from viewimit.servo.trust_region.motions import aside, farthest
 from viewimit.simulation.disturbances import NOISE, spoil
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -168,7 +168,7 @@ def test_an_E_that_stays_large_is_never_called_converged():
     world = world_of(2)
     world.least[0, 0] = 30.0
     theta, status, motions = driven(world)
-    assert status == "stalled" and motions > 8
+    assert status == "no-progress" and motions > 8
     least = np.linalg.lstsq(world.J.reshape(32, 2), (world.J @ world.aim - world.least).reshape(32), rcond=None)[0]
     assert np.degrees(np.abs(theta - least)).max() < 0.15
 

@@ -5,8 +5,7 @@ import pytest
 
 from viewimit.geometry.distortion import Radial
 from viewimit.geometry.rigid import look_rotation, rigid_transform, rotation_from_rpy
-from viewimit.simulation.camera import Camera, Cameras, StereoHead, triangulate
-from viewimit.simulation.lens import Lens, undistorted
+from viewimit.simulation.camera import Camera, Cameras, Lens, StereoHead, triangulate, undistorted
 
 LENS = Lens((256, 256), (320, 120))
 OBLONG = Lens((241.5, 263.0), (310, 125))

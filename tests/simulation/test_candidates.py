@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from viewimit.simulation.derived.candidates import MOST, candidates
-from viewimit.simulation.derived.scene_file import saved_scene
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.ray_casting import first_hit
+from viewimit.simulation.autoscene.candidates import MOST, candidates
+from viewimit.simulation.meshes import first_hit
+from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import load_scene, scene_names
+from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
 
 

@@ -10,14 +10,11 @@ from urdfs import LIMIT, arm, gripper, joint, link, write
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.simulation.autoscene.placing import image_jacobian, placed, resting, turning_range
+from viewimit.simulation.autoscene.scene import derive
+from viewimit.simulation.autoscene.surface import Surface, parts_of, seen_from
 from viewimit.simulation.camera import Cameras
-from viewimit.simulation.derived import body_points
-from viewimit.simulation.derived.motion import image_jacobian, resting, turning_range
-from viewimit.simulation.derived.placing import placed
-from viewimit.simulation.derived.scene import derive
-from viewimit.simulation.derived.surface import Surface
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.robot import Robot
+from viewimit.simulation.robot import Robot, link_meshes
 from viewimit.simulation.scene import load_robot, load_scene
 from viewimit.simulation.urdf.reference import Reference
 from viewimit.simulation.world import World
@@ -149,8 +146,8 @@ def test_points_lie_on_what_is_drawn_with_a_share_for_each_part_and_not_in_a_pla
         for index, local in zip(body.link, body.local):
             corners = shapes[int(index)].triangles
             assert distance_to(corners, local) < 2e-4  # they are written to a tenth of a millimetre
-        part = body_points.parts_of(body.link, list(scene.moving_joints))
-        known = np.unique(body_points.parts_of(np.array(list(shapes)), list(scene.moving_joints)))
+        part = parts_of(body.link, list(scene.moving_joints))
+        known = np.unique(parts_of(np.array(list(shapes)), list(scene.moving_joints)))
         shares = np.bincount(part)[known]
         assert shares.min() >= count // 3 - 1 and 0 in known
         places = World(scene, count).points_world(np.radians(scene.posture_deg)[scene.moving], np.eye(4))
@@ -242,9 +239,7 @@ def test_a_place_behind_another_or_turned_away_is_not_seen():
     placing = placed(np.array([[0.0, -0.4, -0.4], [1.0, 0.4, 0.4]]), -1.0, 0.0)
     eye = np.linalg.inv(placing.base(1)) @ np.append(placing.cameras(1)[0].T_world_camera[:3, 3], 1)
     behind = places[0] + 0.5 * (places[0] - eye[:3])  # on the same ray
-    seen = body_points.seen_from(
-        [placing.cameras(1)[0]], placing.base(1), np.array([places[0], behind, places[2]]), normals
-    )
+    seen = seen_from([placing.cameras(1)[0]], placing.base(1), np.array([places[0], behind, places[2]]), normals)
     np.testing.assert_array_equal(seen, [1, 0, 0])
 
 

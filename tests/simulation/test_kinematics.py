@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.simulation.kinematics import hand_jacobian, hand_position, pose_for_hand
 from viewimit.simulation.scene import load_scene
-from viewimit.simulation.world import World
+from viewimit.simulation.world import World, hand_jacobian, hand_position, pose_for_hand
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,8 @@ import pytest
 import trimesh
 from viewimit.assets import ROOT
 
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.mesh import Mesh
-from viewimit.simulation.robots import robot_names
+from viewimit.simulation.meshes import Mesh
+from viewimit.simulation.robot import link_meshes, robot_names
 
 
 @pytest.mark.parametrize("robot", robot_names())

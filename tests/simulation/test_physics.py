@@ -13,14 +13,10 @@ from viewimit.estimation.views import VIEWS  # noqa: E402
 from viewimit.geometry.rigid import look_rotation, rigid_transform  # noqa: E402
 from viewimit.loop.session import Session  # noqa: E402
 from viewimit.loop.settings import Settings  # noqa: E402
-from viewimit.simulation.camera import Camera  # noqa: E402
-from viewimit.simulation.eyes.rendered import RenderedEyes  # noqa: E402
-from viewimit.simulation.lens import Lens  # noqa: E402
+from viewimit.simulation.camera import Camera, Lens  # noqa: E402
 from viewimit.simulation.markers import load_markers  # noqa: E402
-from viewimit.simulation.physics.arm import Arm  # noqa: E402
-from viewimit.simulation.physics.client import connect  # noqa: E402
-from viewimit.simulation.physics.model import write_urdf  # noqa: E402
-from viewimit.simulation.physics.studio import LIGHT, SAMPLES, Studio, matrices  # noqa: E402
+from viewimit.simulation.physics import Arm, connect, write_urdf  # noqa: E402
+from viewimit.simulation.rendering import LIGHT, SAMPLES, RenderedEyes, Studio, matrices  # noqa: E402
 from viewimit.simulation.scene import load_scene  # noqa: E402
 
 

@@ -5,8 +5,8 @@ import pytest
 import trimesh
 
 from viewimit.geometry.rigid import rigid_transform, rotation_about_axis
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.ray_casting import distances, first_hit
+from viewimit.simulation.meshes import distances, first_hit
+from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

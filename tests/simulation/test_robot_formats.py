@@ -8,9 +8,13 @@ import pytest
 from urdfs import arm, write
 
 from viewimit.simulation.scene import load_robot, load_scene
-from viewimit.simulation.urdf.descriptions import description_path, is_description
-from viewimit.simulation.urdf.formats import require_urdf
-from viewimit.simulation.urdf.reference import Reference, parse_reference
+from viewimit.simulation.urdf.reference import (
+    Reference,
+    description_path,
+    is_description,
+    parse_reference,
+    require_urdf,
+)
 
 
 @pytest.mark.parametrize("load", [load_robot, load_scene])

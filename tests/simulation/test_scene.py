@@ -8,9 +8,9 @@ import pytest
 from viewimit.geometry.distortion import Radial
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.simulation.camera import Lens
 from viewimit.simulation.eyes import require_eyes
-from viewimit.simulation.lens import Lens
-from viewimit.simulation.robots import robot_names
+from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import ROOT, load_robot, load_scene, scene_names
 from viewimit.simulation.world import World
 

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from urdfs import arm, joint, link, write
 
-from viewimit.simulation.urdf import shape_cache, shapes
+from viewimit.simulation.urdf import shapes
 from viewimit.simulation.urdf.reference import Reference
 
 BALL = trimesh.creation.icosphere(4, 0.1)
@@ -16,7 +16,7 @@ BALL = trimesh.creation.icosphere(4, 0.1)
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """Where they are kept, empty."""
-    monkeypatch.setenv(shape_cache.FOLDER, str(tmp_path / "kept"))
+    monkeypatch.setenv(shapes.FOLDER, str(tmp_path / "kept"))
     return tmp_path / "kept"
 
 
@@ -96,7 +96,7 @@ def test_what_is_damaged_is_made_again(tmp_path, folder, read):
 
 def test_there_is_an_end_to_what_is_kept_and_the_oldest_goes(tmp_path, folder, monkeypatch, read):
     BALL.export(tmp_path / "ball.stl")
-    monkeypatch.setattr(shape_cache, "MOST_KEPT", 2)
+    monkeypatch.setattr(shapes, "MOST_KEPT", 2)
     references = [Reference(urdf_of(tmp_path, "ball.stl").path, tip=tip) for tip in ("lower", "hand", None)]
     for k, reference in enumerate(references):
         anew(reference)
@@ -112,6 +112,6 @@ def test_there_is_an_end_to_what_is_kept_and_the_oldest_goes(tmp_path, folder, m
 @pytest.mark.parametrize("where", ["", "a file"])
 def test_a_folder_that_cannot_be_is_done_without(tmp_path, monkeypatch, where):
     (tmp_path / "a file").write_text("")
-    monkeypatch.setenv(shape_cache.FOLDER, where and str(tmp_path / where / "below"))
+    monkeypatch.setenv(shapes.FOLDER, where and str(tmp_path / where / "below"))
     BALL.export(tmp_path / "ball.stl")
     assert anew(urdf_of(tmp_path, "ball.stl")).faults == ()

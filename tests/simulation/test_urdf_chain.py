@@ -7,8 +7,7 @@ import pytest
 from urdfs import arm, gripper, joint, link, write
 
 from viewimit.simulation.robot import BodyPoints, Robot
-from viewimit.simulation.urdf.carried import carried_frames
-from viewimit.simulation.urdf.chain import arm_of
+from viewimit.simulation.urdf.chain import arm_of, carried_frames
 from viewimit.simulation.urdf.reference import is_reference, parse_reference
 from viewimit.simulation.urdf.tree import read_tree
 

@@ -8,11 +8,10 @@ import pytest
 import trimesh
 from urdfs import arm, joint, link, write
 
-from viewimit.simulation.link_meshes import link_meshes
-from viewimit.simulation.urdf.packages import NotFound, mesh_path
+from viewimit.simulation.robot import link_meshes
+from viewimit.simulation.urdf.mesh_files import MOST_FACES, NotFound, creased, mesh_path, simplified
 from viewimit.simulation.urdf.reference import Reference
 from viewimit.simulation.urdf.shapes import shapes_of
-from viewimit.simulation.urdf.simplify import MOST_FACES, creased, simplified
 
 BALL = trimesh.creation.icosphere(3, 0.1)
 

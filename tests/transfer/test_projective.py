@@ -9,8 +9,7 @@ from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import projective
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rigid import rotation_from_rpy
-from viewimit.simulation.camera import StereoHead
-from viewimit.simulation.lens import Lens
+from viewimit.simulation.camera import Lens, StereoHead
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

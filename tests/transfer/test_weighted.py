@@ -8,7 +8,7 @@ from viewimit.estimation.residuals import conflict
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.bound import bound
 from viewimit.geometry.rectification import rectification_of
-from viewimit.servo.minimise import minimise
+from viewimit.servo.least_squares import minimise
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -1,7 +1,6 @@
-"""E over a grid of the learner's postures: what Figs. 7 and 8 of the paper show. `landscape(session)` is one call.
+"""E over a grid of the learner's postures, as in Figs. 7 and 8 of the paper: `landscape(session)`.
 
-It asks for the learner's images at every posture, of the simulated world or of a session's eyes, so it is for people,
-not for a servo.
+It needs the learner's images at every posture, which only people have: from a simulated world or a session's cameras.
 """
 
 import reprlib
@@ -21,40 +20,37 @@ from ..loop.session import Session
 from ..simulation.robot import Angles
 from ..simulation.world import World
 
-BLOCK = 55_000  # points of postures evaluated together: their arrays stay in the processor's cache
+EVALUATED_POINTS = 55_000  # evaluated together, over all postures: their arrays stay in the processor's cache
 STEP_DEG = {"points": 1.0, "rendered": 10.0}  # of the grid, by camera; two pictures take a tenth of a second
-SEEN = 10 * BLOCK  # points of postures seen together: their images stay below `KEPT_BYTES`
+PROJECTED_POINTS = 10 * EVALUATED_POINTS  # projected together: their images stay below `KEPT_BYTES`
 
 
 @dataclass(frozen=True)
 class Landscape:
-    """axes: two arrays of angles, rad; E: (len(axes[0]), len(axes[1])) px², NaN where too few points are seen.
+    """E on a grid of two joints."""
 
-    condition: the transfer's, as E; None unless it was asked for.
-    """
-
-    axes: tuple[NDArray, NDArray]
-    E: NDArray
-    condition: NDArray | None = None
+    axes: tuple[NDArray[np.float64], NDArray[np.float64]]  # angles of the two joints, rad
+    E: NDArray[np.float64]  # (len(axes[0]), len(axes[1])) px², NaN where too few points are visible
+    condition: NDArray[np.float64] | None = None  # of the transfer, shaped as E; None unless computed
 
     @property
-    def minimum(self) -> NDArray:
-        """(2,) rad, the grid's posture with the smallest E; NaN if there is none."""
+    def minimum(self) -> NDArray[np.float64]:
+        """(2,) rad, the grid posture with the smallest E; NaN if E is NaN everywhere."""
         if np.isnan(self.E).all():
             return np.full(2, np.nan)
         i, j = np.unravel_index(np.nanargmin(self.E), self.E.shape)
         return np.array([self.axes[0][i], self.axes[1][j]])
 
     @property
-    def _walled(self) -> NDArray:
-        """(len(axes[0]) + 2, len(axes[1]) + 2) px²: inf all around, and where there is none."""
+    def _padded(self) -> NDArray:
+        """E with a border of inf, and inf in place of NaN: (len(axes[0]) + 2, len(axes[1]) + 2) px²."""
         E = np.full((self.E.shape[0] + 2, self.E.shape[1] + 2), np.inf)
         np.copyto(E[1:-1, 1:-1], self.E, where=~np.isnan(self.E))
         return E
 
-    def local_minima(self) -> NDArray:
-        """(k, 2) rad: grid points below their up to eight neighbours, lowest first."""
-        E = self._walled
+    def local_minima(self) -> NDArray[np.float64]:
+        """Return the grid points below their up to eight neighbours, lowest first: (k, 2) rad."""
+        E = self._padded
         inner = E[1:-1, 1:-1]
         below = np.isfinite(inner)
         for di, dj in _NEIGHBOURS:
@@ -64,16 +60,16 @@ class Landscape:
         return np.stack([self.axes[0][i[order]], self.axes[1][j[order]]], -1)
 
     def basin_fraction(self) -> float:
-        """Share of the postures that have an E from which descent over the eight neighbours ends at the minimum."""
+        """Return the share of postures with an E from which descent over the eight neighbours ends at the minimum."""
         has_E = np.isfinite(self.E).ravel()
         if not has_E.any():
             return 0.0
         return float(np.mean(self._descend()[has_E] == np.nanargmin(self.E)))
 
     def _descend(self) -> NDArray:
-        """Flat index of where steepest descent from each grid point ends."""
+        """Flat index of the grid point where steepest descent ends, for each start."""
         rows, columns = self.E.shape
-        E = self._walled
+        E = self._padded
         best, target = E[1:-1, 1:-1].copy(), np.arange(self.E.size).reshape(rows, columns)
         for di, dj in _NEIGHBOURS:
             shifted = E[1 + di : rows + 1 + di, 1 + dj : columns + 1 + dj]
@@ -89,8 +85,11 @@ class Landscape:
 _NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
 
-def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray, NDArray]:
-    """The scene's range of its two moving joints in steps, rad. Raises ValueError for other counts of joints."""
+def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Divide the scene's ranges of its two moving joints into steps; angles in rad.
+
+    Raises ValueError unless two joints move, and for a step outside 0° to 45°.
+    """
     scene = world.scene
     if len(scene.moving_joints) != 2:
         raise ValueError(f"a landscape needs two moving joints, this scene has {len(scene.moving_joints)}")
@@ -102,8 +101,8 @@ def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray, NDArray]:
     return first, second
 
 
-class Looks(Protocol):
-    """What sees the learner: a world, or the eyes of a session."""
+class OwnImages(Protocol):
+    """Gives the learner's images at any posture: a world, or the cameras of a session."""
 
     def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]: ...
 
@@ -111,12 +110,27 @@ class Looks(Protocol):
 def landscape(
     session: Session, step_deg: float | None = None, by: str | None = None, with_condition: bool = False
 ) -> Landscape:
-    """E over the scene's range of its two moving joints, with the demonstrator as the session now sees it.
+    """Compute E over the ranges of the two moving joints, for the demonstrator as the session now sees it.
 
-    step_deg: of the grid, by default 1°, with rendered pictures 10°. by: the name of another transfer than the
-    session's. with_condition: whether the transfer's condition is found as well. What spoils images spoils the
-    demonstrator's alone. Raises ValueError for another number of joints, a step or a transfer that is none, and without
-    a scene; TypeError for what is no session, such as a world (`landscape_over`).
+    Disturbances act on the demonstrator's images only.
+
+    Parameters
+    ----------
+    session : Session
+        Two of its joints must move.
+    step_deg : float, optional
+        Step of the grid, by default 1°, with rendered pictures 10°.
+    by : str, optional
+        Name of a transfer other than the session's.
+    with_condition : bool
+        Whether to compute the transfer's condition number as well.
+
+    Raises
+    ------
+    ValueError
+        For another number of joints, a bad step, an unknown transfer, or a session without a scene.
+    TypeError
+        If `session` is no session; `landscape_over` takes a world.
     """
     if not isinstance(session, Session):
         raise TypeError(f"a landscape is of a Session, got {reprlib.repr(session)}; landscape_over takes a world")
@@ -129,22 +143,22 @@ def landscape(
 
 
 def landscape_over(
-    world: World | Looks,
+    world: World | OwnImages,
     fit: Callable,
-    demo: NDArray,
-    demo_visible: NDArray,
-    axes: tuple[NDArray, NDArray] | None = None,
+    demo: NDArray[np.float64],
+    demo_visible: NDArray[np.bool_],
+    axes: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
     with_condition: bool = False,
 ) -> Landscape:
-    """E of a transfer over the learner's postures. axes: two arrays of rad; None takes the range of a world's scene.
+    """Compute E over a grid of the learner's postures; the arguments are those of `conflict_at`.
 
-    Raises ValueError without axes for what has no scene.
+    axes: two arrays of rad, by default those of a world's scene. Raises ValueError without axes and scene.
     """
     if axes is None:
         if not isinstance(world, World):
-            raise ValueError("eyes have no range of their own: axes are needed")
+            raise ValueError("cameras have no range of their own: give axes")
         axes = grid_axes(world)
-    rows = max(SEEN // (len(demo) * len(axes[1])), 1)
+    rows = max(PROJECTED_POINTS // (len(demo) * len(axes[1])), 1)
     found = [
         conflict_at(world, fit, demo, demo_visible, (axes[0][k : k + rows, None], axes[1]), with_condition)
         for k in range(0, len(axes[0]), rows)
@@ -153,12 +167,32 @@ def landscape_over(
 
 
 def conflict_at(
-    world: World | Looks, fit: Callable, demo: NDArray, demo_visible: NDArray, theta, with_condition: bool = False
-) -> NDArray:
-    """E and, if asked, the condition at any postures, the learner's images undisturbed: (1 or 2, ...).
+    world: World | OwnImages,
+    fit: Callable,
+    demo: NDArray[np.float64],
+    demo_visible: NDArray[np.bool_],
+    theta: Angles,
+    with_condition: bool = False,
+) -> NDArray[np.float64]:
+    """Compute E at any postures, with the learner's images undisturbed.
 
-    demo: (N, 4) px, demo_visible: (N, 2): the demonstrator's images as the learner has them; theta: m arrays, rad,
-    broadcast against each other. Postures are taken together by which points are seen there.
+    Parameters
+    ----------
+    world : World or OwnImages
+        Gives the learner's images.
+    fit : callable
+        Fits a transfer to `FourViews`.
+    demo, demo_visible : (N, 4) px and (N, 2) arrays
+        The demonstrator's images as the learner has them.
+    theta : m arrays
+        Postures, rad, broadcast against each other.
+    with_condition : bool
+        Whether to compute the transfer's condition number as well.
+
+    Returns
+    -------
+    (1 or 2, ...) array
+        E, px², and the condition number.
     """
     keep_freed_memory()
     return conflict_of_images(fit, demo, demo_visible, *world.own_images(theta), with_condition)
@@ -166,13 +200,16 @@ def conflict_at(
 
 def conflict_of_images(
     fit: Callable,
-    demo: NDArray,
-    demo_visible: NDArray,
-    own: NDArray,
-    own_visible: NDArray,
+    demo: NDArray[np.float64],
+    demo_visible: NDArray[np.bool_],
+    own: NDArray[np.float64],
+    own_visible: NDArray[np.bool_],
     with_condition: bool = False,
 ) -> NDArray:
-    """As `conflict_at`, of own images (..., N, 4) px, own_visible (..., N, 2)."""
+    """Compute as `conflict_at`, from given own images (..., N, 4) px with visibility (..., N, 2).
+
+    Postures with the same visible points are evaluated together.
+    """
     shape = own.shape[:-2]
     own = own.reshape((-1,) + own.shape[-2:])
     usable = (own_visible.all(-1) & demo_visible.all(-1)).reshape(own.shape[:2])
@@ -189,9 +226,9 @@ def conflict_of_images(
 
 
 def _evaluate(fit: Callable, demo: NDArray, own: NDArray, with_condition: bool) -> NDArray:
-    """E and, if asked, the condition of G postures: (1 or 2, G). own: (G, N, 4) px."""
+    """E and the condition of G postures, whose points are all visible: (1 or 2, G). own: (G, N, 4) px."""
     found = np.empty((1 + with_condition, len(own)))
-    postures = max(BLOCK // len(demo), 1)
+    postures = max(EVALUATED_POINTS // len(demo), 1)
     for start in range(0, len(own), postures):
         block = slice(start, start + postures)
         views = FourViews(demo, own[block], np.ones(1, bool))

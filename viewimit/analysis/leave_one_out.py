@@ -1,8 +1,8 @@
 """Leave-one-out errors of all transfers on tracked points: each point is predicted by a transfer fitted to the others.
 
-They tell which transfer fits the cameras, and whether rectified images serve it better. A fundamental matrix may fit
-matches of cameras with parallel axes better than an affine one, as it also fits what lenses have left there, and yet
-its rectification makes predictions worse. So it is kept only where predictions become clearly better by it.
+They show which transfer suits the cameras, and whether rectification helps. For cameras with parallel axes a
+fundamental matrix may fit the matches better than an affine one, because it also fits what the lenses have left there.
+Its rectification then makes predictions worse. So a rectification is kept only if predictions become clearly better.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,59 +19,52 @@ from ..geometry.fundamental import FREE, fit_fundamental_with_prior, sampson_dis
 from ..geometry.rectification import Rectification, rectification_of, rectification_with_prior, rectify
 
 FRAMES, POINTS = 50, 50  # evenly spaced: frames, and points of each, that are left out one by one
-POOLED, MATCHES = 200, 2000  # frames whose matches tell a rectification, and matches of those
-TOGETHER = 200_000  # points in fits made at a time, for memory's sake
+MATCH_FRAMES, MAX_MATCHES = 200, 2000  # frames whose matches determine a rectification, and matches of those
+BATCH_POINTS = 200_000  # points in fits made at a time, for memory's sake
 JUDGE = "projective"  # the transfer whose errors decide: rectification makes it exact
-GAIN, SURE = 0.95, 2.0  # rectified over raw errors: so many standard errors below it images are rectified
-ALIKE, ALIKE_PX = 10.0, 0.1  # times the noise of matches, and px: larger errors tell little of the cameras
-EXACT_PX = 1e-3  # errors below it are compared as if they were as large
-SPACE = 3  # dimensions of points that tell a transfer
+MAX_RATIO, N_SIGMA = 0.95, 2.0  # rectify if the ratio of rectified to raw error is below, by so many standard errors
+MAX_NOISE_RATIO, MIN_FIT_PX = 10.0, 0.1  # errors up to so many times the noise of matches, and px, fit the cameras
+MIN_ERROR_PX = 1e-3  # smaller errors count as this
+SPACE_DIMENSIONS = 3  # of points that determine a transfer
 
 
 @dataclass(frozen=True)
 class LeaveOneOut:
-    """Leave-one-out errors, rms px over points, frames and the images [L] and [R].
+    """Leave-one-out errors, rms px over points, frames and the images [L] and [R]."""
 
-    error_px: by transfer, of the images as they are; empty if no frame has six usable points.
-    rectified_px: by transfer, of rectified images; None where nothing can or need be rectified, or that was not asked.
-    ratio: rectified over raw error of the `JUDGE`, the geometric mean over predictions in the frames in which it fits;
-    ratio_bound: what that is at most, `SURE` standard errors higher. None if there is no such frame, or nothing was
-    compared.
-    rectification: by which the bound is below `GAIN`; where there is none, that which the matches ask for; None if
-    images are best left as they are.
-    predictions, of_predictions: how many were made, of how many points in all frames of six usable points or more;
-    frames, of_frames: how many of these were used, of how many; sampled: they, or points, are too many, and evenly
-    spaced ones were taken.
-    """
-
-    error_px: Mapping[str, float]
-    rectified_px: Mapping[str, float] | None = None
-    ratio: float | None = None
-    ratio_bound: float | None = None
-    rectification: Rectification | None = None
-    predictions: int = 0
-    of_predictions: int = 0
-    frames: int = 0
-    of_frames: int = 0
-    sampled: bool = False
+    error_px: Mapping[str, float]  # by transfer, of the images as they are; empty if no frame has six usable points
+    rectified_px: Mapping[str, float] | None = None  # by transfer, of rectified images; None if none were compared
+    ratio: float | None = None  # rectified over raw error of JUDGE, the geometric mean over frames in which it fits
+    ratio_bound: float | None = None  # N_SIGMA standard errors above the ratio; None without frames that fit
+    rectification: Rectification | None = None  # the one that helps, or without a bound the matches' own; None to skip
+    predictions: int = 0  # made
+    of_predictions: int = 0  # points in all frames of six usable points or more
+    frames: int = 0  # used
+    of_frames: int = 0  # frames of six usable points or more
+    sampled: bool = False  # whether evenly spaced frames or points stand for too many
 
 
 def leave_one_out(views: FourViews, rectifying: bool = True) -> LeaveOneOut:
-    """Errors of every transfer, and the rectification that lowers them.
+    """Measure the errors of every transfer, and find the rectification that lowers them.
 
-    views: of T frames, (T, N, …). rectifying: whether rectified images are compared.
+    Parameters
+    ----------
+    views : FourViews
+        T frames of N points, (T, N, …).
+    rectifying : bool
+        Whether to compare rectified images.
     """
     usable = np.flatnonzero(views.usable.sum(-1) > MIN_POINTS)
     frames = usable[_spaced(len(usable), FRAMES)]
-    matches, points = _matches(views, np.union1d(frames, _spaced(len(views.demo), POOLED)))
+    matches, points = _matches(views, np.union1d(frames, _spaced(len(views.demo), MATCH_FRAMES)))
     found = rectification_with_prior(matches[:, :2], matches[:, 2:]) if rectifying else None
-    made = _predictions(views, frames, None if found is None else _Without(matches, points))
+    made = _predictions(views, frames, None if found is None else _RectificationWithout(matches, points))
     ratio = bound = None
     if found is not None:
-        ratio, bound = _ratio(made, ALIKE * _noise_px(matches))
+        ratio, bound = _ratio(made, MAX_NOISE_RATIO * _noise_px(matches))
         if bound is None:
             found = rectification_of(*np.split(select_matches(views), 2, axis=1))
-        elif bound > GAIN:
+        elif bound > MAX_RATIO:
             found = None
     return LeaveOneOut(
         error_px=_rms(made.raw),
@@ -89,21 +82,17 @@ def leave_one_out(views: FourViews, rectifying: bool = True) -> LeaveOneOut:
 
 @dataclass(frozen=True)
 class _Predictions:
-    """Errors of P predictions.
+    """Errors of P predictions."""
 
-    asked: how many points were left out; the others tell a transfer for P of them. frame, point: (P,), of each.
-    raw, rectified: by transfer (P,) px, of the images as they are and of rectified ones; empty if none was made.
-    """
-
-    asked: int
-    frame: NDArray
-    point: NDArray
-    raw: dict[str, NDArray]
-    rectified: dict[str, NDArray]
+    asked: int  # points left out; for P of them the others determine a transfer
+    frame: NDArray  # (P,)
+    point: NDArray  # (P,)
+    raw: dict[str, NDArray]  # by transfer (P,) px, of the images as they are; empty if none was made
+    rectified: dict[str, NDArray]  # the same of rectified images
 
 
-class _Without(dict[int, Rectification]):
-    """By point: the rectification that the matches of all other points tell. matches: (M, 4) px; points: (M,)."""
+class _RectificationWithout(dict[int, Rectification]):
+    """By point: the rectification fitted to the matches of all other points. matches: (M, 4) px; points: (M,)."""
 
     def __init__(self, matches: NDArray, points: NDArray):
         self._matches, self._points = matches, points
@@ -114,54 +103,54 @@ class _Without(dict[int, Rectification]):
         return self[point]
 
 
-def _predictions(views: FourViews, frames: NDArray, without: _Without | None) -> _Predictions:
-    """Of some frames, those whose points are seen alike together."""
+def _predictions(views: FourViews, frames: NDArray, without: _RectificationWithout | None) -> _Predictions:
+    """Predict in the given frames; frames with the same usable points together."""
     asked, of = 0, [np.zeros((2, 0), int)]
     errors: tuple[dict[str, list[NDArray]], ...] = ({}, {})
     patterns, kind = np.unique(views.usable[frames], axis=0, return_inverse=True)
     for k, usable in enumerate(patterns):
         names, alike = np.flatnonzero(usable), frames[kind.ravel() == k]
-        left_out = _spaced(len(names), min(POINTS, max(TOGETHER // len(names), 1)))
-        ways: list[list[Rectification | None]] = [[None] * len(left_out)]
+        left_out = _spaced(len(names), min(POINTS, max(BATCH_POINTS // len(names), 1)))
+        variants: list[list[Rectification | None]] = [[None] * len(left_out)]
         if without is not None:
-            ways.append([without[int(name)] for name in names[left_out]])
+            variants.append([without[int(name)] for name in names[left_out]])
         size = len(alike) * len(left_out) * len(names)
-        for at in np.array_split(alike, -(-size // TOGETHER)):
+        for at in np.array_split(alike, -(-size // BATCH_POINTS)):
             some = FourViews(views.demo[at], views.own[at], views.visible[at]).select(names)
-            tells = _tells(some, left_out)
-            asked += len(tells)
-            if not tells.any():
+            determined = _determined(some, left_out)
+            asked += len(determined)
+            if not determined.any():
                 continue
-            of.append(np.stack([np.repeat(at, len(left_out)), np.tile(names[left_out], len(at))])[:, tells])
-            for by, kept in zip(ways, errors):
-                for name, px in _errors(some, left_out, tells, by).items():
+            of.append(np.stack([np.repeat(at, len(left_out)), np.tile(names[left_out], len(at))])[:, determined])
+            for by, kept in zip(variants, errors):
+                for name, px in _errors(some, left_out, determined, by).items():
                     kept.setdefault(name, []).append(px)
     raw, rectified = ({name: np.concatenate(px) for name, px in kept.items()} for kept in errors)
     frame, point = np.concatenate(of, 1)
     return _Predictions(asked, frame, point, raw, rectified)
 
 
-def _tells(views: FourViews, left_out: NDArray) -> NDArray:
-    """(T K,) bool: whether the other points than each of left_out, (K,), tell a transfer: they fill space."""
+def _determined(views: FourViews, left_out: NDArray) -> NDArray:
+    """(T K,) bool: whether the points other than each of left_out, (K,), span space and so determine a transfer."""
     rest = _others(views.demo.shape[-2], left_out)
-    fill = [dimensions(images[:, rest]) >= SPACE for images in (views.demo, views.own)]
+    fill = [dimensions(images[:, rest]) >= SPACE_DIMENSIONS for images in (views.demo, views.own)]
     return np.asarray((fill[0] & fill[1]).ravel())
 
 
 def _errors(
-    views: FourViews, left_out: NDArray, tells: NDArray, by: Sequence[Rectification | None]
+    views: FourViews, left_out: NDArray, determined: NDArray, by: Sequence[Rectification | None]
 ) -> dict[str, NDArray]:
-    """By transfer px, of those of the (T K,) predictions that `tells` selects. by: a rectification each of the K."""
+    """By transfer px, of the (T K,) predictions that `determined` selects. by: a rectification for each of the K."""
     rest = _others(views.demo.shape[-2], left_out)
     sides = [
         np.stack([images if one is None else one.apply(images) for one in by], 1) for images in (views.demo, views.own)
     ]
     demo, own = (np.take_along_axis(images, rest[None, ..., None], 2) for images in sides)
-    demo, own = (images.reshape(-1, *images.shape[2:])[tells] for images in (demo, own))
-    asked = np.take_along_axis(sides[0], left_out[None, :, None, None], 2).reshape(-1, 1, 4)[tells]
-    truth = views.own[:, left_out].reshape(-1, 4)[tells]
+    demo, own = (images.reshape(-1, *images.shape[2:])[determined] for images in (demo, own))
+    asked = np.take_along_axis(sides[0], left_out[None, :, None, None], 2).reshape(-1, 1, 4)[determined]
+    truth = views.own[:, left_out].reshape(-1, 4)[determined]
     fitted_to = FourViews(demo, own, np.ones(demo.shape, bool))
-    which = np.tile(np.arange(len(left_out)), len(views.demo))[tells]
+    which = np.tile(np.arange(len(left_out)), len(views.demo))[determined]
     found = {}
     for name, method in TRANSFERS.items():
         predicted = method(fitted_to).recover(asked[..., :2], asked[..., 2:])[:, 0]
@@ -177,25 +166,25 @@ def _others(count: int, left_out: NDArray) -> NDArray:
     return np.array([np.delete(np.arange(count), point) for point in left_out])
 
 
-def _ratio(made: _Predictions, alike_px: float) -> tuple[float, float] | tuple[None, None]:
-    """Rectified over raw errors of the JUDGE, where either is no more than noise, and what that ratio is at most.
+def _ratio(made: _Predictions, fit_px: float) -> tuple[float, float] | tuple[None, None]:
+    """Ratio of rectified to raw errors of JUDGE, over frames where either is small, and its upper bound.
 
-    Its standard error is that of points, as the errors of one in several frames have much in common.
+    Its standard error is that of points, because errors of one point in several frames are correlated.
     """
     if not made.rectified:
         return None, None
-    raw, rectified = (np.log(np.maximum(errors[JUDGE], EXACT_PX)) for errors in (made.raw, made.rectified))
+    raw, rectified = (np.log(np.maximum(errors[JUDGE], MIN_ERROR_PX)) for errors in (made.raw, made.rectified))
     fits = np.zeros(len(made.frame), bool)
     for frame in np.unique(made.frame):
         of = made.frame == frame
-        fits[of] = np.exp(min(raw[of].mean(), rectified[of].mean())) <= max(alike_px, ALIKE_PX)
+        fits[of] = np.exp(min(raw[of].mean(), rectified[of].mean())) <= max(fit_px, MIN_FIT_PX)
     if not fits.any():
         return None, None
     gain = (rectified - raw)[fits]
     _, point, count = np.unique(made.point[fits], return_inverse=True, return_counts=True)
     off = np.bincount(point, gain - gain.mean())  # (points,), summed over frames
     error = np.sqrt(off @ off * len(count) / max(len(count) - 1, 1)) / len(gain)
-    return float(np.exp(gain.mean())), float(np.exp(gain.mean() + SURE * error))
+    return float(np.exp(gain.mean())), float(np.exp(gain.mean() + N_SIGMA * error))
 
 
 def _rms(errors: Mapping[str, NDArray]) -> dict[str, float]:
@@ -210,17 +199,17 @@ def _noise_px(matches: NDArray) -> float:
 
 
 def _matches(views: FourViews, frames: NDArray) -> tuple[NDArray, NDArray]:
-    """Different matches of left and right, (M, 4) px, of both bodies, and of which point each is, (M,)."""
+    """Distinct matches of left and right, (M, 4) px, of both bodies, and the point of each, (M,)."""
     found, points = [], []
     for images, seen in views.bodies:
         both = seen[frames].all(-1)
         found.append(images[frames][both])
         points.append(np.nonzero(both)[1])
     matches, first = np.unique(np.concatenate(found), axis=0, return_index=True)
-    some = _spaced(len(matches), MATCHES)
+    some = _spaced(len(matches), MAX_MATCHES)
     return matches[some], np.concatenate(points)[first[some]]
 
 
 def _spaced(count: int, most: int) -> NDArray:
-    """At most so many indices below count, evenly spaced."""
+    """At most `most` indices below `count`, evenly spaced."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(int))

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sensing.files import MEGABYTE, read_bytes
-from ..simulation.kinematics import hand_jacobian, hand_position, pose_for_hand
 from ..simulation.scene import Scene
-from ..simulation.world import World
+from ..simulation.world import World, hand_jacobian, hand_position, pose_for_hand
 
 FRAMES, STEP_S = 120, 0.05
 SWING_DEG = 15.0  # of the sinusoid, each joint

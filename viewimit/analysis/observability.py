@@ -1,66 +1,89 @@
-"""How well residuals tell each joint's angle: what a pixel of noise costs there.
+"""Which joints the images determine: the standard error of each joint per pixel of noise.
 
-From the curvature of E where it is least: near that posture E = |J δθ|²/2N beside what noise makes of it, so an angle
-that hardly changes the residuals, or changes them as others do, may go astray by much before E tells.
+It follows from the curvature of E at its minimum, where E = |J δθ|²/2N. A joint is unobservable if turning it hardly
+changes the residuals, or changes them as other joints do. These functions use the simulated world, so no learner can.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
-from ..geometry.affine import MIN_POINTS
-from ..servo.surroundings import UNTOLD
+from ..geometry.affine import MIN_POINTS, flatness
+from ..loop.snapshot import Snapshot
+from ..servo.trust_region.local_model import UNTOLD
+from ..simulation.robot import BodyPoints
 from ..simulation.world import World
 
-STEP = 1e-3  # rad, of the differences
-SINGULAR = 1e-9  # of the largest singular value
-WEAK = 2.0  # times what the other joints cost
+FD_STEP_RAD = 1e-3
+MIN_SINGULAR_VALUE = 1e-9  # relative to the largest: directions below it are unobservable
+WEAK_RATIO = 2.0  # a weak joint's error, relative to the median of the others
+ITERATIONS = 6  # of damped Gauss-Newton steps in `sample_estimates`
+DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.2, 8.0  # initial, relative to the mean curvature; after a step
 
 
-def residual_jacobian(residual_at: Callable[[NDArray], NDArray], theta: ArrayLike, step: float = STEP) -> NDArray:
-    """J (n, m) px/rad by central differences. residual_at: postures (K, m) rad → residuals (K, ...) px, n each."""
+def residual_jacobian(
+    residual_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], theta: ArrayLike, step: float = FD_STEP_RAD
+) -> NDArray[np.float64]:
+    """Return J, (n, m) px/rad, by central differences at theta, (m,) rad.
+
+    residual_at maps postures (K, m) rad to residuals (K, ...) px, n for each posture.
+    """
     theta = np.asarray(theta, float)
-    aside = step * np.eye(len(theta))
-    e = residual_at(np.concatenate([theta + aside, theta - aside])).reshape(2, len(theta), -1)
+    offsets = step * np.eye(len(theta))
+    e = residual_at(np.concatenate([theta + offsets, theta - offsets])).reshape(2, len(theta), -1)
     return (e[0] - e[1]).T / (2 * step)
 
 
-def uncertainty(J: ArrayLike) -> NDArray:
-    """Standard deviation of each angle where the squares of residuals with independent noise of 1 px are least.
+def uncertainty(J: ArrayLike) -> NDArray[np.float64]:
+    """Return the standard error of each angle under independent noise of 1 px: √diag((JᵀJ)⁻¹), (m,) rad/px.
 
-    J: (n, m) px/rad → √diag((JᵀJ)⁻¹), (m,) rad/px; inf where nothing but noise tells the angle.
+    J: (n, m) px/rad. An unobservable angle has the error inf.
     """
     _, s, Vt = np.linalg.svd(np.asarray(J, float), full_matrices=True)
     s = np.pad(s, (0, len(Vt) - len(s)))
-    told = s > SINGULAR * s.max()
-    if not told.any():
+    observable = s > MIN_SINGULAR_VALUE * s.max()
+    if not observable.any():
         return np.full(len(Vt), np.inf)
-    spread = np.sqrt(((Vt[told] / s[told, None]) ** 2).sum(0))
-    return np.where((np.abs(Vt[~told]) > np.sqrt(SINGULAR)).any(0), np.inf, spread)
+    std = np.sqrt(((Vt[observable] / s[observable, None]) ** 2).sum(0))
+    return np.where((np.abs(Vt[~observable]) > np.sqrt(MIN_SINGULAR_VALUE)).any(0), np.inf, std)
 
 
-def untold_joints(spread: ArrayLike) -> list[int]:
-    """Indices, the worst first, of the joints that cannot be observed: they cost UNTOLD or more."""
-    spread = np.asarray(spread, float)
-    return [int(j) for j in np.argsort(-spread, kind="stable") if spread[j] >= UNTOLD]
+def unobservable_joints(std_per_px: ArrayLike) -> list[int]:
+    """Return the indices of the joints that cannot be observed, those with the largest error first."""
+    std = np.asarray(std_per_px, float)
+    return [int(j) for j in np.argsort(-std, kind="stable") if std[j] >= UNTOLD]
 
 
-def weak_joints(spread: ArrayLike) -> list[int]:
-    """Indices, the weakest first, of the joints that cost more than WEAK times the median of the others."""
-    spread = np.asarray(spread, float)
-    others = [np.median(np.delete(spread, j)) if len(spread) > 1 else np.inf for j in range(len(spread))]
-    return [int(j) for j in np.argsort(-spread, kind="stable") if spread[j] > WEAK * others[j]]
+def weak_joints(std_per_px: ArrayLike) -> list[int]:
+    """Return the indices of the joints with over WEAK_RATIO times the median error of the others, worst first."""
+    std = np.asarray(std_per_px, float)
+    others = [np.median(np.delete(std, j)) if len(std) > 1 else np.inf for j in range(len(std))]
+    return [int(j) for j in np.argsort(-std, kind="stable") if std[j] > WEAK_RATIO * others[j]]
 
 
 def joint_uncertainty(
-    world: World, fit: Callable, demo: NDArray, demo_visible: NDArray, theta: ArrayLike
-) -> NDArray | None:
-    """What 1 px of noise in the own images costs at each joint, (m,) rad, with the learner at theta, (m,) rad.
+    world: World, fit: Callable, demo: NDArray[np.float64], demo_visible: NDArray[np.bool_], theta: ArrayLike
+) -> NDArray[np.float64] | None:
+    """Return the standard error of each joint under 1 px of noise in the learner's own images.
 
-    demo: (N, 4) px, demo_visible: (N, 2), the demonstrator's images as the learner has them. Only points seen at
-    theta count; None if there are too few.
+    Parameters
+    ----------
+    world : World
+        Gives the learner's own images.
+    fit : callable
+        Fits a transfer to `FourViews`.
+    demo, demo_visible : (N, 4) px and (N, 2) arrays
+        The demonstrator's images as the learner has them.
+    theta : (m,) array
+        The learner's posture, rad. Only points seen there count.
+
+    Returns
+    -------
+    (m,) array or None
+        rad/px; None if too few points are visible.
     """
     theta = np.asarray(theta, float)
     _, own_visible = world.own_images(theta)
@@ -68,9 +91,150 @@ def joint_uncertainty(
     if usable.sum() < MIN_POINTS:
         return None
 
-    def residual_at(postures: NDArray) -> NDArray:
+    def residual_at(postures: NDArray[np.float64]) -> NDArray[np.float64]:
         own, _ = world.own_images(postures.T)
         views = FourViews(demo[usable], own[:, usable], np.ones(1, bool))
         return fit(views).residual(views)
 
     return uncertainty(residual_jacobian(residual_at, theta))
+
+
+@dataclass(frozen=True, eq=False)
+class PointInformation:
+    """How well a set of body points determines the joints, in exact images of the demonstrator's posture."""
+
+    count: int  # points
+    visible: int  # points in all four images
+    std_per_px: NDArray[np.float64] | None  # (m,) rad/px, standard error of each joint; None with too few points
+    flatness: float  # σ1/σ3 of the demonstrator's points in [l, r]
+
+    @property
+    def unobservable(self) -> list[int]:
+        """Indices of the unobservable joints, worst first; empty with too few points."""
+        return [] if self.std_per_px is None else unobservable_joints(self.std_per_px)
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A further body point."""
+
+    point: BodyPoints  # a single one
+    before: PointInformation  # without it
+    after: PointInformation  # with it
+
+
+def point_information(world: World, moment: Snapshot) -> PointInformation:
+    """Assess the world's points with the snapshot's transfer, both arms in its demonstrator's posture."""
+    theta = moment.theta_demo
+    demo, visible = world.demo_images(theta)
+    usable = visible.all(-1) & world.own_images(theta)[1].all(-1)
+    enough = usable.sum() >= MIN_POINTS
+    std = joint_uncertainty(world, moment.fit, demo, visible, theta) if enough else None
+    flat = flatness(demo[usable]) if enough else np.inf
+    return PointInformation(len(world.body), int(usable.sum()), std, flat)
+
+
+def best_next(world: World, moment: Snapshot, candidates: BodyPoints) -> Proposal:
+    """Choose the candidate that minimises the largest joint error, then the second largest, and so on.
+
+    With too few visible points for any estimate, the candidate farthest from all others is chosen. Raises ValueError
+    without candidates.
+    """
+    if not len(candidates):
+        raise ValueError("no place on the arm is seen in all four images in this posture: pose the demonstrator anew")
+    before = point_information(world, moment)
+    distance = _distance_to_points(world, candidates, moment.theta_demo)
+    found = [point_information(with_point(world, candidates, k), moment) for k in range(len(candidates))]
+    best = min(range(len(candidates)), key=lambda k: (_errors_descending(found[k]), -distance[k]))
+    return Proposal(BodyPoints(candidates.link[[best]], candidates.local[[best]]), before, found[best])
+
+
+def with_point(world: World, points: BodyPoints, k: int) -> World:
+    """Return the world with the k-th of these points added to the body."""
+    body = world.body
+    link, local = np.append(body.link, points.link[k]), np.concatenate([body.local, points.local[[k]]])
+    return World(world.scene, robot=world.robot, body=BodyPoints(link, local))
+
+
+def _errors_descending(information: PointInformation) -> tuple[float, ...]:
+    return () if information.std_per_px is None else tuple(sorted(information.std_per_px.tolist(), reverse=True))
+
+
+def _distance_to_points(world: World, candidates: BodyPoints, theta: NDArray) -> NDArray:
+    """(K,) m from each candidate to the nearest body point, in this posture."""
+    frames = world.link_frames(theta, np.eye(4))
+    T = frames[candidates.link]
+    places = np.einsum("kij,kj->ki", T[:, :3, :3], candidates.local) + T[:, :3, 3]
+    points = world.points_world(theta, np.eye(4))
+    return np.linalg.norm(places[:, None] - points, axis=-1).min(1, initial=np.inf)
+
+
+def sample_estimates(
+    world: World,
+    fit: Callable,
+    theta_demo: ArrayLike,
+    noise_px: float,
+    frames: int,
+    runs: int,
+    rng: np.random.Generator,
+    noisy_demo: bool = True,
+) -> NDArray[np.float64]:
+    """Draw noisy images and return the posture that minimises E for each draw (Monte Carlo).
+
+    All draws are searched at once by damped Gauss-Newton steps from the demonstrator's own posture.
+
+    Parameters
+    ----------
+    world, fit
+        As for `joint_uncertainty`.
+    theta_demo : (m,) array
+        The demonstrator's posture, rad.
+    noise_px : float
+        Standard deviation of each image coordinate.
+    frames, runs : int
+        Images averaged for each draw; number of draws.
+    noisy_demo : bool
+        Whether the demonstrator's images have noise too.
+
+    Returns
+    -------
+    (runs, m) array
+        Postures, rad. Their variance is that of the estimator.
+
+    Raises
+    ------
+    ValueError
+        If a point is out of sight in that posture.
+    """
+    theta_demo = np.asarray(theta_demo, float)
+    demo, visible = world.demo_images(theta_demo)
+    if not (visible.all() and world.own_images(theta_demo)[1].all()):
+        raise ValueError("all points must be in all four images at the demonstrator's posture")
+
+    def noise() -> NDArray[np.float64]:
+        return rng.normal(0.0, noise_px, (runs, frames, *demo.shape)).mean(1)
+
+    own_noise = noise()
+    demos = demo + (noise() if noisy_demo else np.zeros_like(own_noise))
+
+    def residual_at(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        views = FourViews(demos, world.own_images(theta.T)[0] + own_noise, np.ones(1, bool))
+        return fit(views).residual(views).reshape(runs, -1)
+
+    return _levenberg_marquardt(residual_at, np.tile(theta_demo, (runs, 1)), world.scene.lower, world.scene.upper)
+
+
+def _levenberg_marquardt(residual_at: Callable, theta: NDArray, low: NDArray, high: NDArray) -> NDArray:
+    """Minimise the residuals of all runs: residual_at maps (runs, m) rad to (runs, n) px, each run its own."""
+    e, m = residual_at(theta), theta.shape[1]
+    damping = np.full(len(theta), DAMPING)
+    for _ in range(ITERATIONS):
+        J = np.stack([(residual_at(theta + FD_STEP_RAD * axis) - e) / FD_STEP_RAD for axis in np.eye(m)], -1)
+        normal, gradient = np.einsum("rni,rnj->rij", J, J), np.einsum("rni,rn->ri", J, e)
+        damped = normal + (damping * np.trace(normal, axis1=1, axis2=2) / m)[:, None, None] * np.eye(m)
+        trial = np.clip(theta - np.linalg.solve(damped, gradient[..., None])[..., 0], low, high)
+        e_trial = residual_at(trial)
+        better = np.square(e_trial).sum(-1) < np.square(e).sum(-1)
+        theta, e = np.where(better[:, None], trial, theta), np.where(better[:, None], e_trial, e)
+        damping *= np.where(better, DAMPING_DECREASE, DAMPING_INCREASE)
+    return theta

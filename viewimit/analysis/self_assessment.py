@@ -1,7 +1,7 @@
-"""What a learner can tell of the posture in which it rests, from its own images and motions alone.
+"""What a learner can say about its present posture, from its own images and motions alone.
 
-It is the servo's own certificate, if that gives one, or else made by the same rules from the postures visited: the
-images that they predict tell how E should rise about the posture, and the E measured there how it did.
+It uses the servo's own convergence test if the servo makes one. Otherwise the same test is made from the visited
+postures: the image model predicts how E rises about the posture, and the visits show how it did.
 """
 
 from dataclasses import dataclass
@@ -12,45 +12,44 @@ from numpy.typing import NDArray
 
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
-from ..servo.certificate import Certificate, certify
-from ..servo.images.surrogate import LEAST_NOISE, learn
-from ..servo.minimise import Minimum, minimise
-from ..servo.surroundings import Known, survey
-from ..servo.units import ScaledResiduals, in_units, unit_of
-from ..servo.visit import Visit
+from ..servo.least_squares import Minimum, minimise
+from ..servo.observation import ScaledResiduals, Visit, in_units, unit_of
+from ..servo.trust_region.convergence import Certificate, certify
+from ..servo.trust_region.gaussian_process import MIN_NOISE_PX, GaussianProcessImages
+from ..servo.trust_region.local_model import Known, survey
 
-VISITS = 60  # evenly from all motions
-REACH = np.radians(8.0)  # about the posture, within which a lower E is looked for
-NEAR = np.radians(1.5)  # a posture nearer than that to where E should be least counts as there
+MAX_VISITS = 60  # used for the image model, evenly spaced over all motions
+SEARCH_RADIUS_RAD = np.radians(8.0)  # within which a lower E is looked for
+AT_MINIMUM_RAD = np.radians(1.5)  # a posture nearer than this to the predicted minimum is at a local minimum
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """room: rad, how far off a posture can be that has such an E; lower: rad, how far away E should be least, at most
-    REACH; untold: indices of the joints that nothing tells, the worst first."""
+    """The learner's own judgement of its posture."""
 
     certificate: Certificate
-    room: float
-    lower: float
-    untold: list[int]
+    max_displacement: float  # rad, the longest semi-axis of the level set of E: how far off the posture can be
+    distance: float  # rad, to the predicted minimum of E, at most SEARCH_RADIUS_RAD
+    unobservable: list[int]  # indices of the unobservable joints, worst first
 
     @property
-    def spread(self) -> NDArray:
-        """(m,) rad/px, what a pixel of noise would turn each joint by."""
+    def std_per_px(self) -> NDArray[np.float64]:
+        """(m,) rad/px, the standard error of each joint per pixel of noise."""
         return self.certificate.spread
 
     @property
-    def least(self) -> bool:
-        """Whether E is as small here as it is going to be."""
-        return self.lower < NEAR
+    def at_local_minimum(self) -> bool:
+        return self.distance < AT_MINIMUM_RAD
 
 
-_ASSESSED: WeakKeyDictionary[Snapshot, Assessment | None] = WeakKeyDictionary()  # a moment is drawn many times
+_ASSESSED: WeakKeyDictionary[Snapshot, Assessment | None] = WeakKeyDictionary()  # a snapshot is drawn many times
 
 
 def assess(session: Session) -> Assessment | None:
-    """Of the present moment; None without a transfer, before as many motions as there are joints, or where too few
-    points are known for any E."""
+    """Assess the session's present posture.
+
+    Returns None without a transfer, before as many motions as there are joints, and with too few points for any E.
+    """
     now = session.snapshot
     if now.transfer is None or session.cursor < len(now.theta):
         return None
@@ -63,11 +62,11 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
     seen = session.observation(now)
     unit_px = unit_of(seen)
     seen, residuals = in_units(seen, unit_px), ScaledResiduals(session.predicted_residuals(now), unit_px)
-    kept = np.unique(np.linspace(0, cursor, VISITS).round().astype(int)).tolist()
+    kept = np.unique(np.linspace(0, cursor, MAX_VISITS).round().astype(int)).tolist()
     visits = tuple(_visit(session.history[k], unit_px) for k in kept)
-    model = learn(list(visits), len(visits) - 1, max(seen.noise_px, LEAST_NOISE))
+    model = GaussianProcessImages.fit(visits, len(visits) - 1, max(seen.noise_px, MIN_NOISE_PX))
     here = seen.displacement
-    low, high = np.maximum(seen.lower, here - REACH), np.minimum(seen.upper, here + REACH)
+    low, high = np.maximum(seen.lower, here - SEARCH_RADIUS_RAD), np.minimum(seen.upper, here + SEARCH_RADIUS_RAD)
     found = minimise(lambda theta: residuals(model.predict(theta)), here[None], low, high)
     if not np.isfinite(found.E):
         return None
@@ -78,11 +77,11 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
             survey(Known(visits, len(visits) - 1, seen.E, points, model, seen, residuals), found, here)
         )
         certificate = certificate.per_pixel(unit_px)
-    lower = float(np.abs(found.theta - here).max())
-    return Assessment(certificate, _room(seen.E, found), lower, certificate.named(now.status))
+    distance = float(np.abs(found.theta - here).max())
+    return Assessment(certificate, _max_displacement(seen.E, found), distance, certificate.named(now.status))
 
 
-def _room(E: float, found: Minimum) -> float:
+def _max_displacement(E: float, found: Minimum) -> float:
     flattest = float(np.linalg.eigvalsh(found.hessian / 2)[0])
     return float(np.sqrt(E / max(flattest, 1e-12)))
 

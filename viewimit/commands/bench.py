@@ -14,9 +14,9 @@ from ..experiments.executors.folder import StudyFolder
 from ..experiments.executors.local import LocalPool
 from ..experiments.executors.study import Study
 from ..geometry.affine import require_points
-from ..loop.body_image import FEWEST
 from ..loop.history import MAX_HISTORY
-from ..sensing.quoting import printable
+from ..loop.self_calibration import MIN_POSTURES
+from ..sensing.files import printable
 from ..servo import SERVOS
 from ..simulation.scene import load_scene, scene_names
 from ..simulation.world import World
@@ -74,7 +74,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     runs.add_argument("--max-motions", type=motions, default=MAX_MOTIONS, metavar="N", help="of a run (%(default)s)")
     runs.add_argument(
         "--rehearsed",
-        type=between(int, FEWEST, MOST_POSTURES),
+        type=between(int, MIN_POSTURES, MOST_POSTURES),
         default=0,
         metavar="K",
         help="of servos that use it, after watching themselves in so many postures, whose motions do not count (none)",

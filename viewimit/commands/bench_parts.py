@@ -25,7 +25,7 @@ from ..experiments.bench import (
 )
 from ..experiments.executors.study import Study
 from ..loop.settings import CAMERAS, Settings
-from ..sensing.quoting import printable
+from ..sensing.files import printable
 from ..servo import SERVOS
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene

@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from .. import __version__
 from ..geometry import blas_threads as threads
-from ..sensing.quoting import printable
+from ..sensing.files import printable
 from . import BadInput
 
 BAD_INPUT = 2
@@ -85,7 +85,7 @@ def parser_of(chosen: str) -> argparse.ArgumentParser:
     for name, text in COMMANDS.items():
         parser = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         if name == chosen:
-            module = importlib.import_module(f".commands.{name}", __package__)
+            module = importlib.import_module(f".{name}", __package__)
             module.add_options(parser)
             parser.set_defaults(run=module.run)
     return top

@@ -117,7 +117,7 @@ def _balls(args: argparse.Namespace) -> tuple[list[str], Detect]:
 
 def _square_markers(args: argparse.Namespace) -> tuple[list[str], Detect]:
     """As `_balls`; which numbers there are, the pictures say. Raises BadInput."""
-    from ..sensing.fiducials import Fiducials  # loads OpenCV
+    from ..sensing.detection import Fiducials  # loads OpenCV
 
     with naming("--aruco"):
         fiducials = Fiducials(args.aruco)

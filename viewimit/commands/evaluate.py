@@ -15,22 +15,16 @@ from ..estimation.noise import views_rounding_std
 from ..estimation.outliers import find_outliers, select_matches
 from ..estimation.rectification import fit_transfer
 from ..estimation.residuals import conflict
-from ..estimation.transfers.registry import (
-    FLAT,
-    FLATNESS,
-    PROJECTIVE_MIN_POINTS,
-    TRANSFERS,
-    TransferMethod,
-    default_transfer,
-)
+from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
+from ..estimation.transfers.registry import FLAT, FLATNESS, PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.distortion import Radial
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
-from ..sensing.quoting import MOST_NAME, printable
+from ..sensing.files import MOST_NAME, printable
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from ..simulation.lens import undistorted
+from ..simulation.camera import undistorted
 from . import BadInput, evaluate_report, evaluate_suspects, evaluate_transfers
 from .json_output import print_json
 from .options import (

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ..analysis.leave_one_out import GAIN, JUDGE, LeaveOneOut
+from ..analysis.leave_one_out import JUDGE, MAX_RATIO, LeaveOneOut
 
 
 def told(found: LeaveOneOut) -> dict | None:
@@ -47,7 +47,7 @@ def verdict(found: dict | None, rectified: bool) -> str | None:
         large = "errors this large are of arms in different postures, or of magnified noise"
         return f"images {how}, as their matches ask; {large}"
     what = f"{JUDGE} is {ratio:.2g} times as far off if rectified, {found['rectified_ratio_bound']:.2g} at most"
-    return f"images {how}: {what}; less than {GAIN:g} asks for it"
+    return f"images {how}: {what}; less than {MAX_RATIO:g} asks for it"
 
 
 def _of(count: int, whole: int) -> str:

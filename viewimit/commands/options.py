@@ -14,21 +14,26 @@ import numpy as np
 from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS, TRANSFERS
 from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import Radial
-from ..loop.embodiment.motion_limits import within, workspace
+from ..loop.embodiment import within, workspace
 from ..loop.settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
-from ..sensing.quoting import MOST_NAME, printable
+from ..sensing.files import MOST_NAME, printable
 from ..servo import SERVOS
 from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..simulation.eyes import require_eyes
-from ..simulation.robots import robot_names
+from ..simulation.robot import robot_names
 from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
-from ..simulation.urdf.descriptions import description_path, is_description
-from ..simulation.urdf.formats import require_urdf
-from ..simulation.urdf.reference import PARTS, is_reference, parse_reference
+from ..simulation.urdf.reference import (
+    PARTS,
+    description_path,
+    is_description,
+    is_reference,
+    parse_reference,
+    require_urdf,
+)
 from . import BadInput
 
 if TYPE_CHECKING:
-    from ..simulation.derived.scene import Derived  # it loads trimesh
+    from ..simulation.autoscene.scene import Derived  # it loads trimesh
 
 DONE, MISSED = 0, 1
 PAPER = Settings.paper()

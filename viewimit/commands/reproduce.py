@@ -8,7 +8,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from ..analysis.motion import MOTIONS, load
+from ..analysis.trajectory import MOTIONS, load_motion
 from ..drawing import standalone
 from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment, files
 from ..experiments.paper import claims
@@ -98,7 +98,7 @@ def _motion(name: str, settings):
         return name
     if not name.endswith(".json"):
         raise ValueError(f"no motion {name!r}; there are {', '.join(MOTIONS)}, or the path of a .json file")
-    return load(name, load_scene(settings.scene, settings.robot, settings.joints))
+    return load_motion(name, load_scene(settings.scene, settings.robot, settings.joints))
 
 
 def _with_bar(name: str, work: Callable[..., Any]) -> Any:

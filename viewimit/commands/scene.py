@@ -36,7 +36,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..simulation.derived.scene_file import scene_file
+    from ..simulation.scene_writing import scene_file
 
     if args.out and args.out.suffix.lower() != ".toml":
         raise BadInput(f"--out: {args.out} must end in .toml")

@@ -5,7 +5,7 @@ import os
 import sys
 from pathlib import Path
 
-from ..sensing.quoting import printable
+from ..sensing.files import printable
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
 STORE = "VIEWIMIT_STORE"  # environment variable, in place of --store

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.observability import untold_joints
-from ..analysis.point_information import PointInformation, Proposal
+from ..analysis.observability import PointInformation, Proposal, unobservable_joints
 from ..estimation.transfers.registry import FLATNESS
 from ..geometry.affine import MIN_POINTS
 from . import svg
@@ -22,7 +21,7 @@ def draw_edited(
     """How many points, how flat they are, a bar a joint, and what a further point would change. joints: numbers from
     1."""
     lines = [f"<b>{_counted(information)}</b>{_flat(information)}"]
-    spread = information.spread
+    spread = information.std_per_px
     if spread is not None:
         height = ROW * len(joints)
         bars = draw_bars(joints, spread, WIDTH, ROW)
@@ -35,15 +34,15 @@ def describe_edited(
     joints: Sequence[int], information: PointInformation, proposal: Proposal | None, searching: bool
 ) -> str:
     """The same in a sentence or two."""
-    if information.spread is None:
+    if information.std_per_px is None:
         told = f"{_counted(information)}; a transfer needs {MIN_POINTS}."
     else:
-        told = f"{_counted(information)}; {_costs(joints, information.spread)}{_flat(information)}."
+        told = f"{_counted(information)}; {_costs(joints, information.std_per_px)}{_flat(information)}."
     return f"{told} {_next(joints, proposal, searching) or 'Click an arm to place one.'}"
 
 
 def _counted(information: PointInformation) -> str:
-    count, seen = information.count, information.seen
+    count, seen = information.count, information.visible
     return f"{count} points" if seen == count else f"{count} points, {seen} seen in all images"
 
 
@@ -56,7 +55,7 @@ def _next(joints: Sequence[int], proposal: Proposal | None, searching: bool) -> 
         return "Looking for the best next point …"
     if proposal is None:
         return ""
-    after = proposal.after.spread
+    after = proposal.after.std_per_px
     return "The hollow one tells most" + ("." if after is None else f": {_costs(joints, after)}.")
 
 
@@ -64,7 +63,7 @@ def _costs(joints: Sequence[int], spread: NDArray) -> str:
     """Of many joints the costliest, and those that are not told."""
     if len(joints) <= EACH:
         return described(joints, spread)
-    untold = untold_joints(spread)
+    untold = unobservable_joints(spread)
     told = [k for k in np.argsort(-spread) if k not in untold][:1]
     chosen = [*told, *sorted(untold)]
     return described([joints[k] for k in chosen], spread[chosen]).replace("costs", "costs at most", 1)

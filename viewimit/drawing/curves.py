@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.joint_errors import RECENT
+from ..analysis.convergence import RECENT
 from ..loop.snapshot import Snapshot
 from . import svg
 from .axes import Axes, Tick, decade_ticks, decades, log10

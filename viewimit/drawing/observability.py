@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.observability import untold_joints, weak_joints
-from ..servo.surroundings import UNTOLD
+from ..analysis.observability import unobservable_joints, weak_joints
+from ..servo.trust_region.local_model import UNTOLD
 from . import svg
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing where a landscape has no place
@@ -29,7 +29,7 @@ def draw_observability(joints: Sequence[int], spread: NDArray) -> str:
 def draw_bars(joints: Sequence[int], spread: NDArray, width: float, row: float) -> str:
     """A row a joint: its name, a bar from 0, the degrees; weakly observable ones amber and with a diamond, those that
     are not observable as long as there is room."""
-    degrees, untold, weak = np.degrees(spread), untold_joints(spread), weak_joints(spread)
+    degrees, untold, weak = np.degrees(spread), unobservable_joints(spread), weak_joints(spread)
     largest, longest = np.max(np.delete(degrees, untold), initial=1e-9), width - LEFT - RIGHT
     parts, thick = [], min(BAR, row - 3)
     for k, (joint, value) in enumerate(zip(joints, degrees)):
@@ -50,7 +50,7 @@ def draw_bars(joints: Sequence[int], spread: NDArray, width: float, row: float) 
 
 def sentences(joints: Sequence[int], spread: NDArray) -> list[str]:
     """Which joints are not observable, or weakly, in short lines."""
-    degrees, untold = np.degrees(spread), untold_joints(spread)
+    degrees, untold = np.degrees(spread), unobservable_joints(spread)
     weak = [k for k in weak_joints(spread) if k not in untold]
     rest = np.delete(degrees, [*untold, *weak])
     most = f"{_cost(rest.max())} at most" if len(rest) else ""
@@ -72,7 +72,7 @@ def sentences(joints: Sequence[int], spread: NDArray) -> list[str]:
 
 def described(joints: Sequence[int], spread: NDArray) -> str:
     """All joints in a few words, for a caption."""
-    untold, degrees = untold_joints(spread), np.degrees(spread)
+    untold, degrees = unobservable_joints(spread), np.degrees(spread)
     told = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in untold]
     costs = f"1 px costs {', '.join(told)}" if told else ""
     blind = f"{', '.join(svg.joint_symbol(joints[k]) for k in sorted(untold))} not observable" if untold else ""

@@ -16,7 +16,7 @@ from ..geometry.affine import MIN_POINTS
 from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus
-from ..servo.surroundings import UNTOLD
+from ..servo.trust_region.local_model import UNTOLD
 from . import svg
 from .glossary import ask, glossary
 from .metrics import AMBER, RED
@@ -30,12 +30,12 @@ TITLES = {
     "paused": "Paused",
     ServoStatus.MOVING: "Moving",
     "arrived": "Arrived",
-    "least": "Rests where E is least nearby",
-    ServoStatus.RESTS: "Rests",
+    "least": "Settled where E is least nearby",
+    ServoStatus.SETTLED: "Settled",
     ServoStatus.UNOBSERVABLE: "Cannot tell",
-    ServoStatus.STALLED: "Stalled",
+    ServoStatus.NO_PROGRESS: "No progress",
     "lost": "Lost",
-    ServoStatus.STOPPED: "Stopped",
+    ServoStatus.MAX_MOTIONS: "Motion limit",
     "message": "Note",
     "recording": "Recording",
     "replaying": "Replaying",
@@ -69,11 +69,11 @@ SHAPES = {
     ServoStatus.MOVING: DOT.format("learner"),
     "arrived": DOT.format("recovered"),
     "least": RING.format("recovered"),
-    ServoStatus.RESTS: RING.format("recovered"),
+    ServoStatus.SETTLED: RING.format("recovered"),
     ServoStatus.UNOBSERVABLE: DIAMOND,
-    ServoStatus.STALLED: DIAMOND,
+    ServoStatus.NO_PROGRESS: DIAMOND,
     "lost": SQUARE,
-    ServoStatus.STOPPED: SQUARE,
+    ServoStatus.MAX_MOTIONS: SQUARE,
     "recording": DOT.format("stopped"),
     "replaying": PLAY,
     "see-through": AIM,
@@ -116,17 +116,17 @@ def describe(
 ) -> Said:
     """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
     from 1 of those that move; advises: whether it says what to do next, which nobody can in a replay."""
-    if snapshot.to_rehearse is not None and snapshot.rehearses:
-        left = len(snapshot.to_rehearse)
+    if snapshot.pending_postures is not None and snapshot.is_rehearsing:
+        left = len(snapshot.pending_postures)
         sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
         return Said(ServoStatus.MOVING if playing else "paused", sentence)
     if snapshot.transfer is None:
         return Said("lost", _too_few(int(snapshot.usable.sum())))
     E, doubt = f"E {svg.short_E(snapshot.E)} px²", _exchanged(snapshot) or _ill_conditioned(snapshot)
-    if snapshot.status == ServoStatus.STOPPED:
+    if snapshot.status == ServoStatus.MAX_MOTIONS:
         advice = "; reset to go on" if advises else ""
         return Said(
-            ServoStatus.STOPPED, f"{E} after {MAX_HISTORY} motions, the most that are made{advice}.", doubt=doubt
+            ServoStatus.MAX_MOTIONS, f"{E} after {MAX_HISTORY} motions, the most that are made{advice}.", doubt=doubt
         )
     if snapshot.status.is_at_rest:
         said = _resting(snapshot, E, assessment, joints, advises)
@@ -151,12 +151,14 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
     if known is not None and untold:
         names = " and ".join(svg.joint_symbol(joints[k]) for k in untold)
         return Said(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
-    if assessment is not None and assessment.least:
-        return Said("least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.room)}.")
-    if snapshot.status == ServoStatus.RESTS:
-        return Said(ServoStatus.RESTS, f"{E} {after}{why}")
+    if assessment is not None and assessment.at_local_minimum:
+        return Said(
+            "least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.max_displacement)}."
+        )
+    if snapshot.status == ServoStatus.SETTLED:
+        return Said(ServoStatus.SETTLED, f"{E} {after}{why}")
     advice = "; move an arm or reset" if advises else ""
-    return Said(ServoStatus.STALLED, f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
+    return Said(ServoStatus.NO_PROGRESS, f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:

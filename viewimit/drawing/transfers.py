@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.study import Studied
+from ..analysis.minima import TransferStudy
 from ..estimation.transfers import TRANSFERS
 from ..simulation.scene import Scene
 from . import svg
@@ -17,7 +17,7 @@ MOST_HIGH, TOP = 62, 15  # px of a plot, and from its row's top
 TOTAL = 2 * WIDTH + GAP
 
 
-def draw_compared(scene: Scene, studied: Studied, theta_demo: NDArray) -> str:
+def draw_compared(scene: Scene, studied: TransferStudy, theta_demo: NDArray) -> str:
     """One transfer's landscape."""
     plane = small_plane(scene, MOST_HIGH)
     drawing = draw_small(plane, studied.landscape, studied.minima.theta, theta_demo)
@@ -64,7 +64,7 @@ def waiting(words: str) -> str:
     return _wrap(svg.text(TOTAL / 2, _height(count) / 2, words, "vi-2nd vi-mid"), count)
 
 
-def describe(studied: Studied) -> str:
+def describe(studied: TransferStudy) -> str:
     """Bias and shape of a landscape, short."""
     count = len(studied.minima)
     if count == 0:

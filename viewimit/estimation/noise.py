@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.affine import image_unit
-from ..geometry.rectification import NEAREST, Rectification
+from ..geometry.rectification import MIN_DENOMINATOR, Rectification
 from .residuals import NoiseReference, conflict
 from .transfers import linear
 from .views import FourViews
@@ -236,7 +236,7 @@ def _fit(z: Array, t: Array, weight: Array, frame: _Frame) -> Array:
     G = G.reshape(*M.shape[:-2], 4, 4)
     for _ in range(GAUSS_NEWTON_STEPS):
         q = h @ np.swapaxes(G, -1, -2)
-        depth = np.maximum(q[..., 3], NEAREST)
+        depth = np.maximum(q[..., 3], MIN_DENOMINATOR)
         found = q[..., :3] / depth[..., None]
         e = np.einsum("nij,...nj->...ni", weight, wanted - found @ TO_PAIR.T)
         B = np.concatenate([np.broadcast_to(A, found.shape[:-1] + (4, 3)), -(A @ found[..., None])], -1)
@@ -245,14 +245,14 @@ def _fit(z: Array, t: Array, weight: Array, frame: _Frame) -> Array:
         M = M + gauge[..., :, None] * gauge[..., None, :]  # G's scale is a gauge freedom
         slope = np.einsum("...nba,...nb,...nc->...ac", B, e, h / depth[..., None])
         G = G + np.linalg.solve(_damped(M), slope.reshape(*G.shape[:-2], 16, 1)).reshape(G.shape)
-        G = G / np.maximum(np.abs(G[..., 3:, 3:]), NEAREST)
+        G = G / np.maximum(np.abs(G[..., 3:, 3:]), MIN_DENOMINATOR)
     return G
 
 
 def _mapped(G: Array, t: Array, frame: _Frame) -> Array:
     """ẑ, (..., N, 4) rectified px, of triples t (..., N, 3)."""
     q = _homogeneous((t - frame.own_mean) / frame.own_scale) @ np.swapaxes(G, -1, -2)
-    triple = q[..., :3] / np.maximum(q[..., 3:], NEAREST) * frame.demo_scale + frame.demo_mean
+    triple = q[..., :3] / np.maximum(q[..., 3:], MIN_DENOMINATOR) * frame.demo_scale + frame.demo_mean
     return triple @ TO_PAIR.T
 
 

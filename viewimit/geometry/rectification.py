@@ -16,7 +16,7 @@ from .affine import centred, image_unit
 from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, neighbours
 from .robust_fit import affine_distance, fundamental_distance
 
-NEAREST = 0.1  # bound of a homography's denominator, 1 in the middle of the matches: no point is at infinity
+MIN_DENOMINATOR = 0.1  # of a homography, which is 1 in the middle of the matches: no point is at infinity
 LEAST_PX = 1e-3  # for images of the typical size: rms distance from any affine geometry that needs no rectification
 FEWEST = 16  # matches
 AFFINE_FREEDOM = 4  # parameters of an affine geometry
@@ -82,7 +82,7 @@ def rectify(F: NDArray, left: NDArray, right: NDArray) -> Rectification:
     l = homogeneous(left)
     H_left = rows / (l.mean(0) @ rows[2])
     found = _mapped(right, H_right)[:, 0]
-    depth = np.maximum(l @ H_left[2], NEAREST)
+    depth = np.maximum(l @ H_left[2], MIN_DENOMINATOR)
     H_left[0] = np.linalg.lstsq(l / depth[:, None], found, rcond=None)[0]
     return Rectification(H_left, H_right)
 
@@ -179,7 +179,7 @@ def _both(images: NDArray, left: NDArray, right: NDArray) -> NDArray:
 def _mapped(points: NDArray, H: NDArray) -> NDArray:
     """(..., 2) → (..., 2)"""
     mapped = points @ H[:, :2].T + H[:, 2]
-    return mapped[..., :2] / np.maximum(mapped[..., 2:], NEAREST)
+    return mapped[..., :2] / np.maximum(mapped[..., 2:], MIN_DENOMINATOR)
 
 
 def _cross(v: NDArray) -> NDArray:

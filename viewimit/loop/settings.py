@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from ..estimation.transfers import TRANSFERS
 from ..geometry.distortion import Radial
 from ..sensing.files import file_name, is_text, parse_toml
-from ..sensing.latency import MOST_LAG
+from ..sensing.frames import MOST_LAG
 from ..servo import SERVOS
 from ..servo.observation import RESTARTS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
+from ..simulation.robot import BodyPoint
 
 RECTIFY = ("auto", "off")
 CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
@@ -33,7 +34,6 @@ OWN = "own"  # names the transfer or the servo that was given to a session as a 
 MOST_TURNS, ROUNDED = 2, 1e-7  # of angles that may be radians; how near whole degrees come to themselves as radians
 
 Range = tuple[float, float]  # degrees
-BodyPoint = tuple[int, float, float, float]  # link, 0 = base, and x, y, z m in its frame
 PAPER_FIELDS: Mapping[str, Any] = {"transfer": "epipolar", "servo": "broyden", "frames": 1}  # beside `Settings()`
 D = TypeVar("D", bound=Disturbance)
 
@@ -254,6 +254,15 @@ def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
     if angles_deg is None:
         raise ValueError("the posture is not given: the scene has one of its own")
     return angles_deg
+
+
+def convert_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert values as JSON has them to the types of these fields. Raises ValueError for another name or value."""
+    try:
+        whole = msgspec.convert(dict(fields), Settings)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from None
+    return {name: getattr(whole, name) for name in fields}
 
 
 def _require_choice(name: str, value: str, choices: Collection[str]) -> None:

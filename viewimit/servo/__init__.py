@@ -14,14 +14,14 @@ from collections import UserDict
 
 from ..estimation.residuals import NoiseReference, ResidualFunction
 from .broyden import Broyden
-from .certificate import Certificate
 from .gauss_newton import GaussNewton
 from .gradient import RETUNED_LAW, Gradient
 from .kalman import Kalman
 from .observation import Observation
 from .servo import MinimalServo, Moment, Servo, ServoState, completed_servo
 from .status import ServoStatus
-from .trust_region import TrustRegion
+from .trust_region.algorithm import TrustRegion
+from .trust_region.convergence import Certificate
 
 
 class Servos(UserDict[str, Servo]):

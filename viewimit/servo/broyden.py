@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from ..estimation.equations import Equation, angles, short
 from ..estimation.residuals import ResidualFunction, conflict
 from .image_model import ImageModel
-from .minimise import minimise
-from .observation import Observation, probe_of
+from .least_squares import minimise
+from .observation import Observation, Visit, probe_of
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 _LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
@@ -84,7 +83,7 @@ class Broyden:
         if np.max(np.abs(step)) < DONE_STEP:
             bounded = state.radius < 2 * DONE_STEP and promised > GAIN_LEFT * seen.E
             # the region, not the model, made the step short
-            status = ServoStatus.STALLED if bounded else ServoStatus.RESTS
+            status = ServoStatus.NO_PROGRESS if bounded else ServoStatus.SETTLED
             return replace(state, promised=None, status=status, probe=False), np.zeros_like(step)
         return replace(state, promised=promised, status=ServoStatus.MOVING, probe=False), step
 
@@ -100,13 +99,13 @@ class Broyden:
     def says(self, state: BroydenState, status: ServoStatus) -> str:
         if status == ServoStatus.MOVING:
             return "a probe, to learn how the images move" if state.probe else ""
-        return f"next step under {np.degrees(DONE_STEP):g}°" if status == ServoStatus.RESTS else ""
+        return f"next step under {np.degrees(DONE_STEP):g}°" if status == ServoStatus.SETTLED else ""
 
 
 def _outcome(state: BroydenState, moment: Moment) -> str:
     """What the last motion has promised and brought; where points are missing, E at both ends is of others, and only
     the motion before has been judged, on points known at both."""
-    if moment.status in (ServoStatus.RESTS, ServoStatus.STALLED):
+    if moment.status in (ServoStatus.SETTLED, ServoStatus.NO_PROGRESS):
         return f"The next step would be below {np.degrees(DONE_STEP):g}°: the servo rests."
     if state.promised is None or state.best_E is None or not np.isfinite(moment.E):
         return ""

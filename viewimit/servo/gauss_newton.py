@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, column, each, number
 from ..estimation.residuals import ResidualFunction
-from .observation import Observation
+from .observation import Observation, Visit
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 FORGETTING = 0.5  # λ, a motion
 FIRST = 1e6  # /rad², P_0: nothing is known of the first Jacobian
@@ -65,7 +64,7 @@ class GaussNewton:
         model = state.model.learn(seen, FORGETTING, forgetting=FORGETTING)
         state = learned(_judged(state, seen.E), model, seen.E)
         state, step = next_motion(state, seen, residuals, partial(_damped, damping=state.damping))
-        if state.status == ServoStatus.STALLED:
+        if state.status == ServoStatus.NO_PROGRESS:
             return state, step
         return replace(state, before=None if state.probe else seen.E), step
 

@@ -94,7 +94,7 @@ class Gradient:
         progress = seen.E < PROGRESS * state.best_E
         since_best = 0 if progress else state.since_best + 1
         best_E = seen.E if progress else state.best_E
-        status = ServoStatus.STALLED if since_best >= PATIENCE else ServoStatus.MOVING
+        status = ServoStatus.NO_PROGRESS if since_best >= PATIENCE else ServoStatus.MOVING
         state = GradientState(jacobian, P, seen.displacement, seen.E, best_E, since_best, status)
         low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
         inside = np.radians(u).clip(low, high)  # the dither comes after, to excite a joint that leans on its limit
@@ -117,7 +117,7 @@ class Gradient:
         return (Equation("(13)", "this motion", latex, numbers, note, wide=True),)
 
     def says(self, state: GradientState, status: ServoStatus) -> str:
-        return f"not lower for {state.since_best} motions" if status == ServoStatus.STALLED else ""
+        return f"not lower for {state.since_best} motions" if status == ServoStatus.NO_PROGRESS else ""
 
     def _learn(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:
         """Weighted recursive least squares, ρ the forgetting factor."""

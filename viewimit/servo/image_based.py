@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .image_model import ImageModel
-from .observation import Observation
-from .visit import by_coordinate
+from .observation import Observation, by_coordinate
 
 LONGEST = np.radians(10.0)  # a joint and motion
 DAMPING = 1e-6  # of the normal equations, relative to their trace: what the images cannot tell is left alone

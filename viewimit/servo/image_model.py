@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .observation import Observation
-from .visit import Visit, by_coordinate
+from .observation import Observation, Visit, by_coordinate
 
 ENOUGH = 12  # points that were seen often, so that those seen rarely can be done without
 SOFT = np.radians(0.2)  # motions of this size and below teach less, they are mostly noise

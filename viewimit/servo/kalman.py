@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, column, each, number
 from ..estimation.residuals import ResidualFunction
-from .observation import Observation
+from .observation import Observation, Visit
 from .recursive_jacobian import RecursiveJacobian
 from .recursive_law import RecursiveState, begun, learned, next_motion, probe_note, said
 from .servo import Moment
 from .status import ServoStatus
-from .visit import Visit
 
 GAIN = 1.0  # g
 FIRST, DRIFT = 500.0, 150.0  # px/rad, standard deviations: of the first Jacobian, of its change from motion to motion

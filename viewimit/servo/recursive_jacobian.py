@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from ..estimation.residuals import ResidualFunction
 from .image_model import rarely_taught
-from .observation import Observation
-from .visit import Visit, by_coordinate
+from .observation import Observation, Visit, by_coordinate
 
 DIFFERENCE = 1e-5  # rad
 

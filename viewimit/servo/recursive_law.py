@@ -58,12 +58,12 @@ def next_motion(state: S, seen: Observation, residuals: ResidualFunction, law: L
         return replace(state, probes=tuple(rest), probe=True), probe_of(joint, seen)
     e, J = state.model.linearised(residuals)
     if not np.isfinite(e).all() or state.since_best >= PATIENCE:
-        return replace(state, status=ServoStatus.STALLED), np.zeros_like(seen.displacement)
+        return replace(state, status=ServoStatus.NO_PROGRESS), np.zeros_like(seen.displacement)
     low, high = seen.lower - seen.displacement, seen.upper - seen.displacement
     asked = law(J, e, low, high)
     step = np.clip(asked * min(1.0, LONGEST / max(np.abs(asked).max(), 1e-12)), low, high)
     if np.abs(step).max() < DONE_STEP:
-        return replace(state, asked=asked, status=ServoStatus.RESTS), np.zeros_like(step)
+        return replace(state, asked=asked, status=ServoStatus.SETTLED), np.zeros_like(step)
     return replace(state, asked=asked), step
 
 
@@ -74,8 +74,8 @@ def probe_note(moment: Moment) -> str:
 
 def said(state: RecursiveState, status: ServoStatus) -> str:
     """Why it moves or rests."""
-    if status == ServoStatus.STALLED:
+    if status == ServoStatus.NO_PROGRESS:
         return f"not lower for {state.since_best} motions" if state.since_best >= PATIENCE else "no way on from here"
-    if status == ServoStatus.RESTS:
+    if status == ServoStatus.SETTLED:
         return f"next step under {np.degrees(DONE_STEP):g}°"
     return "a probe, to learn how the images move" if state.probe and status == ServoStatus.MOVING else ""

@@ -7,12 +7,12 @@ and the vertex that is extreme in each, give a polygon inside the hull that lack
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..loop.snapshot import Snapshot
+from ..estimation.transfers import FittedTransfer
 from .camera import Cameras
 from .world import World
 
@@ -21,6 +21,25 @@ NEAR = 0.05  # m, to which what is nearer to a camera is set back
 KEPT = 48  # directions in 3-D in which a link's vertices are kept
 POSTURES_A_JOINT, POSTURES = 9, 200  # of the grid with two joints; drawn at random with more
 NEAR_POSTURE = np.radians(20)  # a joint, with more of them
+
+
+class Moment(Protocol):
+    """The postures of both arms at one time, and the transfer fitted then."""
+
+    @property
+    def theta(self) -> NDArray[np.float64]:
+        """(m,) learner's posture [rad]."""
+        ...
+
+    @property
+    def theta_demo(self) -> NDArray[np.float64]:
+        """(m,) demonstrator's posture [rad]."""
+        ...
+
+    @property
+    def transfer(self) -> FittedTransfer | None:
+        """None if there are too few points to fit one."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +84,7 @@ class Silhouettes:
         self._pair, self._link = np.ogrid[:2, : len(chosen), :1][:2]
         self._latest: dict[str, tuple[bytes, ArmImages]] = {}  # by arm: the demonstrator rests while the learner moves
 
-    def bodies(self, snapshot: Snapshot) -> Bodies:
+    def bodies(self, snapshot: Moment) -> Bodies:
         """Both arms where they are in truth. Of an arm that has not moved they are the same object as before."""
         world = self._world
         demo = self._arm("demonstrator", snapshot.theta_demo, world.T_world_demo, world.demo_pair)
@@ -115,7 +134,7 @@ def reach(world: World, held: Sequence[NDArray] = ()) -> dict[str, NDArray]:
     return _by_view(world.demo_images(theta), world.own_images(theta))
 
 
-def places(world: World, snapshot: Snapshot) -> dict[str, NDArray]:
+def places(world: World, snapshot: Moment) -> dict[str, NDArray]:
     """Where both arms' points are, as they would be seen without noise: (k, 2) px by view."""
     return _by_view(world.demo_images(snapshot.theta_demo), world.own_images(snapshot.theta))
 

@@ -6,6 +6,7 @@ with it: effect, bounds, option of the command line, slider and caption follow.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -149,6 +150,19 @@ QUANTUM = ArmDisturbance(
 ImageAmounts = tuple[tuple[ImageDisturbance, float], ...]
 MatchAmounts = tuple[tuple[MatchDisturbance, float], ...]
 ArmAmounts = tuple[tuple[ArmDisturbance, float], ...]
+
+
+class ActuatorSettings(Protocol):
+    """The part of a run's settings on which the motion of a simulated arm depends."""
+
+    @property
+    def start_rad(self) -> NDArray[np.float64]:
+        """(m,) posture at which the learner starts [rad]."""
+        ...
+
+    def amounts(self, kind: type[ArmDisturbance]) -> ArmAmounts:
+        """Every actuation error, with its amount."""
+        ...
 
 
 def any_of(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:

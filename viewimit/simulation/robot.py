@@ -2,17 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..assets import ROOT
 from ..geometry.rigid import rigid_transform, rotation_about_axis
+from .meshes import Mesh, read_glb
 from .urdf.chain import arm_of, turning_of
+from .urdf.reference import is_reference, parse_reference, require_urdf
 from .urdf.tree import MARGIN, Tree, read_tree
 
 IDENTITY = np.eye(4)
+BodyPoint = tuple[int, float, float, float]  # link (0 = base), and x, y, z in its frame [m]
 Angles = Sequence[ArrayLike] | NDArray  # one array a joint, rad, broadcast against each other
 
 
@@ -227,3 +231,59 @@ def _gather(groups: dict, index: NDArray, xyz: NDArray) -> None:
         index = np.concatenate([groups[shape][0], index])
         xyz = np.concatenate([groups[shape][1], xyz], axis=1)
     groups[shape] = index, xyz
+
+
+# Robots by name, the shipped ones, or by the path of a URDF.
+
+
+def robot_names() -> list[str]:
+    """Names of the shipped robots."""
+    return sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir())
+
+
+def load_robot(name: str | Path) -> Robot:
+    """A shipped robot by name, or any URDF by path. Raises ValueError with what there is."""
+    require_urdf(name)
+    if is_reference(name):
+        found = parse_reference(name)
+        return Robot.from_urdf(found.path, found.tip, found.base)
+    path = ROOT / "robots" / str(name) / f"{name}.urdf"
+    if not path.is_file():
+        raise ValueError(f"no robot {str(name)!r}; there are {', '.join(robot_names())}, or the path of a .urdf file")
+    return Robot.from_urdf(path)
+
+
+def require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
+    """Raises ValueError unless they are in order, of the robot's, and each moves by itself."""
+    if not joints:
+        raise ValueError(f"needs joints that move, of 1 … {len(robot.joints)}, got none")
+    if list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
+        raise ValueError(f"joints {', '.join(map(str, joints))} must ascend, within 1 … {len(robot.joints)}")
+    for joint in joints:
+        one = robot.joints[joint - 1]
+        if one.leader is not None:
+            leader = one.leader.joint
+            raise ValueError(
+                f"joint {joint}, {one.name}, follows joint {leader + 1}, {robot.joints[leader].name}: move that one"
+            )
+        if joint not in robot.free:
+            raise ValueError(
+                f"joint {joint}, {one.name}, is held by its limits at {np.degrees(one.lower):.4g}°: give it a "
+                '<limit lower=… upper=…> in the URDF, or type="continuous", or move another'
+            )
+
+
+def link_meshes(robot: str) -> dict[int, Mesh]:
+    """Meshes by link number (0 = base), in the link's frame. robot: as a scene names it. Raises ValueError for a URDF
+    that cannot be read."""
+    if is_reference(robot):
+        from .urdf.shapes import shapes_of  # loads trimesh
+
+        return shapes_of(parse_reference(robot)).meshes
+    return _shipped(robot)
+
+
+@cache
+def _shipped(robot: str) -> dict[int, Mesh]:
+    meshes = read_glb(ROOT / "robots" / robot / f"{robot}.glb")
+    return {int(name.removeprefix("link")): mesh for name, mesh in meshes.items()}

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.export.citation import motions
+from viewimit.drawing.export.citation import motions
 from viewimit.loop.settings import given
-from viewimit.simulation.kinematics import pose_for_hand
+from viewimit.simulation.world import pose_for_hand
 
 from ...sessions.saved import SavedSession
 from ..checks import choice, number, words

@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 from numpy.typing import NDArray
 
+from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images.construction import last_stage
 from viewimit.drawing.images.planes import Windows
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.appearance import Bodies
-from viewimit.viewer.appearance import Appearance
 
 from ...jobs.session_eyes import RemoteEyes
 from ..player import Player

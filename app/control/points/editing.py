@@ -10,15 +10,15 @@ from dataclasses import dataclass
 import msgspec
 from numpy.typing import NDArray
 
-from viewimit.analysis.point_information import PointInformation, Proposal, best_next, point_information
+from viewimit.analysis.observability import PointInformation, Proposal, best_next, point_information
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.derived.candidates import candidates
-from viewimit.simulation.derived.scene_file import saved_scene
+from viewimit.simulation.autoscene.candidates import candidates
 from viewimit.simulation.robot import BodyPoints
+from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
 
 from ..queue import Aside

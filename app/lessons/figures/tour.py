@@ -27,10 +27,10 @@ ROLES = {"trust-region": "learner", "broyden": "opponent"}  # of races; all othe
 ORDER = ("slow", "learner", "opponent")  # in which ways are drawn, so that where two coincide both are seen
 WHY = {
     ServoStatus.CONVERGED: "says: arrived",
-    ServoStatus.RESTS: "rests where E is least",
+    ServoStatus.SETTLED: "rests where E is least",
     ServoStatus.UNOBSERVABLE: "says: a joint is not told",
-    ServoStatus.STALLED: "found nothing lower",
-    ServoStatus.STOPPED: "too few points are seen",
+    ServoStatus.NO_PROGRESS: "found nothing lower",
+    ServoStatus.TOO_FEW_POINTS: "too few points are seen",
 }
 
 

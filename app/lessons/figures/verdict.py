@@ -19,9 +19,9 @@ from .figure_kind import FigureKind
 
 ELSE = {
     ServoStatus.CONVERGED: "I have arrived.",
-    ServoStatus.RESTS: "I rest where E is least, and do not know whether I have arrived.",
-    ServoStatus.STALLED: "I have found nothing lower, and have not arrived.",
-    ServoStatus.STOPPED: "I see too few points.",
+    ServoStatus.SETTLED: "I rest where E is least, and do not know whether I have arrived.",
+    ServoStatus.NO_PROGRESS: "I have found nothing lower, and have not arrived.",
+    ServoStatus.TOO_FEW_POINTS: "I see too few points.",
 }
 
 

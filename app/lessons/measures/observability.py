@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, untold_joints
+from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, unobservable_joints
 from viewimit.estimation.views import FourViews
 from viewimit.loop.snapshot import Snapshot
 
@@ -48,7 +48,7 @@ def _of_joint(joint: int, by_arrows: bool) -> Callable[[Stage], float]:
 def _untold(stage: Stage) -> float:
     """Of the answers: each joint in turn, all of them, none."""
     spread = costs(stage)
-    found = untold_joints(spread)
+    found = unobservable_joints(spread)
     return float(found[0] + 1 if len(found) == 1 else len(spread) + (1 if found else 2))
 
 

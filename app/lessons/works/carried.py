@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.motion import hand_circle
-from viewimit.analysis.trajectory import Trajectory, follow, hand_points
+from viewimit.analysis.trajectory import Trajectory, follow, hand_circle, hand_points
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.camera import Cameras
 from viewimit.simulation.world import World

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.analysis.scatter import scatter
+from viewimit.analysis.observability import sample_estimates
 
 from .work import Task, Work
 
@@ -18,7 +18,8 @@ def _clouds(task: Task) -> Mapping[int, NDArray]:
     rng, noise_px = np.random.default_rng(task.settings.seed), task.settings.noise_px
     moment = task.snapshot
     return {
-        frames: scatter(task.world, moment.fit, moment.theta_demo, noise_px, frames, RUNS, rng) for frames in FRAMES
+        frames: sample_estimates(task.world, moment.fit, moment.theta_demo, noise_px, frames, RUNS, rng)
+        for frames in FRAMES
     }
 
 

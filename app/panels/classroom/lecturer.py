@@ -104,14 +104,14 @@ def _banner(view: ClassView, question_here: bool, address: str | None) -> str:
 
 def _head(view: ClassView, address: str | None, shared: str | None) -> str:
     counts = (
-        (sum(one.state in STUCK for one in view.students), "stuck", SHAPES[ServoStatus.STALLED]),
+        (sum(one.state in STUCK for one in view.students), "stuck", SHAPES[ServoStatus.NO_PROGRESS]),
         (
             sum(one.state in (ServoStatus.MOVING, "paused") for one in view.students),
             "on the way",
             SHAPES[ServoStatus.MOVING],
         ),
         (sum(one.state == ServoStatus.READY for one in view.students), "not begun", SHAPES[ServoStatus.READY]),
-        (sum(one.state == ServoStatus.RESTS for one in view.students), "at rest", SHAPES[ServoStatus.RESTS]),
+        (sum(one.state == ServoStatus.SETTLED for one in view.students), "at rest", SHAPES[ServoStatus.SETTLED]),
         (sum(one.state == "arrived" for one in view.students), "there", SHAPES["arrived"]),
     )
     told = "".join(

@@ -1,14 +1,14 @@
-"""A body of links in a chain before two cameras, posed by a plain loop: what kinematics must foretell."""
+"""A body of links in a chain before two cameras, posed by a plain loop: which kinematics must predict."""
 
 import numpy as np
 
-from viewimit.geometry.kinematics.clusters import Seen
+from viewimit.geometry.kinematics.clusters import Observations
 
 
 class TurningBody:
     """on: for each point how many of the joints move it. sliding: joints that slide instead of turning. slip: share by
     which each point turns farther than the one before it, as no rigid body does. The cameras have parallel axes, and
-    unlike focal lengths and centres. Displacements are told from `at`, rad."""
+    unlike focal lengths and centres. Displacements are measured from `at`, rad."""
 
     def __init__(self, rng, on, joints, sliding=(), slip=0.0):
         self.on, self.joints, self.sliding, self.slip = on, joints, sliding, slip
@@ -32,10 +32,10 @@ class TurningBody:
             found.append([300 * x / z + 150, 280 * y / z + 110, 420 * (x - 0.4) / z + 170, 280 * y / z + 110])
         return np.array(found)
 
-    def seen(self, displacements, whole=None, noise=0.0):
+    def observations(self, displacements, visible=None, noise=0.0):
         images = np.array([self.images(d) for d in displacements]) + noise
-        whole = np.ones(images.shape[:2], bool) if whole is None else whole
-        return Seen(np.array(displacements), np.where(whole[..., None], images, np.nan), whole)
+        visible = np.ones(images.shape[:2], bool) if visible is None else visible
+        return Observations(np.array(displacements), np.where(visible[..., None], images, np.nan), visible)
 
     def probes(self, turn=0.26):
         """(m + 1, m): where it begins, and on by each joint in turn."""

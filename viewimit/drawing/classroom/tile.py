@@ -17,27 +17,27 @@ from ..status import DIAMOND, DOT, RING, SQUARE
 SIZE = 180, 92  # units
 SHAPES = {
     "lost": SQUARE,
-    ServoStatus.STOPPED: SQUARE,
-    ServoStatus.STALLED: DIAMOND,
+    ServoStatus.MAX_MOTIONS: SQUARE,
+    ServoStatus.NO_PROGRESS: DIAMOND,
     ServoStatus.UNOBSERVABLE: DIAMOND,
     ServoStatus.MOVING: DOT.format("learner"),
     "paused": RING.format("learner"),
     ServoStatus.READY: RING.format("secondary"),
-    ServoStatus.RESTS: RING.format("recovered"),
+    ServoStatus.SETTLED: RING.format("recovered"),
     "arrived": DOT.format("recovered"),
 }
 WORDS = {
     "lost": "lost",
-    ServoStatus.STOPPED: "stopped",
-    ServoStatus.STALLED: "stuck",
+    ServoStatus.MAX_MOTIONS: "stopped",
+    ServoStatus.NO_PROGRESS: "stuck",
     ServoStatus.UNOBSERVABLE: "cannot tell",
     ServoStatus.MOVING: "moving",
     "paused": "paused",
     ServoStatus.READY: "not begun",
-    ServoStatus.RESTS: "rests",
+    ServoStatus.SETTLED: "settled",
     "arrived": "arrived",
 }
-STUCK = {"lost", ServoStatus.STOPPED, ServoStatus.STALLED, ServoStatus.UNOBSERVABLE}
+STUCK = {"lost", ServoStatus.MAX_MOTIONS, ServoStatus.NO_PROGRESS, ServoStatus.UNOBSERVABLE}
 _OWN, _ids = secrets.token_hex(3), itertools.count()
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.basin import Basin, Place
+from ...analysis.convergence import Basin, Place
 from ...simulation.scene import Scene
 from .. import svg
 from ..posture_plane import PosturePlane

@@ -11,7 +11,6 @@ from itertools import product
 
 import numpy as np
 
-from ...loop.rehearsal import rehearse
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...servo.status import ServoStatus
@@ -164,7 +163,7 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
         if session.snapshot.transfer is not None:
             break
     if rehearsed:
-        rehearse(session, rehearsed, seed[-1])
+        session.calibrate(rehearsed, seed[-1])
         session.reset()
     last = session.run(MOST_MOTIONS, PATIENCE).last
     error = np.degrees(np.abs(last.theta - last.theta_demo).max())
@@ -210,7 +209,7 @@ def outcome(name: str, found: Sequence[Ending]) -> Outcome:
         motions_95=float(np.percentile(motions, 95)),
         rms_deg=rms(lambda ending: ending.error),
         expected_deg=rms(lambda ending: ending.expected),
-        stalled=Share.of(ending.status == ServoStatus.STALLED for ending in found),
+        stalled=Share.of(ending.status == ServoStatus.NO_PROGRESS for ending in found),
         claimed_within_bound=Share.of(within_bound) if within_bound else None,
         bound_deg_median=float(np.median([ending.bound for ending in found])),
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...estimation.views import VIEWS
-from ...simulation.eyes.rendered import RenderedEyes
+from ...simulation.rendering import RenderedEyes
 from ...simulation.scene import load_scene
 
 FALSE_PX = 3.0  # farther from its own truth than a ball's radius, a detection is of something else

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from ...loop.rehearsal import rehearse
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ..executors.study import Study, each
@@ -113,7 +112,7 @@ def run_once(settings: Settings, case: Case, seed: list[int], max_motions: int) 
     if case.rehearsed:
         rest_deg = tuple(np.array(session.scene.posture_deg)[session.scene.moving].tolist())
         session.begin(msgspec.structs.replace(settings, start_deg=rest_deg))
-        rehearse(session, case.rehearsed, noise_seed, None if offset_deg is None else DEMO_DEG + offset_deg)
+        session.calibrate(case.rehearsed, noise_seed, None if offset_deg is None else DEMO_DEG + offset_deg)
     session.begin(msgspec.structs.replace(settings, seed=noise_seed, **postures))
     last = session.run(max_motions, PATIENCE).last
     error = np.degrees(np.abs(last.theta - last.theta_demo)).max()

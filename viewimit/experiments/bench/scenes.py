@@ -135,7 +135,7 @@ def written(drawn: Drawn) -> Iterator[str]:
 def run_once(settings: Settings, size: float, max_motions: int) -> Run:
     session = Session(settings, partial(open_resized, size=size))
     last = session.run(max_motions, PATIENCE).last
-    least = partial(bound, session.world, last.theta_demo, session.observer.noise_at_rest(settings))
+    least = partial(bound, session.world, last.theta_demo, session.observer.image_noise_std(settings))
     left = least()
     left_as_seen = least([moment.theta for moment in session.history]) if settings.noise_px else left
     error = np.degrees(np.abs(last.theta - last.theta_demo))

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over
-from ...loop.rehearsal import rehearse
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.scene import Scene
@@ -140,7 +139,7 @@ def run_pair(
     """A run of each servo, from the settings' start to their demonstrator. seed: of the postures rehearsed."""
     session = Session(msgspec.structs.replace(settings, servo=servos[0]), open_eyes=shared_eyes)
     if rehearsed:
-        rehearse(session, rehearsed, seed)
+        session.calibrate(rehearsed, seed)
     targets = dict(zip(TARGETS, (own_minimum(session), session.snapshot.theta_demo)))
     bias = _error_deg(*targets.values())
     runs = []

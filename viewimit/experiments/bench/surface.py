@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from ...simulation.camera import Camera
 from ...simulation.eyes import ProjectedEyes
-from ...simulation.link_meshes import link_meshes
-from ...simulation.robot import Angles, BodyPoints
+from ...simulation.robot import Angles, BodyPoints, link_meshes
 from ...simulation.scene import Scene
 from ...simulation.world import World
 

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...simulation.robot import BodyPoints
-from ...simulation.robots import load_robot
+from ...simulation.robot import BodyPoints, load_robot
 from ...simulation.scene import Scene, load_scene
 
 SIDE_M = 0.07  # of a pair's markers from its axle

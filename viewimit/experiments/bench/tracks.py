@@ -18,8 +18,7 @@ from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews
 from ...geometry.rectification import Rectification, rectification_of
 from ...geometry.rigid import rigid_transform, rotation_about_axis
-from ...simulation.camera import Camera, Cameras
-from ...simulation.lens import Lens
+from ...simulation.camera import Camera, Cameras, Lens
 from ..executors.study import Study, each
 from .success import Share
 

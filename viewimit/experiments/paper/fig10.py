@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.motion import MOTIONS, Motion
-from ...analysis.trajectory import Imitation, Trajectory, follow, hand_points
+from ...analysis.trajectory import MOTIONS, Imitation, Motion, Trajectory, follow, hand_points
 from ...estimation.transfers import FittedTransfer
 from ...loop.session import Session
 from ...loop.settings import Settings
@@ -141,7 +140,7 @@ def _tables(found: Fig10) -> Tables:
                 "view": view,
                 "point": np.tile(np.arange(number), count),
             }
-            row["followed"] = np.tile(run.wanted, count)
+            row["followed"] = np.tile(run.followed, count)
             for what in ("own", "target", "desired"):
                 xy = getattr(run, what)[:, :, 2 * k : 2 * k + 2].reshape(-1, 2)
                 row |= {f"{what}_x_px": xy[:, 0], f"{what}_y_px": xy[:, 1]}

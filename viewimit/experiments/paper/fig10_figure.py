@@ -91,7 +91,7 @@ def _paths(run: Trajectory, k: int, centre: NDArray, scale: float) -> str:
 
 def _view(images: NDArray, run: Trajectory, k: int) -> NDArray:
     """(T, n, 2) px of the points followed, in [L] or [R]"""
-    return images[:, run.wanted, 2 * k : 2 * k + 2]
+    return images[:, run.followed, 2 * k : 2 * k + 2]
 
 
 def _errors(found: Fig10 | None) -> str:

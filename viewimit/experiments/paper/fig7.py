@@ -7,9 +7,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.convexity import Convexity, convexity
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
-from ...analysis.minima import Conflict, Minima, local_minima
+from ...analysis.minima import Conflict, Convexity, Minima, convexity, local_minima
 from ...estimation.transfers import TRANSFERS
 from ...loop.session import Session
 from ...loop.settings import Settings, given

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...analysis.convexity import GOOD, RADII_DEG
+from ...analysis.minima import MAX_RELATIVE_ERROR, RADII_DEG
 from ...drawing import relief, svg
 from ...drawing.axes import Axes, decade_ticks, decades, log10
 from ...drawing.labels import CHARACTER
@@ -107,7 +107,7 @@ def _validity(found: Fig7 | None) -> str:
     ticks = [(value, f"{words} %") for value, words in decade_ticks(*y, 3)]
     degrees = [(radius, f"{radius}°") for radius in (1, 3, 10, 30)]
     parts = [plot.frame("E − δθᵀQδθ, relative", "", degrees, ticks, OUT)]
-    parts.append(plot.level(100 * GOOD, "vi-cursor"))
+    parts.append(plot.level(100 * MAX_RELATIVE_ERROR, "vi-cursor"))
     for name, curved in reversed(curves.items()):
         style = style_of(name, _transfers(found))
         parts.append(plot.line(curved.radius_deg, 100 * curved.worst, style.line))

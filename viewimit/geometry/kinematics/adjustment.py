@@ -1,7 +1,17 @@
-"""Kinematics from images, all visits together: bundle adjustment over the frame, the twists and the points.
+"""Fit projective kinematics to the images of all visits by bundle adjustment (Triggs et al. 2000).
 
-Levenberg and Marquardt's steps on what is left in the images, the points eliminated from each by Schur's complement
-(Triggs et al. 2000). It needs no good start: the affine frame and joints that do not turn will do.
+The parameters of frame and twists and all points are adjusted together by Levenberg-Marquardt steps. Each step
+eliminates the points from the normal equations by the Schur complement:
+
+    [A  B] [δp]     [g]
+    [Bᵀ C] [δX] = - [h],     C block diagonal,     (A - B C⁻¹ Bᵀ) δp = B C⁻¹ h - g,     δX = -C⁻¹ (h + Bᵀ δp).
+
+It needs no good initial values: it starts from an affine frame and joints that turn nothing.
+
+References
+----------
+Triggs, McLauchlan, Hartley and Fitzgibbon, "Bundle adjustment: a modern synthesis", 2000.
+Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, section 10.3.
 """
 
 from collections.abc import Callable
@@ -11,216 +21,255 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import Rectification
-from .clusters import Seen, moved_points
-from .model import FRAME, ProjectiveKinematics, StereoFrame
+from .clusters import Observations, joints_moving_points
+from .model import N_FRAME, ProjectiveKinematics, StereoFrame
 
-STEP = 1e-6  # of difference quotients
-ROUNDS, RETRIES = 30, 6
-FIRST_DAMPING, LESS, MORE = 1e-3, 0.1, 10.0
-GAIN, NOTHING = 1e-3, 1e-9  # share of what is left, that a round must gain; px, rms, that is nothing
-STEADY = 1e-9  # of the normal equations' diagonal, added to it
-AFFINE = 3.0  # standard deviation of the frame's parameters, where noise leaves them open
-EXACT = 1e-2  # px, rms of what images without noise may leave
-SURELY, SLACK = 4.0, 1.2  # standard deviations of the mean square; times the noise, as that is measured itself
+FD_STEP = 1e-6  # of forward differences
+MAX_ITER, MAX_RETRIES = 30, 6  # steps, and larger dampings tried for each
+INITIAL_DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.1, 10.0
+FTOL, MIN_RMS_PX = 1e-3, 1e-9  # relative gain of a step that goes on, and rms residual that counts as zero
+REGULARISATION = 1e-9  # added to the diagonal of the normal equations, relative to it
+PRIOR_STD = 3.0  # of the frame's parameters, where noise leaves them open
+NOISE_FLOOR_PX = 1e-2  # rms residual that is accepted without noise
+FIT_SIGMA, NOISE_SLACK = 4.0, 1.2  # standard deviations of the mean square; factor, as the noise is an estimate itself
+
+PREDICTION_TOL_PX = 1e-6  # error of a prediction without noise: a visit predicted as well adds nothing
+MAX_OFF_PLANE_SIGMA = 3.0  # rms distance of parallel cameras' images from a hyperplane, in standard deviations
+MIN_POINTS = 4  # that span a space
+NEAR_RAD = np.radians(40.0)  # of visits near the first one, which are adjusted first
+MAX_SINGLE_SQUARE = 16.0  # mean square residual of a point placed by a single image, in squares of the noise
+MIN_SQUARE_RATIO = 4.0  # mean square residual with other joints, relative to the best, that decides for the best
 
 
 @dataclass(frozen=True)
-class Adjustment:
-    """seen: of known points alone; coordinates: (K, N, 3), of these images in the kinematics' frame; noise_px: of an
-    image coordinate, standard deviation."""
+class BundleAdjustment:
+    """Least-squares problem of fitting kinematics to images."""
 
-    seen: Seen
-    coordinates: NDArray
-    noise_px: float
-
-    @property
-    def least_px(self) -> float:
-        return max(self.noise_px, EXACT)
+    observations: Observations  # of known points alone
+    coordinates: NDArray[np.float64]  # (K, N, 3): of the images in the kinematics' frame
+    noise_px: float  # standard deviation of an image coordinate
 
     @property
-    def freedom(self) -> int:
-        """Coordinates that the parameters and points do not fit by themselves."""
-        parameters = FRAME + 6 * self.seen.displacement.shape[1]
-        return 3 * (int(np.count_nonzero(self.seen.whole)) - self.seen.points) - parameters
+    def noise_floor_px(self) -> float:
+        """Noise, but at least the rms residual that is accepted without noise [px]."""
+        return max(self.noise_px, NOISE_FLOOR_PX)
 
-    def of_known(self, found: ProjectiveKinematics) -> "Adjustment":
-        """To the images of those points alone of which it knows."""
-        return replace(self, seen=self.seen.only(~found.unknown))
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of coordinates minus the number of parameters and point coordinates."""
+        parameters = N_FRAME + 6 * self.observations.displacement.shape[1]
+        n_images = int(np.count_nonzero(self.observations.visible_in_both))
+        return 3 * (n_images - self.observations.n_points) - parameters
 
-    def left(self, found: ProjectiveKinematics) -> NDArray:
-        """(..., K, N, 3) px, 0 of what was not seen. found: with (..., P) parameters and (..., N, 3) points."""
-        off = found.coordinates(self.seen.displacement) - self.coordinates
-        return np.where(self.seen.whole[..., None], off * found.frame.spread, 0.0)
+    def restricted_to_known(self, kinematics: ProjectiveKinematics) -> "BundleAdjustment":
+        """Keep the images of the points that the kinematics know."""
+        return replace(self, observations=self.observations.restrict(~kinematics.unknown))
 
-    def squares(self, found: ProjectiveKinematics) -> NDArray:
-        """(N,) px², the mean square of what is left of each point, a coordinate."""
-        return (self.left(found) ** 2).sum((0, 2)) / np.maximum(3 * self.seen.whole.sum(0), 1)
+    def residuals(self, kinematics: ProjectiveKinematics) -> NDArray[np.float64]:
+        """Predicted minus observed coordinates, (..., K, N, 3) px, 0 of images that were not seen.
 
-    def explained(self, found: ProjectiveKinematics) -> bool:
-        """Whether what is left is noise."""
-        freedom = max(self.freedom, 1)
-        mean = float((self.left(found) ** 2).sum()) / freedom
-        return mean < (SLACK * self.least_px) ** 2 * (1 + SURELY * np.sqrt(2 / freedom))
+        The kinematics may be several at once, with (..., P) parameters and (..., N, 3) points.
+        """
+        difference = kinematics.coordinates(self.observations.displacement) - self.coordinates
+        return np.where(self.observations.visible_in_both[..., None], difference * kinematics.frame.unit_px, 0.0)
 
-    def adjusted(self, begun: ProjectiveKinematics) -> ProjectiveKinematics | None:
-        """The nearest to all images from there; None if it does not explain them."""
-        found, prior = begun, self.prior(len(begun.parameters))
-        left, damping = self.left(found), FIRST_DAMPING
-        square = float((left**2).sum() + prior @ found.parameters**2)
-        for _ in range(ROUNDS):
-            if square < left.size * NOTHING**2:
+    def mean_squares(self, kinematics: ProjectiveKinematics) -> NDArray[np.float64]:
+        """Mean square of each point's residuals, (N,) px²."""
+        counts = np.maximum(3 * self.observations.visible_in_both.sum(0), 1)
+        return (self.residuals(kinematics) ** 2).sum((0, 2)) / counts
+
+    def fits_noise(self, kinematics: ProjectiveKinematics) -> bool:
+        """Whether noise explains the residuals (chi-square test of their mean square)."""
+        freedom = max(self.degrees_of_freedom, 1)
+        mean = float((self.residuals(kinematics) ** 2).sum()) / freedom
+        return mean < (NOISE_SLACK * self.noise_floor_px) ** 2 * (1 + FIT_SIGMA * np.sqrt(2 / freedom))
+
+    def solve(self, initial: ProjectiveKinematics) -> ProjectiveKinematics | None:
+        """Minimise the residuals from these initial kinematics; None if noise does not explain the minimum."""
+        found, prior = initial, self.prior_weights(len(initial.parameters))
+        residuals, damping = self.residuals(found), INITIAL_DAMPING
+        cost = float((residuals**2).sum() + prior @ found.parameters**2)
+        for _ in range(MAX_ITER):
+            if cost < residuals.size * MIN_RMS_PX**2:
                 break
-            stepped, gained = self._stepping(found, left, prior), 0.0
-            for _ in range(RETRIES):
-                trial = stepped(damping)
-                trial_left = self.left(trial)
-                gained = square - float((trial_left**2).sum() + prior @ trial.parameters**2)
+            damped_step, gained = self._linearised(found, residuals, prior), 0.0
+            for _ in range(MAX_RETRIES):
+                trial = damped_step(damping)
+                trial_residuals = self.residuals(trial)
+                gained = cost - float((trial_residuals**2).sum() + prior @ trial.parameters**2)
                 if gained > 0:
                     break
-                damping *= MORE
+                damping *= DAMPING_INCREASE
             if not gained > 0:
                 break
-            found, left, square, damping = trial, trial_left, square - gained, damping * LESS
-            if gained < GAIN * square:
+            found, residuals = trial, trial_residuals
+            cost, damping = cost - gained, damping * DAMPING_DECREASE
+            if gained < FTOL * cost:
                 break
-        return found if self.explained(found) else None
+        return found if self.fits_noise(found) else None
 
-    def prior(self, parameters: int) -> NDArray:
-        """(P,) px², weights: what noise leaves open of the frame is as in an affine one."""
-        weights = np.zeros(parameters)
-        weights[:FRAME] = (self.noise_px / AFFINE) ** 2
+    def prior_weights(self, n_parameters: int) -> NDArray[np.float64]:
+        """(P,) px²: weights of the squared parameters, of a prior on the frame that is centred on an affine one."""
+        weights = np.zeros(n_parameters)
+        weights[:N_FRAME] = (self.noise_px / PRIOR_STD) ** 2
         return weights
 
-    def derivatives(self, found: ProjectiveKinematics, left: NDArray) -> NDArray:
-        """(P + 3, K, N, 3) px: of what is left, by each parameter, and by each coordinate of its point."""
-        P = len(found.parameters)
-        parameters = found.parameters + STEP * np.eye(P + 3, P)
-        shape = found.shape + STEP * np.eye(P + 3, 3, -P)[:, None, :]
-        return np.nan_to_num((self.left(replace(found, parameters=parameters, shape=shape)) - left) / STEP)
+    def jacobian(self, kinematics: ProjectiveKinematics, residuals: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Derivatives of the residuals by each parameter and each coordinate of their point: (P + 3, K, N, 3) px."""
+        P = len(kinematics.parameters)
+        parameters = kinematics.parameters + FD_STEP * np.eye(P + 3, P)
+        points = kinematics.points + FD_STEP * np.eye(P + 3, 3, -P)[:, None, :]
+        stepped = replace(kinematics, parameters=parameters, points=points)
+        return np.nan_to_num((self.residuals(stepped) - residuals) / FD_STEP)
 
-    def _stepping(
-        self, found: ProjectiveKinematics, left: NDArray, prior: NDArray
+    def _linearised(
+        self, found: ProjectiveKinematics, residuals: NDArray, prior: NDArray
     ) -> Callable[[float], ProjectiveKinematics]:
-        """A damping → where the linear model there leads."""
-        J, P = self.derivatives(found, left), len(found.parameters)
-        A, B, C = products(J, P)
+        """Return the function from a damping to the minimum of the damped linear model."""
+        J, P = self.jacobian(found, residuals), len(found.parameters)
+        A, B, C = normal_equations(J, P)
         A = A + np.diag(prior)
-        g = J[:P].reshape(P, -1) @ left.ravel() + prior * found.parameters
-        h = np.einsum("akni,kni->na", J[P:], left)
-        own, of_points = np.diag(A), np.einsum("naa->na", C)
+        g = J[:P].reshape(P, -1) @ residuals.ravel() + prior * found.parameters
+        h = np.einsum("akni,kni->na", J[P:], residuals)
+        diag_A, diag_C = np.diag(A), np.einsum("naa->na", C)
 
-        def stepped(damping: float) -> ProjectiveKinematics:
-            raised = damping * of_points + STEADY * of_points.sum(1, keepdims=True) + np.finfo(float).tiny
+        def damped_step(damping: float) -> ProjectiveKinematics:
+            raised = damping * diag_C + REGULARISATION * diag_C.sum(1, keepdims=True) + np.finfo(float).tiny
             inverse = np.linalg.inv(C + raised[..., None] * np.eye(3))
             BC = B @ inverse
-            reduced = A + np.diag(damping * own + STEADY * own.mean()) - np.tensordot(BC, B, ([0, 2], [0, 2]))
+            reduced = A + np.diag(damping * diag_A + REGULARISATION * diag_A.mean())
+            reduced = reduced - np.tensordot(BC, B, ([0, 2], [0, 2]))
             step = np.linalg.solve(reduced, np.tensordot(BC, h, ([0, 2], [0, 1])) - g)
-            shape = found.shape - np.einsum("nab,nb->na", inverse, h + np.tensordot(B, step, ([1], [0])))
-            return replace(found, parameters=found.parameters + step, shape=shape)
+            points = found.points - np.einsum("nab,nb->na", inverse, h + np.tensordot(B, step, ([1], [0])))
+            return replace(found, parameters=found.parameters + step, points=points)
 
-        return stepped
+        return damped_step
 
 
-def products(J: NDArray, parameters: int) -> tuple[NDArray, NDArray, NDArray]:
-    """The normal equations of derivatives (P + 3, K, N, 3): A (P, P) of the parameters, C (N, 3, 3) of the points,
-    B (N, P, 3) of both."""
-    of_all = J[:parameters].reshape(parameters, -1)
+def normal_equations(
+    J: NDArray[np.float64], n_parameters: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Blocks of JᵀJ for derivatives (P + 3, K, N, 3): A (P, P), B (N, P, 3) and C (N, 3, 3)."""
+    by_parameter = J[:n_parameters].reshape(n_parameters, -1)
     by_point = np.moveaxis(J, 2, 0).reshape(J.shape[2], len(J), -1)
-    both = by_point @ by_point[:, parameters:].swapaxes(1, 2)
-    return of_all @ of_all.T, both[:, :parameters], both[:, parameters:]
-
-
-# Projective kinematics that explain the images of a body at all postures visited, if there are any.
-
-FORESEEN = 1e-6  # px: what is foretold without noise is as far off, and nothing is to be learned from less
-IN_SPACE = 3.0  # times the noise: rms distance of images from a hyperplane, which those of parallel cameras have
-FEWEST = 4  # points that span a space
-NEAR = np.radians(40.0)  # from the first visit, of visits to begin with
-OF_ONE = 16.0  # times the noise's square, of a point that was placed by a single image
-CLEARLY = 4.0  # times as much by other joints
+    both = by_point @ by_point[:, n_parameters:].swapaxes(1, 2)
+    return by_parameter @ by_parameter.T, both[:, :n_parameters], both[:, n_parameters:]
 
 
 def fit_kinematics(
-    seen: Seen, noise_px: float, rectification: Rectification | None = None, before: ProjectiveKinematics | None = None
+    observations: Observations,
+    noise_px: float,
+    rectification: Rectification | None = None,
+    previous: ProjectiveKinematics | None = None,
 ) -> ProjectiveKinematics | None:
-    """What explains all visits as well as noise allows, None if nothing is found that does. noise_px: of an image
-    coordinate, standard deviation; before: what explained all visits but the last."""
-    if before is not None and (before.rectification is None) != (rectification is None):
-        before = None
-    if before is not None and noise_px == 0 and before.rectification is rectification and _foresaw(before, seen):
-        return before
-    if len(seen.displacement) <= seen.displacement.shape[1] or seen.points < FEWEST:
+    """Fit kinematics that explain the images of all visits as well as noise allows.
+
+    Parameters
+    ----------
+    observations : Observations
+        Images of K visits.
+    noise_px : float
+        Standard deviation of an image coordinate.
+    rectification : Rectification, optional
+        Of the images, None if they need none.
+    previous : ProjectiveKinematics, optional
+        Kinematics that explained all visits but the last one.
+
+    Returns
+    -------
+    ProjectiveKinematics or None
+        None if the images do not determine kinematics, or none were found that explain them.
+    """
+    if previous is not None and (previous.rectification is None) != (rectification is None):
+        previous = None
+    if previous is not None and noise_px == 0 and previous.rectification is rectification:
+        if _predicts_last(previous, observations):
+            return previous
+    if len(observations.displacement) <= observations.displacement.shape[1] or observations.n_points < MIN_POINTS:
         return None
-    grouped = moved_points(seen, noise_px)
-    if grouped is None:
+    clusters = joints_moving_points(observations, noise_px)
+    if clusters is None:
         return None
-    images = np.where(seen.whole[..., None], seen.images, 0.0)
+    images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
     images = images if rectification is None else rectification.apply(images)
-    begun = before or _anew(seen, images, rectification)
-    if begun.frame.off > max(EXACT, IN_SPACE * noise_px):
+    initial = previous or _initial(observations, images, rectification)
+    if initial.frame.rms_off_plane_px > max(NOISE_FLOOR_PX, MAX_OFF_PLANE_SIGMA * noise_px):
         return None
-    coordinates = begun.frame.coordinates(images)
-    moved, told = grouped
-    moved = np.where(begun.unknown[:, None], moved, begun.moved)
-    begun = replace(begun, moved=moved, rectification=rectification)
-    begun = begun.with_points(told & begun.unknown, seen, coordinates)
-    whole = Adjustment(seen, coordinates, noise_px)
-    found = _adjusted(begun, whole, anew=before is None)
+    coordinates = initial.frame.coordinates(images)
+    moved_by, known = clusters
+    moved_by = np.where(initial.unknown[:, None], moved_by, initial.moved_by)
+    initial = replace(initial, moved_by=moved_by, rectification=rectification)
+    initial = initial.with_points(known & initial.unknown, observations, coordinates)
+    problem = BundleAdjustment(observations, coordinates, noise_px)
+    found = _solve_from(initial, problem, is_first=previous is None)
     if found is None:
         return None
-    more = _with_others(found, found.unknown & (seen.whole.sum(0) > 1), whole)
-    return found if more is found else whole.of_known(more).adjusted(more) or found
+    seen_twice = found.unknown & (observations.visible_in_both.sum(0) > 1)
+    extended = _reassigned(found, seen_twice, problem)
+    return found if extended is found else problem.restricted_to_known(extended).solve(extended) or found
 
 
-def _anew(seen: Seen, images: NDArray, rectification: Rectification | None) -> ProjectiveKinematics:
-    """That knows nothing yet. images: (K, N, 4) px, rectified."""
-    (_, points), joints = seen.whole.shape, seen.displacement.shape[1]
-    frame = StereoFrame.of(images[seen.whole])
-    return ProjectiveKinematics.unmoved(points, joints, seen.displacement[0], frame, rectification)
+def _initial(observations: Observations, images: NDArray, rectification: Rectification | None) -> ProjectiveKinematics:
+    """Kinematics that know no point yet. images: (K, N, 4) px, rectified."""
+    visible = observations.visible_in_both
+    frame = StereoFrame.fit(images[visible])
+    return ProjectiveKinematics.initial(visible.shape[1], observations.displacement[0], frame, rectification)
 
 
-def _foresaw(before: ProjectiveKinematics, seen: Seen) -> bool:
-    """Whether nothing is left to learn of the last visit."""
-    last = seen.whole[-1]
-    if before.unknown.any() or not last.any():
+def _predicts_last(previous: ProjectiveKinematics, observations: Observations) -> bool:
+    """Whether the last visit adds nothing, as all points are known and predicted exactly."""
+    last = observations.visible_in_both[-1]
+    if previous.unknown.any() or not last.any():
         return False
-    return bool(np.abs(before.predict(seen.displacement[-1]) - seen.images[-1])[last].max() < FORESEEN)
+    error = np.abs(previous.predict(observations.displacement[-1]) - observations.images[-1])
+    return bool(error[last].max() < PREDICTION_TOL_PX)
 
 
-def _adjusted(begun: ProjectiveKinematics, whole: Adjustment, anew: bool) -> ProjectiveKinematics | None:
-    """anew: beginning with visits that are near, and again with other joints for the points that contradict."""
-    known = whole.of_known(begun)
-    if known.freedom < 1:
+def _solve_from(
+    initial: ProjectiveKinematics, problem: BundleAdjustment, is_first: bool
+) -> ProjectiveKinematics | None:
+    """Solve for the known points; without previous kinematics adjust nearby visits first.
+
+    If noise does not explain the minimum, solve again with the contradicting points moved by other joints.
+    """
+    known = problem.restricted_to_known(initial)
+    if known.degrees_of_freedom < 1:
         return None
-    if not anew:
-        return known.adjusted(begun) or _regrouped(begun, known)
-    near = np.abs(known.seen.displacement - begun.reference).max(1) < NEAR
-    if near.sum() <= len(begun.reference) or near.all():
-        return known.adjusted(begun)
-    first = Adjustment(known.seen.at(near), known.coordinates[near], known.noise_px).adjusted(begun)
-    return None if first is None else known.adjusted(first) or _regrouped(first, known)
+    if not is_first:
+        return known.solve(initial) or _solve_reassigned(initial, known)
+    near = np.abs(known.observations.displacement - initial.reference).max(1) < NEAR_RAD
+    if near.sum() <= len(initial.reference) or near.all():
+        return known.solve(initial)
+    nearby = BundleAdjustment(known.observations.select_visits(near), known.coordinates[near], known.noise_px)
+    first = nearby.solve(initial)
+    return None if first is None else known.solve(first) or _solve_reassigned(first, known)
 
 
-def _regrouped(begun: ProjectiveKinematics, known: Adjustment) -> ProjectiveKinematics | None:
-    """With those points moved by other joints that contradict. Noise may hide at first that a joint moves one."""
-    if known.noise_px == 0:
+def _solve_reassigned(initial: ProjectiveKinematics, problem: BundleAdjustment) -> ProjectiveKinematics | None:
+    """Solve with other joints for the points that contradict: noise may hide at first that a joint moves a point."""
+    if problem.noise_px == 0:
         return None
-    other = _with_others(begun, known.squares(begun) > OF_ONE * known.least_px**2, known)
-    return None if other is begun else known.adjusted(other)
+    contradicting = problem.mean_squares(initial) > MAX_SINGLE_SQUARE * problem.noise_floor_px**2
+    reassigned = _reassigned(initial, contradicting, problem)
+    return None if reassigned is initial else problem.solve(reassigned)
 
 
-def _with_others(found: ProjectiveKinematics, points: NDArray, whole: Adjustment) -> ProjectiveKinematics:
-    """With these points, (N,) bool, moved by the joints that all their images tell, where these tell one answer."""
-    known = found.moved[~found.unknown]
-    but_one = known[:, None] ^ np.eye(known.shape[1], dtype=bool)
-    patterns, most = np.unique([*known, *but_one.reshape(-1, known.shape[1])], axis=0), OF_ONE * whole.least_px**2
+def _reassigned(kinematics: ProjectiveKinematics, points: NDArray, problem: BundleAdjustment) -> ProjectiveKinematics:
+    """Let these points, (N,) bool, be moved by the joints that fit all their images, where one choice fits best."""
+    known = kinematics.moved_by[~kinematics.unknown]
+    one_changed = known[:, None] ^ np.eye(known.shape[1], dtype=bool)
+    patterns = np.unique([*known, *one_changed.reshape(-1, known.shape[1])], axis=0)
+    max_square = MAX_SINGLE_SQUARE * problem.noise_floor_px**2
     for point in np.flatnonzero(points):
-        one = np.arange(len(points)) == point
-        trials = [replace(found, moved=np.where(one[:, None], pattern, found.moved)) for pattern in patterns]
-        trials = [trial.with_points(one, whole.seen, whole.coordinates) for trial in trials]
-        squares = [float(whole.squares(trial)[point]) for trial in trials]
+        is_point = np.arange(len(points)) == point
+        trials = [
+            replace(kinematics, moved_by=np.where(is_point[:, None], pattern, kinematics.moved_by))
+            for pattern in patterns
+        ]
+        trials = [trial.with_points(is_point, problem.observations, problem.coordinates) for trial in trials]
+        squares = [float(problem.mean_squares(trial)[point]) for trial in trials]
         best, *others = np.argsort(squares)
-        clear = CLEARLY * max(squares[best], whole.least_px**2)
-        if squares[best] < most and all(squares[other] > clear for other in others):
-            found = trials[best]
-    return found
+        required = MIN_SQUARE_RATIO * max(squares[best], problem.noise_floor_px**2)
+        if squares[best] < max_square and all(squares[other] > required for other in others):
+            kinematics = trials[best]
+    return kinematics

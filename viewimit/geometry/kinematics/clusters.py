@@ -1,4 +1,9 @@
-"""What is known of a body's images: where they were seen, by displacement."""
+"""Clusters of body points that the same joints move.
+
+A pair of visits between which a single joint was turned shows which points this joint moves: those whose images differ
+by more than noise. Points that the same joints move form a cluster, as all points of a link do. Clusters need one
+product of joint motions each, however many points they have.
+"""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -6,113 +11,132 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..rectification import NEAREST
+from ..rectification import MIN_DENOMINATOR
+
+MIN_MOTION_PX = 0.01  # smallest motion of an image point that counts without noise
+MOTION_SIGMA = 5.0  # standard deviations of a difference of images beyond which a point has moved
+REST_FRACTION = 0.5  # of that bound: below it a point has rested; between them noise may have hidden a motion
+MIN_TURN_RAD = np.radians(1.0)  # of the joint that was turned
+STILL_RAD = 1e-9  # turn up to which a joint has rested
 
 
 @dataclass(frozen=True)
-class Seen:
-    """Of K visits: displacement (K, m) rad; images (K, N, 4) px; whole (K, N) bool, of points seen in both images."""
+class Observations:
+    """Images of a body at K visited postures."""
 
-    displacement: NDArray
-    images: NDArray
-    whole: NDArray
+    displacement: NDArray[np.float64]  # (K, m) rad
+    images: NDArray[np.float64]  # (K, N, 4) px in [L, R]
+    visible_in_both: NDArray[np.bool_]  # (K, N)
 
-    def only(self, points: NDArray) -> "Seen":
-        """Of these points, (N,) bool, alone."""
-        return Seen(self.displacement, self.images, self.whole & points)
+    def restrict(self, points: NDArray[np.bool_]) -> "Observations":
+        """Keep the images of some points, (N,) bool."""
+        return Observations(self.displacement, self.images, self.visible_in_both & points)
 
-    def at(self, visits: NDArray) -> "Seen":
-        """Of some of the visits, (K,) bool or indices."""
-        return Seen(self.displacement[visits], self.images[visits], self.whole[visits])
+    def select_visits(self, visits: NDArray) -> "Observations":
+        """Keep some visits, (K,) bool or indices."""
+        return Observations(self.displacement[visits], self.images[visits], self.visible_in_both[visits])
 
     @property
-    def points(self) -> int:
-        """How many were seen at all."""
-        return int(np.count_nonzero(self.whole.any(0)))
-
-
-# Which joints move which points: told by pairs of images between which a single joint was turned.
-
-LEAST_PX = 0.01  # of motion, without noise
-SURELY, DOUBTFUL = 5.0, 0.5  # standard deviations; share of these, from which noise may have hidden a motion
-LEAST_TURN = np.radians(1.0)
-STILL = 1e-9  # rad
+    def n_points(self) -> int:
+        """Number of points that were seen in both images at some visit."""
+        return int(np.count_nonzero(self.visible_in_both.any(0)))
 
 
 @dataclass(frozen=True)
-class Groups:
-    """Points that the same joints move. joints: of each group, from the base on; points: of each, indices."""
+class LinkClusters:
+    """Points that the same joints move, cluster by cluster."""
 
-    joints: tuple[tuple[int, ...], ...]
-    points: tuple[NDArray, ...]
+    joints: tuple[tuple[int, ...], ...]  # of each cluster, from the base outwards
+    points: tuple[NDArray[np.int_], ...]  # of each cluster, indices
 
     @staticmethod
-    def of(moved: NDArray) -> "Groups":
-        """moved: (N, m) bool, which joints move a point. What moves more points is nearer to the base."""
-        return _groups(moved.tobytes(), moved.shape)
+    def from_table(moved_by: NDArray[np.bool_]) -> "LinkClusters":
+        """Cluster points by the joints that move them, (N, m) bool. A joint that moves more points is further in."""
+        return _clusters(moved_by.tobytes(), moved_by.shape)
 
-    def project(self, motions: NDArray, shape: NDArray, project: NDArray) -> NDArray:
-        """shape: (..., N, 3); motions: (..., B, m, 4, 4); project: (c + 1, 4) → (..., B, N, c)"""
-        found = np.empty((*motions.shape[:-3], shape.shape[-2], len(project) - 1))
-        space = np.concatenate([shape, np.ones((*shape.shape[:-1], 1))], -1)[..., None, :, :]
-        for points, chain in zip(self.points, carried(motions, self.joints, project)):
-            of = space[..., points, :] @ chain.swapaxes(-1, -2)
-            found[..., points, :] = of[..., :-1] / np.maximum(of[..., -1:], NEAREST)
+    def project(self, motions: NDArray, points: NDArray, projection: NDArray) -> NDArray:
+        """Move and project the points.
+
+        motions: (..., B, m, 4, 4), of each joint; points: (..., N, 3); projection: (c + 1, 4) → (..., B, N, c).
+        """
+        found = np.empty((*motions.shape[:-3], points.shape[-2], len(projection) - 1))
+        homogeneous = np.concatenate([points, np.ones((*points.shape[:-1], 1))], -1)[..., None, :, :]
+        for members, transform in zip(self.points, chain_transforms(motions, self.joints, projection)):
+            moved = homogeneous[..., members, :] @ transform.swapaxes(-1, -2)
+            found[..., members, :] = moved[..., :-1] / np.maximum(moved[..., -1:], MIN_DENOMINATOR)
         return found
 
 
-@lru_cache(maxsize=64)  # every step of an adjustment asks for the same ones
-def _groups(moved: bytes, shape: tuple[int, int]) -> Groups:
-    table = np.frombuffer(moved, bool).reshape(shape)
+@lru_cache(maxsize=64)  # each step of an adjustment asks for the same clusters
+def _clusters(moved_by: bytes, shape: tuple[int, int]) -> LinkClusters:
+    table = np.frombuffer(moved_by, bool).reshape(shape)
     order = np.argsort(-table.sum(0), kind="stable")
-    patterns, of = np.unique(table, axis=0, return_inverse=True)
+    patterns, index = np.unique(table, axis=0, return_inverse=True)
     joints = tuple(tuple(int(j) for j in order if pattern[j]) for pattern in patterns)
-    return Groups(joints, tuple(np.flatnonzero(of.ravel() == k) for k in range(len(patterns))))
+    return LinkClusters(joints, tuple(np.flatnonzero(index.ravel() == k) for k in range(len(patterns))))
 
 
-def carried(motions: NDArray, groups: tuple[tuple[int, ...], ...], project: NDArray) -> list[NDArray]:
-    """project (c, 4) after the motions (..., B, m, 4, 4) of each group's joints, the first of them outermost: for each
-    group (..., B, c, 4), of a group that no joint moves (c, 4)."""
-    done: dict[tuple[int, ...], NDArray] = {(): project}
-    for joints in groups:
-        for k in range(1, len(joints) + 1):
-            if joints[:k] not in done:
-                done[joints[:k]] = done[joints[: k - 1]] @ motions[..., joints[k - 1], :, :]
-    return [done[joints] for joints in groups]
+def chain_transforms(motions: NDArray, chains: tuple[tuple[int, ...], ...], projection: NDArray) -> list[NDArray]:
+    """Multiply the motions along each chain of joints, the projection first.
 
-
-def moved_points(seen: Seen, noise_px: float) -> tuple[NDArray, NDArray] | None:
-    """(N, m) bool, which joints move each point, and (N,) bool, of which points that is told. noise_px: of an image
-    coordinate, standard deviation.
-
-    Of a joint that was not turned alone while a point was seen others may tell: what the outer one moves the inner one
-    does. None if the images do not tell of each joint which points it moves.
+    motions: (..., B, m, 4, 4); projection: (c, 4) → for each chain (..., B, c, 4), for an empty one (c, 4).
     """
-    farthest = np.full((seen.whole.shape[1], seen.displacement.shape[1]), -1.0)  # px, that a joint moved a point
-    for k, l, joint in _turned_alone(seen.displacement):
-        far = np.where(seen.whole[k] & seen.whole[l], np.abs(seen.images[k] - seen.images[l]).max(-1), -1.0)
-        farthest[:, joint] = np.maximum(farthest[:, joint], far)
-    least = max(LEAST_PX, SURELY * np.sqrt(2) * noise_px)
-    moved = farthest > least
-    asked = moved | ((farthest >= 0) & (farthest < DOUBTFUL * least))
-    told = asked.all(1)
-    if not moved[told].any(0).all():
+    products: dict[tuple[int, ...], NDArray] = {(): projection}
+    for joints in chains:
+        for k in range(1, len(joints) + 1):
+            if joints[:k] not in products:
+                products[joints[:k]] = products[joints[: k - 1]] @ motions[..., joints[k - 1], :, :]
+    return [products[joints] for joints in chains]
+
+
+def joints_moving_points(
+    observations: Observations, noise_px: float
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]] | None:
+    """Find which joints move each point.
+
+    Parameters
+    ----------
+    observations : Observations
+        Images of K visits.
+    noise_px : float
+        Standard deviation of an image coordinate.
+
+    Returns
+    -------
+    tuple or None
+        Which joints move a point, (N, m) bool, and for which points this is known, (N,) bool. None if the images leave
+        open, for some joint, which points it moves.
+
+    Notes
+    -----
+    If a joint was never turned alone while a point was visible, the other joints may decide: all points that an outer
+    joint moves, the joints further in move as well.
+    """
+    visible = observations.visible_in_both
+    farthest = np.full((visible.shape[1], observations.displacement.shape[1]), -1.0)  # px, -1 if never observed
+    for k, l, joint in _single_joint_pairs(observations.displacement):
+        moved_px = np.abs(observations.images[k] - observations.images[l]).max(-1)
+        farthest[:, joint] = np.maximum(farthest[:, joint], np.where(visible[k] & visible[l], moved_px, -1.0))
+    min_motion = max(MIN_MOTION_PX, MOTION_SIGMA * np.sqrt(2) * noise_px)
+    moved = farthest > min_motion
+    decided = moved | ((farthest >= 0) & (farthest < REST_FRACTION * min_motion))
+    known = decided.all(1)
+    if not moved[known].any(0).all():
         return None
-    inner = _inner(moved[told])
-    by_outer, by_inner = (moved & asked) @ inner.T, (~moved & asked) @ inner
-    return moved | (~asked & by_outer), (asked | by_outer | by_inner).all(1)
+    inner = _moves_more(moved[known])
+    by_outer, by_inner = (moved & decided) @ inner.T, (~moved & decided) @ inner
+    return moved | (~decided & by_outer), (decided | by_outer | by_inner).all(1)
 
 
-def _inner(moved: NDArray) -> NDArray:
-    """(m, m) bool: whether a joint moves all that another one moves, and more. moved: (n, m) bool, by which joints a
-    point is moved."""
-    beyond = moved.T.astype(int) @ ~moved  # how many points one moves that the other does not
+def _moves_more(moved: NDArray) -> NDArray:
+    """(m, m) bool: whether one joint moves all points that another one moves, and more. moved: (n, m) bool."""
+    beyond = moved.T.astype(int) @ ~moved  # number of points that the first moves and the second does not
     return (beyond > 0) & (beyond.T == 0)
 
 
-def _turned_alone(displacement: NDArray) -> list[tuple[int, int, int]]:
-    """Pairs of visits k, l between which one joint was turned, and no other: k, l, joint."""
+def _single_joint_pairs(displacement: NDArray) -> list[tuple[int, int, int]]:
+    """(k, l, joint): pairs of visits between which one joint was turned, and no other."""
     k, l = np.triu_indices(len(displacement), 1)
     turned = np.abs(displacement[k] - displacement[l])
-    alone = ((turned > STILL).sum(1) == 1) & (turned.max(1) > LEAST_TURN)
+    alone = ((turned > STILL_RAD).sum(1) == 1) & (turned.max(1) > MIN_TURN_RAD)
     return list(zip(k[alone].tolist(), l[alone].tolist(), turned[alone].argmax(1).tolist()))

@@ -1,7 +1,21 @@
-"""A frame of projective space in which stereo images of a body are its points.
+"""Images of a body as a function of its joint displacements: a product of exponentials in a projective frame.
 
-Images [x_L y_L x_R y_R] of cameras with parallel axes, and rectified ones of any, lie in a hyperplane of their 4-space:
-three coordinates of it are, with a 1, homogeneous coordinates of the point in space, up to a projective map.
+Images [x_L y_L x_R y_R] of parallel or rectified cameras lie in a hyperplane of their 4-space. Three coordinates of it
+are, with a 1, homogeneous coordinates of the point in space, up to a projective map (`StereoFrame`).
+
+A stereo head that stands still sees a joint's motion as a motion of projective space, conjugate to a screw (Ruf and
+Horaud 1999). With G_j = A⁻¹ S_j A, the twist S_j of joint j in the frame A, the point X is seen at
+
+    y(θ) = π(C exp(θ_1 G_1) ... exp(θ_m G_m) X)
+
+over the joints that move it, from the base outwards (Brockett 1984). All joints share A: eight parameters determine it
+up to a similarity, and six more each twist. No camera, link or length is known.
+
+References
+----------
+Ruf and Horaud, "Visual servoing of robot manipulators, part I: projective kinematics", IJRR 18(11), 1999.
+Brockett, "Robotic manipulators and the product of exponentials formula", 1984.
+Murray, Li and Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, chapter 2.
 """
 
 from dataclasses import dataclass, replace
@@ -11,50 +25,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import Rectification
-from .clusters import Groups, Seen, carried
+from .clusters import LinkClusters, Observations, chain_transforms
 
-LEAST_SPREAD = 1e-6  # px: of images in a plane
+MIN_SCALE_PX = 1e-6  # of images in a plane
+MIN_RATE = 1e-8  # of a prismatic joint, whose G² is 0
+N_FRAME = 8  # frame parameters: logarithms of two scales, three shears, the plane at infinity
+MAX_LOG_SCALE = 20.0  # keeps the frame invertible after any step
 
 
 @dataclass(frozen=True)
 class StereoFrame:
-    """mean: (4,) px; axes: (3, 4) px, along which the images were spread, by how much; off: px, rms from the
-    hyperplane."""
+    """Coordinates of projective space in which stereo images are points."""
 
-    mean: NDArray
-    axes: NDArray
-    off: float
+    mean: NDArray[np.float64]  # (4,) px
+    axes: NDArray[np.float64]  # (3, 4) px, principal directions of the images, as long as their standard deviations
+    rms_off_plane_px: float  # distance of the images from the hyperplane of the axes
 
     @classmethod
-    def of(cls, images: NDArray) -> "StereoFrame":
-        """(M, 4) px"""
+    def fit(cls, images: NDArray[np.float64]) -> "StereoFrame":
+        """Fit the frame to images, (M, 4) px."""
         mean = images.mean(0)
-        _, spread, axes = np.linalg.svd(images - mean, full_matrices=False)
-        spread = np.maximum(spread / np.sqrt(len(images)), LEAST_SPREAD)
-        return cls(mean, spread[:3, None] * axes[:3], float(spread[3]))
+        _, scale, axes = np.linalg.svd(images - mean, full_matrices=False)
+        scale = np.maximum(scale / np.sqrt(len(images)), MIN_SCALE_PX)
+        return cls(mean, scale[:3, None] * axes[:3], float(scale[3]))
 
     @property
-    def spread(self) -> NDArray:
-        """(3,) px, of one unit of each coordinate."""
+    def unit_px(self) -> NDArray[np.float64]:
+        """(3,) px: length of one unit of each coordinate in the images."""
         return np.linalg.norm(self.axes, axis=1)
 
-    def coordinates(self, images: NDArray) -> NDArray:
-        """(..., 4) px → (..., 3)"""
-        return (images - self.mean) @ (self.axes.T / self.spread**2)
+    def coordinates(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Coordinates (..., 3) of images (..., 4) px."""
+        return (images - self.mean) @ (self.axes.T / self.unit_px**2)
 
     @property
-    def projection(self) -> NDArray:
-        """(5, 4): homogeneous coordinates → homogeneous images."""
+    def projection(self) -> NDArray[np.float64]:
+        """(5, 4): maps homogeneous coordinates to homogeneous images."""
         return np.vstack([np.column_stack([self.axes.T, self.mean]), [0, 0, 0, 1]])
 
 
-# Screw motions as matrices of projective space: exp(θG), G = A⁻¹SA of a twist S, in any projective frame A.
-
-LEAST_RATE = 1e-8  # of a joint that slides: its G² is 0
-
-
-def twist_matrices(twists: NDArray) -> NDArray:
-    """(..., 6), angular velocity ω and velocity v → (..., 4, 4): [[ω]× v; 0 0]."""
+def twist_matrices(twists: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angular velocity ω and velocity v, (..., 6) → [[ω]× v; 0 0], (..., 4, 4)."""
     S = np.zeros((*twists.shape[:-1], 4, 4))
     x, y, z = np.moveaxis(twists[..., :3], -1, 0)
     S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -z, y, -x
@@ -63,107 +74,104 @@ def twist_matrices(twists: NDArray) -> NDArray:
     return S
 
 
-def powers(G: NDArray, rate: NDArray) -> NDArray:
-    """I, G, G²/w² and G³/w³, of which every exponential is a sum. G: (..., 4, 4); rate: (...), w → (..., 4, 4, 4)."""
-    w = np.maximum(rate, LEAST_RATE)[..., None, None]
+def generator_powers(G: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
+    """I, G, G²/w² and G³/w³, of which `exponentials` are sums. G: (..., 4, 4); rate: w, (...) → (..., 4, 4, 4)."""
+    w = np.maximum(rate, MIN_RATE)[..., None, None]
     squared = G @ G / w**2
     return np.stack([np.broadcast_to(np.eye(4), G.shape), G, squared, squared @ G / w], -3)
 
 
-def exponentials(powers: NDArray, rate: NDArray, angle: NDArray) -> NDArray:
-    """exp(θG) = I + θG + (1 - cos wθ) G²/w² + (wθ - sin wθ) G³/w³ (Murray, Li & Sastry 1994, Ch. 2), as G⁴ = -w²G².
+def exponentials(
+    powers: NDArray[np.float64], rate: NDArray[np.float64], angle: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Evaluate exp(θG) = I + θG + (1 - cos wθ) G²/w² + (wθ - sin wθ) G³/w³, as G⁴ = -w²G².
 
-    powers: (..., m, 4, 4, 4); rate: (..., m), w = |ω|; angle: (B, m) → (..., B, m, 4, 4).
+    powers: (..., m, 4, 4, 4), of `generator_powers`; rate: w = |ω|, (..., m); angle: (B, m) rad → (..., B, m, 4, 4).
     """
-    turn = np.maximum(rate, LEAST_RATE)[..., None, :] * angle
+    turn = np.maximum(rate, MIN_RATE)[..., None, :] * angle
     terms = np.empty((*turn.shape, 4))
     terms[..., 0], terms[..., 1], terms[..., 2], terms[..., 3] = 1.0, angle, 1 - np.cos(turn), turn - np.sin(turn)
     motions = terms.swapaxes(-2, -3) @ powers.reshape(*powers.shape[:-2], 16)  # (..., m, B, 16)
     return motions.swapaxes(-2, -3).reshape(*turn.shape, 4, 4)
 
 
-# The images of a body as its joints turn it: products of exponentials (Brockett 1984) in a projective frame.
-# A stereo head that stands still sees a joint's motion as one of projective space, conjugate to a screw (Ruf & Horaud
-# 1999, "Visual servoing of robot manipulators, Part I"). All joints share the frame: eight numbers
-# tell it up to a similarity, six each joint's twist, and no camera, link or length is known.
-
-FRAME = 8  # parameters: logarithms of two scales, three shears, the plane at infinity
-MOST_SCALE = 20.0  # of these logarithms: however wild a step is, the frame has an inverse
-
-
 @dataclass(frozen=True)
 class ProjectiveKinematics:
-    """parameters: (P,) of frame and twists; shape: (N, 3), the points in the stereo frame at the reference, (m,) rad,
-    NaN of points that nothing tells; moved: (N, m) bool, by which joints; rectification: of the images, None if they
-    need none. Several at once have (..., P) parameters and (..., N, 3) points."""
+    """Kinematics of a body in projective space. Several at once have leading axes in parameters and points."""
 
-    parameters: NDArray
-    shape: NDArray
-    moved: NDArray
-    reference: NDArray
+    parameters: NDArray[np.float64]  # (..., N_FRAME + 6 m): of the frame A, then ω and v of each joint
+    points: NDArray[np.float64]  # (..., N, 3): in the stereo frame at the reference, NaN of unknown points
+    moved_by: NDArray[np.bool_]  # (N, m): which joints move a point
+    reference: NDArray[np.float64]  # (m,) rad
     frame: StereoFrame
-    rectification: Rectification | None = None
+    rectification: Rectification | None = None  # of the images, None if they need none
 
     @classmethod
-    def unmoved(
-        cls, points: int, joints: int, reference: NDArray, frame: StereoFrame, rectification: Rectification | None
+    def initial(
+        cls,
+        n_points: int,
+        reference: NDArray[np.float64],
+        frame: StereoFrame,
+        rectification: Rectification | None,
     ) -> "ProjectiveKinematics":
-        """Joints that turn nothing, in an affine frame, of points that nothing tells."""
-        parameters, shape = np.zeros(FRAME + 6 * joints), np.full((points, 3), np.nan)
-        return cls(parameters, shape, np.zeros((points, joints), bool), reference, frame, rectification)
+        """Joints that turn nothing, in an affine frame, and unknown points."""
+        parameters, points = np.zeros(N_FRAME + 6 * len(reference)), np.full((n_points, 3), np.nan)
+        return cls(parameters, points, np.zeros((n_points, len(reference)), bool), reference, frame, rectification)
 
     @property
-    def unknown(self) -> NDArray:
-        """(N,) bool: points that nothing tells."""
-        return np.isnan(self.shape[..., 0])
+    def unknown(self) -> NDArray[np.bool_]:
+        """(N,): points whose position, or whose joints, the images do not determine."""
+        return np.isnan(self.points[..., 0])
 
-    def predict(self, displacement: NDArray) -> NDArray:
-        """(..., m) rad → images (..., N, 4) px; of several at once (D, ..., N, 4)."""
+    def predict(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Images (..., N, 4) px at displacements (..., m) rad; of D kinematics at once (D, ..., N, 4)."""
         flat = displacement.reshape(-1, displacement.shape[-1])
-        images = self.groups.project(self._motions(flat), self.shape, self.frame.projection)
+        images = self.clusters.project(self._motions(flat), self.points, self.frame.projection)
         images = images.reshape(*images.shape[:-3], *displacement.shape[:-1], *images.shape[-2:])
         return images if self.rectification is None else self.rectification.restore(images)
 
-    def coordinates(self, displacement: NDArray) -> NDArray:
-        """(K, m) rad → (..., K, N, 3), in the stereo frame."""
-        return self.groups.project(self._motions(displacement), self.shape, np.eye(4))
+    def coordinates(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Coordinates (..., K, N, 3) in the stereo frame at displacements (K, m) rad."""
+        return self.clusters.project(self._motions(displacement), self.points, np.eye(4))
 
-    def with_points(self, points: NDArray, seen: Seen, coordinates: NDArray) -> "ProjectiveKinematics":
-        """With these points, (N,) bool, where they were seen first. coordinates: (K, N, 3), of what was seen."""
-        points = points & seen.whole.any(0)
+    def with_points(
+        self, points: NDArray[np.bool_], observations: Observations, coordinates: NDArray[np.float64]
+    ) -> "ProjectiveKinematics":
+        """Place some points, (N,) bool, where their first image shows them. coordinates: (K, N, 3), of the images."""
+        points = points & observations.visible_in_both.any(0)
         if not points.any():
             return self
-        shape, motions = self.shape.copy(), self._motions(seen.displacement)
-        for group, chain in zip(self.groups.points, carried(motions, self.groups.joints, np.eye(4))):
-            these = group[points[group]]
-            first = seen.whole[:, these].argmax(0)
-            back = np.linalg.inv(chain if chain.ndim == 2 else chain[first])
+        placed, motions = self.points.copy(), self._motions(observations.displacement)
+        for members, transform in zip(self.clusters.points, chain_transforms(motions, self.clusters.joints, np.eye(4))):
+            these = members[points[members]]
+            first = observations.visible_in_both[:, these].argmax(0)
+            back = np.linalg.inv(transform if transform.ndim == 2 else transform[first])
             space = (back @ np.append(coordinates[first, these], np.ones((len(these), 1)), 1)[..., None])[..., 0]
-            shape[these] = space[:, :3] / space[:, 3:]
-        return replace(self, shape=shape)
+            placed[these] = space[:, :3] / space[:, 3:]
+        return replace(self, points=placed)
 
     @property
-    def groups(self) -> Groups:
-        return Groups.of(self.moved)
+    def clusters(self) -> LinkClusters:
+        return LinkClusters.from_table(self.moved_by)
 
     def _motions(self, displacement: NDArray) -> NDArray:
-        """(B, m) rad → (..., B, m, 4, 4), of projective space."""
+        """Motions of projective space, (..., B, m, 4, 4), at displacements (B, m) rad."""
         return exponentials(*self._generators, displacement - self.reference)
 
     @cached_property
     def _generators(self) -> tuple[NDArray, NDArray]:
-        """The `powers` of each joint's generator, (..., m, 4, 4, 4), and its rate |ω|, (..., m)."""
-        twists = self.parameters[..., FRAME:].reshape(*self.parameters.shape[:-1], -1, 6)
-        A, rate = self._upgrade[..., None, :, :], np.sqrt((twists[..., :3] ** 2).sum(-1))
-        return powers(np.linalg.inv(A) @ twist_matrices(twists) @ A, rate), rate
+        """`generator_powers` of each joint, (..., m, 4, 4, 4), and its rate |ω|, (..., m)."""
+        twists = self.parameters[..., N_FRAME:].reshape(*self.parameters.shape[:-1], -1, 6)
+        A, rate = self._metric_upgrade[..., None, :, :], np.sqrt((twists[..., :3] ** 2).sum(-1))
+        return generator_powers(np.linalg.inv(A) @ twist_matrices(twists) @ A, rate), rate
 
     @property
-    def _upgrade(self) -> NDArray:
-        """(..., 4, 4): from the projective frame to a metric one."""
+    def _metric_upgrade(self) -> NDArray:
+        """A, (..., 4, 4): from the projective frame to a metric one."""
         parameters = self.parameters
         A = np.zeros((*parameters.shape[:-1], 4, 4))
-        A[..., [0, 1], [0, 1]] = np.exp(np.clip(parameters[..., :2], -MOST_SCALE, MOST_SCALE))
+        A[..., [0, 1], [0, 1]] = np.exp(np.clip(parameters[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
         A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(parameters[..., 2:5], -1, 0)
         A[..., 2, 2] = A[..., 3, 3] = 1.0
-        A[..., 3, :3] = parameters[..., 5:FRAME]
+        A[..., 3, :3] = parameters[..., 5:N_FRAME]
         return A

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .cells import Table
+from .arrays import text
+from .arrays import values as values_of
 from .deeplabcut import choose
-from .hdf5 import text
-from .hdf5 import values as values_of
+from .text import Table
 from .track import CERTAIN, Rows, Track, require_cells
 
 FRAME, TRACK, X, Y, SCORE = "frame_idx", "track", ".x", ".y", ".score"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.views import VIEWS, FourViews
-from ..lost import lost
+from ..point_checks import lost
 
 MOST_PX = 1e6  # beyond which no picture goes
 MOST_CELLS = 5_000_000  # frames times points

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
 from ...sensing.files import read_bytes
-from .formats import MOST_BYTES, require_urdf_content
+from .reference import MOST_BYTES, require_urdf_content
 
 TURNING, SLIDING, FREE = ("revolute", "continuous"), ("prismatic",), ("planar", "floating")
 KINDS = (*TURNING, *SLIDING, *FREE, "fixed")

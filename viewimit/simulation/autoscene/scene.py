@@ -1,0 +1,242 @@
+"""From a URDF alone to all that a scene file says.
+
+The chain is `urdf.chain`'s; here its posture, the joints that move and their ranges, points on what is seen of it, and
+where arms and head stand.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..camera import Cameras
+from ..robot import Robot
+from ..urdf.chain import Chain, arm_of
+from ..urdf.reference import Reference
+from ..urdf.shapes import Shapes, shapes_of
+from ..urdf.tree import FREE, KINDS, MARGIN, SLIDING, Tree, read_tree
+from .placing import (
+    CENTRE,
+    FOCAL,
+    IMAGE,
+    Placing,
+    image_jacobian,
+    movable,
+    parted,
+    placed,
+    resting,
+    turning_range,
+    two_that_move_most,
+)
+from .surface import Surface, layout, parts_of, sample, seen_from, whole
+
+LAYOUTS = 10, 16, 20  # points
+YAWS_DEG = range(0, 360, 45)
+STEPS = 5  # postures a moving joint, over its range
+LOOKS = 3
+START = 0.2, 0.8, 0.35  # of the moving joints' ranges, where the learner starts, in turn
+
+
+@dataclass(frozen=True)
+class Derived:
+    """fields: as `msgspec` makes a Scene of them; said: lines about what was chosen; faults: about what is not
+    drawn."""
+
+    fields: dict
+    said: tuple[str, ...]
+    faults: tuple[str, ...]
+
+
+def derive(reference: Reference, joints: Sequence[int] | None = None) -> Derived:
+    """joints: numbers, from 1, of those that move, one or two; None takes the two that move the image most.
+
+    Raises ValueError that names the file, and the joint, for what cannot be.
+    """
+    tree = read_tree(reference.path)
+    shapes = shapes_of(reference)
+    return _derived(tree, shapes, reference, None if joints is None else tuple(joints))
+
+
+@lru_cache(16)
+def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int, ...] | None) -> Derived:
+    arm = arm_of(tree, reference.base, reference.tip)
+    robot = Robot.from_urdf(reference.path, reference.tip, reference.base)
+    among = movable(robot)
+    _require_movable(tree, arm, robot, among, joints)
+    rest = resting(robot)
+    surface = sample(shapes.meshes, robot, rest, (joints or among)[0])
+    lowest = _lowest(shapes, robot, rest)
+    yaw, moving = _best_view(robot, rest, surface, lowest, among if joints is None else joints, joints is not None)
+    ranges = [turning_range(robot, joint, rest) for joint in moving]
+    rest[np.array(moving) - 1] = np.radians(np.mean(ranges, axis=1))
+    rest = np.array(robot.coupled(rest), float)
+    postures = _over(robot, rest, moving, ranges)
+    sides = [surface.at(robot.link_frames(posture)) for posture in postures]
+    rough = placed(np.array([places for places, _ in sides]), lowest, yaw)
+    seen = _seen(rough, sides)
+    part = parts_of(surface.link, moving)
+    places = surface.at(robot.link_frames(rest))[0]
+    layouts = {count: chosen for count in LAYOUTS if len(chosen := layout(surface, places, seen, part, count)) == count}
+    used = np.unique(np.concatenate(list(layouts.values())))
+    placing = placed(np.array([places[used] for places, _ in sides]), lowest, yaw)
+    placing = parted(placing, whole(shapes.meshes, robot, rest))
+    fields = _fields(tree, reference, robot, moving, ranges, rest, placing)
+    fields["points"] = {
+        str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]
+        for count, chosen in layouts.items()
+    }
+    return Derived(fields, tuple(_said(tree, arm, robot)), shapes.faults)
+
+
+def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joints: tuple[int, ...] | None) -> None:
+    for joint in joints or ():
+        if not 1 <= joint <= len(robot.joints):
+            raise ValueError(f"{tree.path}: there is no joint {joint}; its joints are {_numbered(robot)}")
+        if joint not in among:
+            one = robot.joints[joint - 1]
+            raise ValueError(f"{tree.path}: joint {joint}, {one.name}, {_why(tree, one.name)}")
+    if len(among) >= 2 or (joints and len(among) >= len(joints)):
+        return
+    stiff = [joint.name for k, joint in enumerate(robot.joints, 1) if k not in among]
+    slides = [joint.name for joint in arm.joints if joint.kind in SLIDING]
+    why = f"; {stiff[0]} {_why(tree, stiff[0])}" if stiff else f"; {slides[0]} slides, and is held" if slides else ""
+    raise ValueError(
+        f"{tree.path}: from {arm.base} to {arm.tip} {len(among) or 'no'} joint{'s' * (not among)} can turn, "
+        f"and two are needed{why}; another chain can be named by --tip"
+    )
+
+
+def _why(tree: Tree, name: str) -> str:
+    """A joint cannot move by itself: why, and what to do."""
+    joint = next(joint for joint in tree.joints if joint.name == name)
+    if joint.mimic is not None:
+        return f"follows {joint.mimic.of}: move that one"
+    if not joint.limited or (joint.lower == joint.upper == 0.0):
+        return 'has no <limit lower=… upper=…>: give it limits, or type="continuous"'
+    return f"turns only from {np.degrees(joint.lower):.4g}° to {np.degrees(joint.upper):.4g}°: widen its limits"
+
+
+def _best_view(
+    robot: Robot, rest: NDArray, surface: Surface, lowest: float, among: Sequence[int], given: bool
+) -> tuple[float, list[int]]:
+    """The bases' yaw, rad, at which two of the joints, or those given, move the images most; and those joints."""
+    spans = np.zeros(len(robot.joints))
+    for joint in among:
+        low, high = np.radians(turning_range(robot, joint, rest))
+        spans[joint - 1] = high - low
+    places, _ = surface.at(robot.link_frames(rest))
+    best: tuple[float, float, list[int]] = (-1.0, 0.0, [])
+    for yaw in np.radians(YAWS_DEG):
+        placing = placed(places, lowest, yaw)
+        J = np.concatenate(
+            [
+                image_jacobian(robot, rest, surface, Cameras(placing.cameras(side)), placing.base(side))
+                for side in (1, -1)
+            ]
+        )
+        if len(among) == 1:
+            pair, score = [among[0]], float(np.linalg.norm(J[:, among[0] - 1]))
+        else:
+            chosen, score = two_that_move_most(J, spans, among)
+            pair = list(among) if given else list(chosen)
+        if score > best[0] * 1.02:
+            best = score, float(yaw), pair
+    return best[1:]
+
+
+def _over(robot: Robot, rest: NDArray, moving: Sequence[int], ranges: Sequence[tuple[float, float]]) -> list[NDArray]:
+    """Postures (n,) rad on a grid over the ranges."""
+    axes = [np.radians(np.linspace(low, high, STEPS)) for low, high in ranges]
+    found = []
+    for angles in np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(moving)):
+        posture = rest.copy()
+        posture[np.array(moving) - 1] = angles
+        found.append(np.array(robot.coupled(posture), float))
+    return found
+
+
+def _seen(placing: Placing, sides: list[tuple[NDArray, NDArray]]) -> NDArray:
+    """(K,) the share of looks, of both arms over the ranges, in which each place is seen."""
+    looks = sides[:: max(1, len(sides) // LOOKS**2)]
+    shares = [
+        seen_from(list(placing.cameras(side)), placing.base(side), places, normals)
+        for side in (1, -1)
+        for places, normals in looks
+    ]
+    return np.mean(shares, axis=0)
+
+
+def _lowest(shapes: Shapes, robot: Robot, rest: NDArray) -> float:
+    frames = robot.link_frames(rest)
+    return min(float((mesh.vertices @ frames[k][2, :3] + frames[k][2, 3]).min()) for k, mesh in shapes.meshes.items())
+
+
+def _fields(
+    tree: Tree,
+    reference: Reference,
+    robot: Robot,
+    moving: Sequence[int],
+    ranges: Sequence[tuple[float, float]],
+    rest: NDArray,
+    placing: Placing,
+) -> dict:
+    start = [round(low + share * (high - low), 2) for (low, high), share in zip(ranges, START)]
+    posture = np.degrees(rest).round(2)
+    yaw = float(np.degrees(placing.yaw).round(2))
+    return {
+        "title": f"{tree.path.stem}, parallel cameras",
+        "robot": str(reference),
+        "moving_joints": list(moving),
+        "range_deg": [list(each) for each in ranges],
+        "posture_deg": posture.tolist(),
+        "start_deg": start,
+        "size": round(placing.size, 4),
+        "head": {
+            "position": _rounded(placing.head),
+            "baseline": round(placing.baseline, 4),
+            "image": list(IMAGE),
+            "focal": FOCAL,
+            "centre": list(CENTRE),
+            "gaze_demonstrator": _rounded(placing.gaze(1)),
+            "gaze_learner": _rounded(placing.gaze(-1)),
+        },
+        "demonstrator": {"position": _rounded(placing.base(1)[:3, 3]), "yaw_deg": yaw},
+        "learner": {"position": _rounded(placing.base(-1)[:3, 3]), "yaw_deg": yaw},
+    }
+
+
+def _rounded(values: NDArray) -> list[float]:
+    """m, without minus zero."""
+    return [float(value) for value in np.asarray(values).round(4) + 0.0]
+
+
+def _said(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
+    lines = [f"{tree.path}: {arm.base} to {arm.tip}, {len(robot.joints)} joints: {_numbered(robot)}"]
+    for joint in arm.joints:
+        if joint.kind in SLIDING:
+            lines.append(f"{tree.path}: {joint.name} slides, and is held at {tree.rest(joint, MARGIN):.4g} m")
+    for one in robot.joints:
+        if one.leader is not None:
+            lines.append(f"{tree.path}: {one.name} follows {robot.joints[one.leader.joint].name}")
+    return lines + [f"{tree.path}: {said}" for said in _held(tree, arm, robot)]
+
+
+def _held(tree: Tree, arm: Chain, robot: Robot) -> Iterator[str]:
+    """Which joints of the arm neither turn nor slide, though their type may; and of no type at all, which of the file:
+    such a one may end the arm."""
+    unknown = sorted({joint.kind for joint in tree.joints} - set(KINDS))
+    for kind in unknown:
+        names = ", ".join(joint.name for joint in tree.joints if joint.kind == kind)
+        yield f"held, as type {kind!r} is none of {', '.join(KINDS)}: {names}"
+    turning = {joint.name for joint in robot.joints}
+    for joint in arm.joints:
+        if joint.kind in FREE:
+            yield f"{joint.name} is {joint.kind}, and is held"
+        elif joint.turns and joint.mimic is not None and joint.name not in turning:
+            yield f"{joint.name} follows {joint.mimic.of}, which does not turn in this arm, and is held"
+
+
+def _numbered(robot: Robot) -> str:
+    return ", ".join(f"{k} {joint.name}" for k, joint in enumerate(robot.joints, 1))

@@ -1,0 +1,303 @@
+"""The furniture of the 3-D scene as plain arrays: what the arms stand on, the head, its frusta, their image plates, and
+what names them. Whoever draws it gives it its colours and its light."""
+
+from collections.abc import Iterator
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimation.views import VIEWS
+from ..geometry.rigid import rotation_about_axis
+from .appearance import extreme_vertices
+from .camera import Camera
+from .robot import link_meshes
+from .world import World
+
+PLATE = 0.17  # m from the camera to its image plate
+LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
+LINE, HALF_NAME = 0.1, 0.25  # m: the height of a line of text, half the length of a base's name
+MOST_STEPS = 8  # by which a name is moved
+SUNK = 0.05  # m, of a base's shape under its origin: less is how it is mounted
+VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
+CELL = 0.5  # m between lines of the floor
+POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}  # m across: spheres, octahedra
+
+
+class Solid(NamedTuple):
+    """colour: a field of `Look`; vertices (V, 3), faces (F, 3): m in its own frame, which stands at position (3,) m,
+    turned by turn (3, 3)."""
+
+    name: str
+    colour: str
+    vertices: NDArray
+    faces: NDArray
+    position: NDArray
+    turn: NDArray
+
+
+class Label(NamedTuple):
+    """A word in the scene, in the colour of an arm's role. position: (3,) m, its middle."""
+
+    name: str
+    text: str
+    role: str
+    position: NDArray
+
+
+class Look(NamedTuple):
+    """What of the 3-D scene differs between light and dark: intensities, and colours 0 … 255."""
+
+    sky: float
+    sun: float
+    cells: tuple[int, int, int]
+    sections: tuple[int, int, int]
+    pedestal: tuple[int, int, int]
+    metal: tuple[int, int, int]
+    lens: tuple[int, int, int]
+    plate: tuple[int, int, int]
+
+
+LOOKS = {
+    False: Look(
+        3.0, 2.3, (236, 238, 241), (214, 218, 224), (176, 180, 188), (120, 128, 140), (44, 50, 60), (245, 246, 248)
+    ),
+    True: Look(2.7, 1.7, (34, 35, 37), (52, 54, 58), (86, 89, 95), (112, 118, 128), (30, 33, 38), (58, 60, 64)),
+}
+
+
+def cameras_of(world: World) -> tuple[Camera, ...]:
+    """In the order of VIEWS."""
+    return (*world.demo_cameras, *world.own_cameras)
+
+
+def bases_of(world: World) -> dict[str, NDArray]:
+    """T_world_base (4, 4) by arm."""
+    return {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
+
+
+def solids(world: World) -> Iterator[Solid]:
+    """Pedestals and the head."""
+    for arm, T_world_base in bases_of(world).items():
+        yield _pedestal(world, arm, T_world_base)
+    yield from _head(world)
+
+
+def labels(world: World) -> Iterator[Label]:
+    """Names of the arms and of the images."""
+    for arm, T_world_base in bases_of(world).items():
+        yield Label(f"{arm}_label", arm, arm, name_at(world, T_world_base))
+    for view, camera, role in zip(VIEWS, cameras_of(world), VIEW_ROLES):
+        plate, eye = on_plate(camera, corners(camera), world.scene.size), camera.T_world_camera[:3, 3]
+        corner = plate[0] if view == "l" else plate[1]  # where no other frustum is
+        yield Label(f"name_{view}", view, role, corner + 0.25 * (corner - eye))
+
+
+def floor_lines(world: World, cells: int) -> NDArray:
+    """(n, 2 cells + 1, 3) m, points from end to end of each line of the floor, within so many cells of the middle of
+    what stands there."""
+    cell = CELL * world.scene.size
+    middle = np.round(landmarks(world)[:, :2].mean(0) / cell) * cell
+    across = np.arange(1 - cells, cells)
+    along = np.sqrt(cells**2 - across**2)[:, None] * np.linspace(-1, 1, 2 * cells + 1)
+    places = np.stack([along, np.broadcast_to(across[:, None], along.shape)], -1)
+    plane = middle + cell * np.concatenate([places, places[..., ::-1]])
+    return np.concatenate([plane, np.zeros((*plane.shape[:2], 1))], -1)
+
+
+def frustum(camera: Camera, size: float) -> NDArray:
+    """(8, 2, 3) m: the edges of a camera's image plate, and from its eye to the corners. size: the scene's."""
+    plate, eye = on_plate(camera, corners(camera), size), camera.T_world_camera[:3, 3]
+    return np.array([(plate[i], plate[(i + 1) % 4]) for i in range(4)] + [(eye, corner) for corner in plate])
+
+
+def landmarks(world: World) -> NDArray:
+    """(k, 3) m: what the default view must hold of it."""
+    bases = bases_of(world).values()
+    feet = [T[:3, 3] * [1, 1, 0] for T in bases]
+    head, size = np.array(world.scene.head.position) * [1, 1, 0], world.scene.size
+    plates = [on_plate(camera, corners(camera), size) for camera in cameras_of(world)]
+    aside = size * looking()[:, 0]
+    names = [name_at(world, T) + side * aside for T in bases for side in (-HALF_NAME, HALF_NAME)]
+    return np.concatenate([*plates, [head], feet, names])
+
+
+def arm_landmarks(world: World, theta: NDArray, theta_demo: NDArray) -> NDArray:
+    """(k, 3) m: and of the arms, where they are and at the ends of their range. theta, theta_demo: (m,) rad."""
+    postures = theta, theta_demo, world.scene.lower, world.scene.upper
+    outline = {link: extreme_vertices(mesh.vertices) for link, mesh in link_meshes(world.scene.robot).items()}
+    points: list[NDArray] = []
+    for T_world_base in bases_of(world).values():
+        for posture in postures:
+            T = world.link_frames(posture, T_world_base)
+            points += [V @ T[link, :3, :3].T + T[link, :3, 3] for link, V in outline.items()]
+    return np.concatenate(points)
+
+
+def name_at(world: World, T_world_base: NDArray) -> NDArray:
+    """(3,) m, where nothing of what stands still hides an arm's name in the default view."""
+    base = link_meshes(world.scene.robot)[0].vertices @ T_world_base[:3, :3].T + T_world_base[:3, 3]
+    size = world.scene.size
+    return unhidden(T_world_base[:3, 3] * [1, 1, 0] + size * LABEL_OFFSET, base, size)
+
+
+def unhidden(place: NDArray, body: NDArray, size: float) -> NDArray:
+    """(3,) m on the floor, there or as much nearer to the default view as nothing of a body (k, 3) m hides a name
+    there. size: the scene's."""
+    right, _, forward = looking().T
+    nearer = -forward * [1, 1, 0]
+    shadow = np.linalg.norm(nearer) / -forward[2]  # m on the floor behind a metre of height
+    nearer /= np.linalg.norm(nearer)
+    for _ in range(MOST_STEPS):
+        aside, along = (body - place) @ right, (body - place) @ nearer
+        hides = (np.abs(aside) < HALF_NAME * size) & (along > 0) & (along - shadow * body[:, 2] < LINE * size)
+        if not hides.any():
+            break
+        place = place + (along[hides].max() + LINE * size / 2) * nearer
+    return place
+
+
+def on_plate(camera: Camera, image: NDArray, size: float = 1.0) -> NDArray:
+    """image: (k, 2) px → (k, 3) m on the plate in front of the camera, where their rays meet it. size: the scene's."""
+    return camera.T_world_camera[:3, 3] + size * PLATE * camera.ray(image)
+
+
+def corners(camera: Camera) -> NDArray:
+    """(4, 2) px, clockwise from the top left."""
+    return np.array([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]], float)
+
+
+def _pedestal(world: World, arm: str, T_world_base: NDArray) -> Solid:
+    x, y, height = T_world_base[:3, 3] + [0, 0, _below(world, T_world_base)]
+    size = world.scene.size
+    vertices, faces = pedestal(max(height / size, 0.03))
+    return Solid(f"{arm}_pedestal", "pedestal", size * vertices, faces, np.array([x, y, height]), np.eye(3))
+
+
+def _below(world: World, T_world_base: NDArray) -> float:
+    """m from a base's origin down to the lowest of what is drawn of it, as of a body that stands on legs; what is drawn
+    of a base that is mounted begins there."""
+    lowest = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())
+    return lowest if lowest < -SUNK * world.scene.size else 0.0
+
+
+def _head(world: World) -> Iterator[Solid]:
+    """The head between its two gazes: a stand, a bar of the baseline's length, a camera at each end."""
+    centre, size = np.array(world.scene.head.position), world.scene.size
+    below = centre - [0, 0, 0.045 * size]
+    forward = sum(camera.T_world_camera[:3, 2] for camera in cameras_of(world)) * [1, 1, 0]
+    turn = rotation_about_axis([0, 0, 1], np.arctan2(forward[1], forward[0]))
+    half = world.scene.head.baseline / 2 / size
+    yield _solid("stand", "metal", stand(below[2] / size), size, below, turn)
+    yield _solid("bar", "metal", box((0.04, 2 * half + 0.06, 0.025)), size, below, turn)
+    for side in (-1, 1):
+        place = centre + size * (turn @ [-0.035, side * half, 0])
+        yield _solid(f"camera{side}", "lens", box((0.07, 0.09, 0.065)), size, place, turn)
+
+
+def _solid(
+    name: str, colour: str, shape: tuple[NDArray, NDArray], size: float, position: NDArray, turn: NDArray
+) -> Solid:
+    return Solid(name, colour, size * shape[0], shape[1], position, turn)
+
+
+# Shapes. All are closed and their faces turn outwards: a renderer then draws one side only, in half the time, and casts
+# shadows from behind, so that no shape shadows itself.
+
+OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)
+OCTAHEDRON_FACES = np.array(
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32
+)
+
+BOX_CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+BOX_SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+BOX_FACES = BOX_SIDES[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+
+
+def octahedron(size: float) -> tuple[NDArray, NDArray]:
+    """Vertices and faces with vertices split, so that it shades as eight facets. size: m across."""
+    vertices = OCTAHEDRON_VERTICES[OCTAHEDRON_FACES].reshape(-1, 3) * (size / 2)
+    return vertices, np.arange(24, dtype=np.uint32).reshape(8, 3)
+
+
+def turned(profile: list[tuple[float, float]], sides: int = 32) -> tuple[NDArray, NDArray]:
+    """A solid of revolution about z. profile: (radius, z) m from the bottom up; edges stay sharp."""
+    angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
+    circle = np.stack([np.cos(angles), np.sin(angles)], -1)
+    vertices: list[NDArray] = []
+    faces: list[NDArray] = []
+    for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
+        first = sum(len(ring) for ring in vertices)
+        for r, z in ((r0, z0), (r1, z1)):
+            vertices.append(np.column_stack([circle * r, np.full(sides, z)]))
+        i, j = np.arange(sides), (np.arange(sides) + 1) % sides
+        lower, upper = first + i, first + sides + i
+        faces.append(np.column_stack([lower, first + j, upper]))
+        faces.append(np.column_stack([first + j, first + sides + j, upper]))
+    return np.concatenate(vertices).astype(np.float32), np.concatenate(faces).astype(np.uint32)
+
+
+def pedestal(height: float) -> tuple[NDArray, NDArray]:
+    """A column on a plate; its top is the origin."""
+    return turned([(0, -height), (0.2, -height), (0.2, 0.03 - height), (0.11, 0.03 - height), (0.11, 0.0), (0, 0.0)])
+
+
+def stand(height: float) -> tuple[NDArray, NDArray]:
+    """A thin post on a plate; its top is the origin."""
+    return turned([(0, -height), (0.16, -height), (0.16, 0.02 - height), (0.022, 0.02 - height), (0.022, 0), (0, 0)])
+
+
+def sheet(corners: NDArray) -> tuple[NDArray, NDArray]:
+    """A quadrilateral, (4, 3) m, that is seen from both sides."""
+    faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
+    return np.concatenate([corners, corners]).astype(np.float32), np.concatenate([faces, faces[:, ::-1] + 4])
+
+
+def box(size: tuple[float, float, float]) -> tuple[NDArray, NDArray]:
+    """An axis-aligned box about the origin, its faces flat."""
+    vertices = (BOX_CORNERS[BOX_FACES].reshape(-1, 3) * size).astype(np.float32)
+    return vertices, np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)
+
+
+# Where the 3-D scene is looked at from: a fixed direction, fitted to what must be seen and to the canvas.
+
+FOV = np.radians(36.0)
+MARGIN = 0.93  # of the half angle that the default view fills
+BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
+AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
+
+
+def looking() -> NDArray:
+    """R_world_camera (3, 3) of the default view: right, down, forward."""
+    forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+    right = np.cross(forward, [0, 0, 1.0])
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(forward, right), forward], axis=-1)
+
+
+def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
+    """Position and target of a camera from AZIMUTH, ELEVATION and FOV that just holds (k, 3) points.
+
+    below: share of the height, from the bottom, that stays free. Each side of the frame is a plane through the
+    eye, with a slope per depth; along its normal the points give one bound, and opposite bounds meet at the eye.
+    """
+    right, down, forward = looking().T
+    up, backward = -down, -forward
+    tan = np.tan(FOV / 2)
+    x, y, z = points @ right, points @ up, points @ backward
+    eye = []
+    for coordinate, low_slope, high_slope in (
+        (x, tan * aspect * MARGIN, tan * aspect * MARGIN),
+        (y, tan * (1 - 2 * below) * MARGIN, tan * MARGIN),
+    ):
+        high, low = np.max(coordinate + high_slope * z), np.min(coordinate - low_slope * z)
+        distance = (high - low) / (high_slope + low_slope)
+        eye.append((distance, high_slope, low_slope, high, low))
+    distance = max(eye[0][0], eye[1][0])
+    centres = []  # of the room that is left where the other direction decides the distance
+    for _, high_slope, low_slope, high, low in eye:
+        centres.append((high - high_slope * distance + low + low_slope * distance) / 2)
+    position = centres[0] * right + centres[1] * up + distance * backward
+    depth = distance - np.mean(z)
+    return position, position - depth * backward

@@ -109,9 +109,9 @@ def test_points_that_are_likely_wrong_are_listed_with_their_score(ask, ask_json,
         "kind": "misplaced", "points": ["<p5>"], "views": ["own_left", "own_right"], "frames": [11],
     }  # fmt: skip
     assert misplaced["score"] > 100 and "E" not in misplaced
-    assert (swapped["kind"], swapped["points"]) == ("exchanged", ["<p2>", "<p9>"])
+    assert (swapped["kind"], swapped["points"]) == ("swapped", ["<p2>", "<p9>"])
     assert swapped["views"] == ["demo_left", "demo_right"]
-    assert swapped["E"] > 10 * swapped["E_exchanged"] and told["undecided"] == []
+    assert swapped["E"] > 10 * swapped["E_swapped"] and told["undecided"] == []
     _, out, _ = ask("evaluate", suspicious)
     page = (tmp_path / "report.html").read_text()
     assert "<p5>  misplaced in own_left or own_right: " in out and "off; frame 11" in out

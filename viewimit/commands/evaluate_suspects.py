@@ -18,7 +18,7 @@ def in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
     named, where = " and ".join(suspect["points"]), " or ".join(suspect["views"])
     if suspect["kind"] == "swapped":
         falls = (
-            f"E {suspect['E']:.3g} px², {suspect['E_swapped']:.3g} px² exchanged: falls {suspect['score']:.3g} times"
+            f"E {suspect['E']:.3g} px², {suspect['E_swapped']:.3g} px² permuted: falls {suspect['score']:.3g} times"
         )
         return named, f"swapped in {where.replace(' or ', ', ')}", falls
     seen = suspect["frames"]

@@ -1,4 +1,4 @@
-"""The grid of rounded coordinates is told by themselves, and with it the error that rounding_std has made."""
+"""The grid of rounded coordinates is told by themselves, and with it the error that rounding has made."""
 
 import numpy as np
 import pytest

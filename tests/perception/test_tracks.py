@@ -8,7 +8,7 @@ from drawn import RESIDUALS, written_path
 
 from viewimit import TRANSFERS
 from viewimit.commands.options import option
-from viewimit.drawing import standalone
+from viewimit.drawing.export import figures
 from viewimit.estimation.views import VIEW_NAMES, VIEWS, FourViews, view_of
 from viewimit.sensing.tracks import read_files, read_tidy, read_view, write_tidy
 from viewimit.simulation.scene import load_scene
@@ -191,7 +191,7 @@ def test_coordinates_as_shares_of_the_picture_are_refused(tmp_path, tidy):
 
 
 def test_a_png_that_cannot_be_made_is_refused_with_what_can(ask, tidy, tmp_path, monkeypatch):
-    monkeypatch.setattr(standalone, "can_render", lambda: False)
+    monkeypatch.setattr(figures, "can_render", lambda: False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "report.png")
     assert status == 2 and "pip install" in err
     instead = re.search(r"(\.\w+) does not", err)[1]
@@ -235,7 +235,7 @@ def test_a_report_shows_points_and_residuals_to_one_scale(ask, ask_json, tidy, t
 def test_a_report_is_a_picture_too(ask, tidy, tmp_path, monkeypatch):
     assert ask("evaluate", tidy, "--out", tmp_path / "report.png")[0] == 0
     assert (tmp_path / "report.png").read_bytes().startswith(b"\x89PNG")
-    monkeypatch.setattr("viewimit.drawing.standalone.can_render", lambda: False)
+    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda: False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "other.png")
     assert status == 2 and "pip install 'viewimit[plot]'" in err
 

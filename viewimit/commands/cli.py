@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from .. import __version__
 from ..geometry import blas_threads as threads
-from ..sensing.files import printable
+from ..sensing.files import escape
 from . import BadInput
 
 BAD_INPUT = 2
@@ -52,7 +52,7 @@ def main(argv: list[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except BadInput as error:
-        print(f"viewimit {args.command}: {printable(str(error), keep=NEWLINE)}", file=sys.stderr)
+        print(f"viewimit {args.command}: {escape(str(error), keep=NEWLINE)}", file=sys.stderr)
         return BAD_INPUT
     except BrokenPipeError:
         _print_no_more()
@@ -74,7 +74,7 @@ class Parser(argparse.ArgumentParser):
     """That says what is wrong in one line, as all else does, without all options before it."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {printable(message)}; see {self.prog} --help\n")
+        self.exit(BAD_INPUT, f"{self.prog}: {escape(message)}; see {self.prog} --help\n")
 
 
 def parser_of(chosen: str) -> argparse.ArgumentParser:

@@ -17,9 +17,7 @@ def in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
     """The points, what is wrong with them, and how much speaks for that. frames: how many there are."""
     named, where = " and ".join(suspect["points"]), " or ".join(suspect["views"])
     if suspect["kind"] == "swapped":
-        falls = (
-            f"E {suspect['E']:.3g} px², {suspect['E_swapped']:.3g} px² permuted: falls {suspect['score']:.3g} times"
-        )
+        falls = f"E {suspect['E']:.3g} px², {suspect['E_swapped']:.3g} px² permuted: falls {suspect['score']:.3g} times"
         return named, f"swapped in {where.replace(' or ', ', ')}", falls
     seen = suspect["frames"]
     those = ", ".join(map(str, seen[:SHOWN])) + (" …" if len(seen) > SHOWN else "")

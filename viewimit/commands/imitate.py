@@ -13,7 +13,7 @@ from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
 from ..loop.settings import Settings
 from ..loop.snapshot import RunResult
-from ..sensing.files import MOST_NAME, printable
+from ..sensing.files import MAX_NAME_CHARS, escape
 from ..servo import SERVOS
 from . import BadInput, history_file
 from .json_output import print_json
@@ -83,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
         expected = result["expected_error_deg"]
         reckoned = f"; it expects {_at_least(expected, 0.1, '.2g', '°')}" if np.isfinite(expected or np.inf) else ""
         print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g', '°')} at most{reckoned}")
-        untold = [printable(joint["name"], MOST_NAME) for joint in result["joints"] if joint["told"] is False]
+        untold = [escape(joint["name"], MAX_NAME_CHARS) for joint in result["joints"] if joint["told"] is False]
         if untold:
             print(f"not told      {', '.join(untold)}: what it has seen does not say where that is")
         if result["exchanged"]:

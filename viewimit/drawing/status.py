@@ -19,7 +19,7 @@ from ..servo import Certificate, ServoStatus
 from ..servo.trust_region.local_model import UNTOLD
 from . import svg
 from .glossary import ask, glossary
-from .metrics import AMBER, RED
+from .images.panel import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # off, which reads as 0.0°
@@ -245,7 +245,7 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 def _says(snapshot: Snapshot) -> str:
     """The servo's own words, "" without any."""
     state = snapshot.servo_state
-    return "" if state is None else snapshot.servo.says(state, snapshot.status)
+    return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)
 
 
 def _motions(count: int) -> str:

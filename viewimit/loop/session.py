@@ -21,7 +21,7 @@ from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
-from ..servo import MinimalServo, Observation, Servo, completed_servo
+from ..servo import Observation, Servo, ServoMethod, servo_method
 from ..servo.observation import Visit
 from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
@@ -52,7 +52,7 @@ BEGIN_ANEW = (  # what changes body or camera
 )  # fmt: skip
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 GivenTransfer = str | TransferMethod | TransferFunction
-GivenServo = str | Servo | MinimalServo
+GivenServo = str | ServoMethod | Servo
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
@@ -61,7 +61,7 @@ class Session:
 
     settings: `Settings()`, the best method, if None. transfer, servo: in place of those of the settings, a name or one
     of your own, which settings then call OWN: a function of `FourViews` or a `TransferMethod`, and an object with
-    `start` and `step` (`MinimalServo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
+    `start` and `step` (`Servo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
     with and moves by; dense: how many of the last motions its history keeps all of, None for all. workspace: the lowest
     and the highest angles that its arm may be sent to, (m,) rad each. Raises ValueError, with the session as it was,
     for settings that cannot be; TypeError for what is no transfer or no servo.
@@ -123,7 +123,7 @@ class Session:
         chosen = {name: one if isinstance(one, str) else OWN for name, one in named.items() if one is not None}
         self._own = OwnMethods(
             None if isinstance(transfer, str | None) else transfer_method(transfer),
-            None if isinstance(servo, str | None) else completed_servo(servo),
+            None if isinstance(servo, str | None) else servo_method(servo),
         )
         self.begin(msgspec.structs.replace(settings, **chosen))
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import TRANSFERS
 from ..geometry.distortion import Radial
 from ..sensing.files import file_name, is_text, parse_toml
-from ..sensing.frames import MOST_LAG
+from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..servo import SERVOS
 from ..servo.observation import RESTARTS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
@@ -165,7 +165,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_choice("camera", self.camera, CAMERAS)
         for name, disturbance in DISTURBANCES.items():
             _require_range(name, getattr(self, name), *disturbance.bounds)
-        _require_range("delay", self.delay, 0, MOST_LAG)
+        _require_range("delay", self.delay, 0, MAX_LATENCY_LOOKS)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
         _require_range("restarts", self.restarts, 0, MOST_RESTARTS)

@@ -14,7 +14,7 @@ from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, Servo, ServoStatus
+from ..servo import SERVOS, Certificate, ServoMethod, ServoStatus
 from .self_calibration import SelfCalibration
 from .settings import OWN, Settings
 
@@ -59,7 +59,7 @@ class Snapshot:
     pending_postures: NDArray | None = None
     target: NDArray | None = None
     custom_transfer: TransferMethod | None = None
-    custom_servo: Servo | None = None
+    custom_servo: ServoMethod | None = None
 
     @property
     def method(self) -> TransferMethod:
@@ -69,7 +69,7 @@ class Snapshot:
         return given_own("transfer", self.custom_transfer)
 
     @property
-    def servo(self) -> Servo:
+    def servo(self) -> ServoMethod:
         """The servo that the settings name. Raises ValueError for one that no session was given."""
         return SERVOS[self.settings.servo] if self.settings.servo != OWN else given_own("servo", self.custom_servo)
 
@@ -342,7 +342,7 @@ class RunResult:
         """Why it ended, in a line."""
         status, last = self.status, self.last
         why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        says = last.servo.says(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
+        says = last.servo.describe_status(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
         return f"{why}: {says}" if says else why
 
     @property

@@ -1,8 +1,9 @@
 """The help panel: what the page shows, in reading order, and its keys."""
 
-from viewimit.drawing.glossary import listed
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
+
+from ...drawing.glossary import listed
 
 PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "

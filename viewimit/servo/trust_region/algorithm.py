@@ -30,7 +30,7 @@ from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ...geometry.rectification import Rectification
 from ..observation import Observation, ScaledResiduals, Visit, in_units, unit_of
-from ..servo import Moment
+from ..servo import LastMotion
 from ..status import ServoStatus
 from .convergence import CHECK, Certificate, curvature_directions
 from .correspondences import likely_exchange, with_exchanged
@@ -73,7 +73,7 @@ class TrustRegion:
 
     title = "Trust region on images"
     assumes = "That joints turn points as rigid bodies; or else that the images follow the joints smoothly."
-    limitations = "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
+    fails = "Where two postures give the same images, or every transfer misleads: then it says that it stalled."
     slow = False
     predicts = True
     stored = (TrustState, Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification)
@@ -139,7 +139,7 @@ class TrustRegion:
             return self._step(*_otherwise(state, seen, residuals), chasing=False)
         return settled
 
-    def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
+    def equations(self, state: TrustState | None, moment: LastMotion) -> tuple[Equation, ...]:
         return equations(state, moment)
 
     def says(self, state: TrustState, status: ServoStatus) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS
+from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS, TRANSFERS
 from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import RadialDistortion
 from ..loop.embodiment import within, workspace
@@ -44,7 +44,7 @@ SHOWN_IN = {
     "L": "the learner itself, by the left camera",
     "R": "the learner itself, by the right camera",
 }
-DEFAULT_TRANSFER = f"projective from {PROJECTIVE_FROM} points on, epipolar below"  # `default_transfer` in words
+DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar below"  # `default_transfer` in words
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 

@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.equations import Equation
-from ...estimation.residuals import ResidualFunction, noise_conflict
+from ...estimation.noise import conflict_quantile
+from ...estimation.residuals import ResidualFunction
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ...geometry.rectification import Rectification
@@ -148,7 +149,7 @@ class TrustRegion:
 def noise_E(seen: Observation, points: int) -> float:
     """px²: E up to which noise explains it, of so many points."""
     freedom = freedom_of(points, len(seen.displacement))
-    return noise_conflict(points, freedom, NOISE_SLACK * seen.noise_px, NOISE_DEVIATIONS)
+    return conflict_quantile(points, freedom, NOISE_SLACK * seen.noise_px, NOISE_DEVIATIONS)
 
 
 def _turn(state: TrustState) -> int:

@@ -9,7 +9,7 @@ from viewimit.analysis.observability import PointInformation, Proposal, unobserv
 from viewimit.analysis.self_assessment import Assessment
 from viewimit.drawing import svg
 from viewimit.drawing.observability import describe_costs, draw_bars
-from viewimit.estimation.transfers.transfer import FLATNESS
+from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo.trust_region.options import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene

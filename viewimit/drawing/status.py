@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
-from ..estimation.transfers.transfer import FLAT, FLATNESS
+from ..estimation.transfers.registry import FLAT, FLATNESS
 from ..geometry.affine import MIN_POINTS
 from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
@@ -199,7 +199,7 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
     if condition < AMBER:
         return ""
     high = ", far too high" if condition >= RED else ""
-    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.ill}."
+    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.degenerate_message}."
 
 
 def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -> str:

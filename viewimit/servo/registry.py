@@ -61,11 +61,6 @@ class ServoMethod:
     def __post_init__(self) -> None:
         self.title = self.title or type(self.servo).__name__
 
-    @property
-    def fails(self) -> str:
-        """As `limitations`."""
-        return self.limitations
-
     def start(self, observation: Observation) -> Any:
         """Return the state before the first motion."""
         return self.servo.start(observation)

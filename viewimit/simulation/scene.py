@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.affine import MIN_POINTS
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..sensing.files import is_text, parse_toml, read_toml
 from .camera import Lens, StereoHead
 from .robot import BodyPoint, BodyPoints, load_robot, require_joints, robot_names
@@ -65,7 +65,7 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def lens(self, eye: Eye) -> Lens:
         focal, centre = eye.focal or (self.focal, self.focal), eye.centre or self.centre
-        return Lens(focal, centre, Radial(*eye.distortion), Radial(*self.undistort))
+        return Lens(focal, centre, RadialDistortion(*eye.distortion), RadialDistortion(*self.undistort))
 
 
 class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -323,8 +323,10 @@ def _require_head(head: Head) -> None:
             raise ValueError(f"head.{name}: {error}") from None
         if not min(lens.focal) >= LEAST_LENGTH:
             raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
-        if not lens.shows(corners):
-            told = f"{eye.distortion}, undistorted by {head.undistort}," if lens.undone.bends else f"{eye.distortion}"
+        if not lens.covers(corners):
+            told = (
+                f"{eye.distortion}, undistorted by {head.undistort}," if lens.correction.bends else f"{eye.distortion}"
+            )
             raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
 
 

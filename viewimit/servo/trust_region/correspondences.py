@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
-from ...estimation.views import Pairs, exchange
+from ...estimation.views import Pairs, permute
 from ..least_squares import minimise
 from .options import DEFAULTS, TrustRegionOptions
 
@@ -23,7 +23,7 @@ BATCH_SIZE = 24  # hypotheses that are evaluated at once
 
 def swapped(images: Array, pairs: Pairs) -> Array:
     """Swap the points of each pair: (..., N, k) → (..., N, k)."""
-    return images[..., exchange(np.arange(images.shape[-2]), pairs), :] if pairs else images
+    return images[..., permute(np.arange(images.shape[-2]), pairs), :] if pairs else images
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def find_swapped_matches(
         images = np.ascontiguousarray(predict(postures).transpose(1, 2, 0))  # postures last in memory
         found = []
         for k in range(0, len(hypotheses), BATCH_SIZE):
-            orders = [exchange(np.arange(len(images)), pairs) for pairs in hypotheses[k : k + BATCH_SIZE]]
+            orders = [permute(np.arange(len(images)), pairs) for pairs in hypotheses[k : k + BATCH_SIZE]]
             batch = np.stack([images[order] for order in orders], 2)
             found.append(conflict(residuals(batch.transpose(2, 3, 0, 1))))
         return np.concatenate(found)

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import ResidualFunction, noise_conflict
+from ...estimation.noise import conflict_quantile
+from ...estimation.residuals import ResidualFunction
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ..observation import Observation
 from ..status import ServoStatus
@@ -127,7 +128,7 @@ def noise_floor(look: Look) -> float:
     """Return E up to which noise explains it, px²."""
     points, options = look.plan.n_points, look.options
     freedom = degrees_of_freedom(points, len(look.observation.displacement))
-    return noise_conflict(points, freedom, options.noise_slack * look.observation.noise_px, options.noise_sigmas)
+    return conflict_quantile(points, freedom, options.noise_slack * look.observation.noise_px, options.noise_sigmas)
 
 
 def rest_candidate(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displacement]:

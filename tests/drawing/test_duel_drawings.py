@@ -136,7 +136,7 @@ class TestDuel:
         for standing, dash in zip(duel.standings, ("solid", "dashed")):
             line = paths(html, dashed(dash))[0]
             x, y = numbers(line).reshape(-1, 2).T
-            errors = np.log(np.maximum(standing.errors_deg, duel_drawing.LEAST_DEG))
+            errors = np.log(np.maximum(standing.errors_deg, duel_drawing.MIN_ERROR_DEG))
             slope = (y[-1] - y[0]) / (errors[-1] - errors[0])
             assert slope < 0 and y == pytest.approx(y[0] + slope * (errors - errors[0]), abs=0.3)
             assert np.diff(x) == pytest.approx(np.diff(x)[0], abs=0.11)

@@ -15,7 +15,7 @@ from ..estimation.outliers import select_matches
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews, dimensions
 from ..geometry.affine import MIN_POINTS
-from ..geometry.fundamental import FREE, fit_fundamental_with_prior, sampson_distance
+from ..geometry.fundamental import DEGREES_OF_FREEDOM, fit_fundamental_with_prior, sampson_distance
 from ..geometry.rectification import Rectification, rectification_of, rectification_with_prior, rectify
 
 FRAMES, POINTS = 50, 50  # evenly spaced: frames, and points of each, that are left out one by one
@@ -195,7 +195,7 @@ def _noise_px(matches: NDArray) -> float:
     """Standard deviation of matches from their fundamental matrix."""
     left, right = np.split(matches, 2, axis=1)
     away = sampson_distance(fit_fundamental_with_prior(left, right), left, right)
-    return float(np.sqrt(away @ away / max(len(away) - FREE, 1)))
+    return float(np.sqrt(away @ away / max(len(away) - DEGREES_OF_FREEDOM, 1)))
 
 
 def _matches(views: FourViews, frames: NDArray) -> tuple[NDArray, NDArray]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.affine import MIN_POINTS
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..sensing.files import is_text, parse_toml, read_toml
 from .camera import Lens, StereoHead
 from .robot import BodyPoint, BodyPoints, load_robot, require_joints, robot_names
@@ -96,7 +96,7 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def lens(self, eye: Eye) -> Lens:
         """Return the lens of one camera."""
         focal, centre = eye.focal or (self.focal, self.focal), eye.centre or self.centre
-        return Lens(focal, centre, Radial(*eye.distortion), Radial(*self.undistort))
+        return Lens(focal, centre, RadialDistortion(*eye.distortion), RadialDistortion(*self.undistort))
 
 
 class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

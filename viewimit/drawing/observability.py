@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.observability import unobservable_joints, weak_joints
-from ..servo.trust_region.local_model import UNTOLD
+from ..servo.trust_region.options import MAX_STD_PER_PX
 from . import svg
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing that replaces a landscape
@@ -95,7 +95,7 @@ def _named(joints: Sequence[int], indices: Sequence[int]) -> str:
 
 
 def _cost(degrees: float) -> str:
-    return "not observable" if degrees >= np.degrees(UNTOLD) else svg.number(degrees) + "°"
+    return "not observable" if degrees >= np.degrees(MAX_STD_PER_PX) else svg.number(degrees) + "°"
 
 
 def _listed(words: Sequence[str]) -> str:

@@ -50,7 +50,7 @@ def help_html(keys: str, address: str | None = None) -> str:
     )
     methods = "".join(
         f"<p><b>{title}</b></p><dl>"
-        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.fails}</dd>" for m in methods.values())
+        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.limitations}</dd>" for m in methods.values())
         + "</dl>"
         for title, methods in METHODS
     )

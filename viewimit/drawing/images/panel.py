@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.views import VIEWS
-from ...geometry.affine import INTO, MIN_POINTS, SOURCE
+from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
 from .. import svg
@@ -193,7 +193,7 @@ def _epipolar_lines(
     if chosen is None or lines is None:
         return drawn
     seen = snapshot.views.visible[chosen].tolist()
-    for k, source, line in zip(INTO.tolist(), SOURCE.tolist(), lines.tolist()):
+    for k, source, line in zip(LINE_VIEWS.tolist(), POINT_VIEWS.tolist(), lines.tolist()):
         if seen[source] and (stage is None or k > 1 >= source and build.stands(stage, True, ("left", "right")[source])):
             view = "lrLR"[k]
             if d := _chord(line, windows[view]):

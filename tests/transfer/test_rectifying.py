@@ -60,7 +60,7 @@ def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     last = session.run().last
     seen, residuals = session.observation(last), session.predicted_residuals(last)
     of_heads = [
-        TrustRegion().step(last.servo_state, replace(seen, heads=heads), residuals)[0].certificate.expected
+        TrustRegion().step(last.servo_state, replace(seen, heads=heads), residuals)[0].certificate.std_error
         for heads in (0, 7)
     ]
     assert (of_heads[1] > of_heads[0]).all()

@@ -156,8 +156,8 @@ class Snapshot:
 
     @property
     def expected_error(self) -> float | None:
-        """rad, of the worst joint, as the servo reckons: `Certificate.worst`; None if it gives none."""
-        return None if self.certificate is None else self.certificate.worst
+        """rad, of the worst joint, as the servo estimates it (`Certificate.simultaneous_std_error`), or None."""
+        return None if self.certificate is None else self.certificate.simultaneous_std_error
 
     def with_fields(self, **changes) -> "Snapshot":
         """As dataclasses.replace; what was found already is not found anew if views and transfer stay.

@@ -50,7 +50,7 @@ def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
 def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
     now = session.run(6).last
-    seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.others
+    seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.perturbed
     assert seen.n_rig_hypotheses == len(others) == 7
     for head, other in enumerate(others, 1):
         e = residuals(now.views.own, rig=head)

@@ -274,7 +274,7 @@ class Session:
             calibration=() if known is None else known.seen_from(self.embodiment.lower - start),
             n_visible=now.shown,
             n_partial=now.half_shown,
-            n_rig_hypotheses=0 if now.rectification is None else len(now.rectification.others),
+            n_rig_hypotheses=0 if now.rectification is None else len(now.rectification.perturbed),
             rectification=now.rectification,
             max_step=now.settings.max_step,
             max_restarts=now.settings.restarts,

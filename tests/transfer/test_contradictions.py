@@ -8,7 +8,7 @@ from viewimit.estimation.outliers import reject_outliers
 from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.disturbances import GROSS_PX
+from viewimit.simulation.disturbances import OUTLIER_PX
 
 ONE_FRAME = Settings(points=16, frames=1)
 
@@ -18,7 +18,7 @@ def spoilt(views, rng, share):
     wrong = rng.random((2, len(views.own))) < share
     moved = [images.copy() for images, _ in views.bodies]
     for images, these in zip(moved, wrong):
-        images[these, 2:] += rng.uniform(-GROSS_PX, GROSS_PX, (these.sum(), 2))
+        images[these, 2:] += rng.uniform(-OUTLIER_PX, OUTLIER_PX, (these.sum(), 2))
     return FourViews(*moved, views.visible), wrong
 
 

@@ -239,8 +239,8 @@ class Session:
         views = reject_outliers(views, past, last.rectification, self.observer.image_noise_std(settings), look)
         rectification = None
         if settings.rectify != "off":
-            anew = last.settings != settings
-            rectification = update_rectification(views, past, last.rectification, last.motion, anew)
+            changed = last.settings != settings
+            rectification = update_rectification(views, past, last.rectification, last.motion, refresh=changed)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)

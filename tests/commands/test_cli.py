@@ -489,7 +489,7 @@ def test_without_what_camera_images_need_a_line_says_what_can_be_done(ask, monke
     there = lambda name: None if name in missing else object() if name in ("pybullet", "cv2") else find(name)
     monkeypatch.setattr(importlib.util, "find_spec", there)
     monkeypatch.setattr(eyes, "has_wheel", lambda: False)
-    status, _, err = ask("imitate", "--camera", "rendered")
+    status, _, err = ask("imitate", "--sensor", "rendered")
     assert status == 2 and err.count("\n") == 1
     if "pybullet" in missing:
         assert "need PyBullet, which has wheels only for CPython 3.10 and 3.11 on Linux x86-64" in err
@@ -497,7 +497,7 @@ def test_without_what_camera_images_need_a_line_says_what_can_be_done(ask, monke
     else:
         assert "pip install 'viewimit[opencv]'" in err
     monkeypatch.setattr(eyes, "has_wheel", lambda: True)
-    status, _, err = ask("imitate", "--camera", "rendered")
+    status, _, err = ask("imitate", "--sensor", "rendered")
     extras = ",".join(extra for package, extra in eyes.NEEDS.items() if package in missing)
     assert status == 2 and f"pip install 'viewimit[{extras}]'" in err
 

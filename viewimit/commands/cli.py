@@ -12,11 +12,14 @@ import io
 import os
 import re
 import sys
+import warnings
+from collections.abc import Iterable
 from typing import NoReturn
 
 from .. import __version__
 from ..geometry import blas_threads as threads
 from ..sensing.files import printable
+from ..sensing.renamed import current_option
 from . import BadInput
 
 BAD_INPUT = 2
@@ -46,7 +49,14 @@ def main(argv: list[str] | None = None) -> int:
     argv = list(sys.argv[1:] if argv is None else argv)
     if not argv or (argv[0].startswith("-") and argv[0] not in ("-h", "--help", "--version")):
         argv.insert(0, "serve")
-    args = parser_of(argv[0]).parse_args(attached(argv))
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", FutureWarning)
+        warnings.showwarning = lambda message, *where: print(f"viewimit {argv[0]}: {message}", file=sys.stderr)
+        return _run(argv)
+
+
+def _run(argv: list[str]) -> int:
+    args = parser_of(argv[0]).parse_args(attached(map(current_option, argv)))
     try:
         status = args.run(args)
         sys.stdout.flush()
@@ -94,7 +104,7 @@ def parser_of(chosen: str) -> argparse.ArgumentParser:
 TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
 
 
-def attached(argv: list[str]) -> list[str]:
+def attached(argv: Iterable[str]) -> list[str]:
     """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
     joined: list[str] = []
     for word in argv:

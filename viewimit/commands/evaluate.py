@@ -33,8 +33,7 @@ from .options import (
     MISSED,
     VIEW_OPTIONS,
     add_json_option,
-    add_rectify_option,
-    add_undistort_option,
+    add_settings,
     add_view_options,
     between,
     lens,
@@ -69,8 +68,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="SHARE",
         help="points of less were not seen, which is said; 0 keeps all (%(default)s)",
     )
-    add_rectify_option(parser, "where points that are left out of the fit are predicted better so")
-    add_undistort_option(parser)
+    rectify = "rectify the images where that predicts points better that are left out of the fit, or never (auto)"
+    undistort = "radial distortion k1, k2 (OpenCV's model) to remove from the images first (none)"
+    add_settings(parser, "rectify", "undistort", rectify=rectify, undistort=undistort)
     parser.add_argument(
         "--lens", type=lens, metavar="FX,FY,CX,CY", help="of all cameras: focal lengths and centre px, for --undistort"
     )

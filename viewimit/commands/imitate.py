@@ -11,21 +11,20 @@ from ..analysis.self_assessment import Assessment, assess
 from ..loop.history import MAX_HISTORY
 from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
-from ..loop.settings import Settings
+from ..loop.settings import SAFETY, Settings
 from ..loop.snapshot import RunResult
 from ..sensing.files import MOST_NAME, printable
 from ..servo import SERVOS
 from . import BadInput, history_file
 from .json_output import print_json
 from .options import (
+    ARM,
     DONE,
     MISSED,
-    add_camera_option,
+    SCENE,
+    SIGHT,
     add_json_option,
-    add_run_options,
-    add_safety_options,
-    add_setting_options,
-    add_undistort_option,
+    add_settings,
     between,
     figure,
     naming,
@@ -37,11 +36,8 @@ PAGES = (".html", ".htm")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser, Settings())
-    add_undistort_option(parser)
-    add_camera_option(parser)
-    add_run_options(parser, Settings())
-    add_safety_options(parser)
+    seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor")
+    add_settings(parser, *seen, *ARM, "servo", *SAFETY, defaults=Settings())
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from ..analysis.landscape import conflict_at, landscape
-from ..estimation.transfers import default_transfer
+from ..estimation.transfers import TRANSFERS, default_transfer
 from ..loop.session import Session
 from . import landscape_file
 from .json_output import print_json
@@ -16,9 +16,10 @@ from .options import (
     DEFAULT_TRANSFER,
     DONE,
     MISSED,
-    add_camera_option,
+    SCENE,
+    SIGHT,
     add_json_option,
-    add_setting_options,
+    add_settings,
     between,
     figure,
     naming,
@@ -28,8 +29,8 @@ from .options import (
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser, transfer=DEFAULT_TRANSFER)
-    add_camera_option(parser)
+    names = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "sensor")
+    add_settings(parser, *names, transfer=f"{', '.join(TRANSFERS)} ({DEFAULT_TRANSFER})")
     parser.add_argument("--step-deg", type=between(float, 0.1, 45), help="of the grid (1, camera images 10)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .png or .svg")
     add_json_option(parser)

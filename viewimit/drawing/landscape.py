@@ -25,7 +25,7 @@ from .theme import OBSERVED
 CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than that: an inset of ±CLOSE_DEG, px wide
 PATH_LIMIT, DOT_LIMIT = 180, 60  # vertices of the path; motions up to which each has a dot
 INSET_MOTIONS = 30  # the last ones, which the inset shows
-CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
+CONTOURS = {"projected": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
 
 
@@ -61,7 +61,7 @@ class LandscapePicture:
             inside = self._draw(landscape, snapshot)
         note = described(joints, spread) if spread is not None else ""
         self._ground = (
-            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.camera])
+            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.sensor])
         )
         self.html = plane.wrap(self._ground)
         self._over = PathLabels(plane, self._labels)

@@ -10,7 +10,7 @@ from .script import Action, Begin, Calibrate, ChangeSettings, Looks, MoveDemonst
 from .settings import DISTURBANCES, SAFETY, USUAL_POINTS, Settings
 
 MOST_LINES = 12
-OF_BODY = ("scene", "robot", "joints", "points", "undistort", "camera")  # which body is seen, and by what
+OF_BODY = ("scene", "robot", "joints", "points", "undistort", "sensor")  # which body is seen, and by what
 NO_WORDS = {  # fields of settings without an option
     "delay": "pictures that come late have no option",
     "body_points": "its points were placed by hand; save the scene, and name its file",
@@ -63,7 +63,7 @@ def _options(settings: Settings, usual: Settings) -> list[str]:
         if getattr(settings, name) != getattr(Settings(), name):
             raise ValueError(f"no command: {why}")
     names = ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed", "undistort",
-             "rectify", "camera", *SAFETY)  # fmt: skip
+             "rectify", "sensor", *SAFETY)  # fmt: skip
     postures = (f"--{name}={_value(getattr(settings, f'{name}_deg'))}" for name in ("demonstrator", "start"))
     return [*_words(settings, usual, names), *postures]
 

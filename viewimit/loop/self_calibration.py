@@ -23,13 +23,13 @@ TURN = np.radians(20.0)  # of each joint by itself
 @dataclass(frozen=True)
 class Body:
     """Which body, by what cameras: robot, by name or path; joints: numbers from 1 of those that move, span_deg: how far
-    each can turn; points, camera and undistort as in `Settings`; layout: which points, "" for one of the scene's."""
+    each can turn; points, sensor and undistort as in `Settings`; layout: which points, "" for one of the scene's."""
 
     robot: str
     joints: tuple[int, ...]
     span_deg: tuple[float, ...]
     points: int
-    camera: str
+    sensor: str
     undistort: tuple[float, float]
     layout: str = ""
 

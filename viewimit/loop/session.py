@@ -48,7 +48,7 @@ from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
 from .snapshot import RunResult, Snapshot, exchanged, given_own, probes, status_of
 
 BEGIN_ANEW = (  # what changes body or camera
-    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay", "workspace_deg",
+    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "delay", "workspace_deg",
 )  # fmt: skip
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 GivenTransfer = str | TransferMethod | TransferFunction

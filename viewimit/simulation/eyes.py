@@ -78,23 +78,23 @@ class ProjectedEyes:
         return np.clip(drive(amounts, theta, theta + (commanded - sent)), scene.lower, scene.upper)
 
 
-def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
-    """camera: of `settings.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
+def open_eyes(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
+    """sensor: of `settings.SENSORS`; points: layout of the scene, in place of which pictures show the markers.
 
     Raises ValueError as `require_eyes`.
     """
-    if camera == "points":
+    if sensor == "projected":
         return ProjectedEyes(scene, points)
-    require_eyes(camera, scene)
+    require_eyes(sensor, scene)
     from .rendering import RenderedEyes  # loads pybullet and OpenCV
 
     return RenderedEyes(scene)
 
 
-def require_eyes(camera: str, scene: Scene) -> None:
+def require_eyes(sensor: str, scene: Scene) -> None:
     """Raises ValueError if what rendered pictures need is not installed, or the scene's robot has no markers, or its
     lenses distort."""
-    if camera == "points":
+    if sensor == "projected":
         return
     missing = [package for package in NEEDS if importlib.util.find_spec(package) is None]
     if "pybullet" in missing and not has_wheel():

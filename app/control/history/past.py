@@ -34,7 +34,7 @@ class Left:
     @property
     def camera(self) -> str:
         moments, cursor, _ = self.runs[0]
-        return moments[cursor].settings.camera
+        return moments[cursor].settings.sensor
 
 
 class Past:

@@ -49,7 +49,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
 from viewimit.servo.trust_region.local_model import UNTOLD
-from viewimit.simulation.appearance import Silhouettes, reach
+from viewimit.simulation.appearance import Silhouettes, reachable_image_points
 
 MINUS = "−"
 MATHML = "{http://www.w3.org/1998/Math/MathML}"
@@ -107,7 +107,7 @@ def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
 
 
 def windows_of(session):
-    return image_windows(reach(session.world), session.scene.head.image)
+    return image_windows(reachable_image_points(session.world), session.scene.head.image)
 
 
 def planes(html):

@@ -11,7 +11,7 @@ from viewimit.analysis.self_assessment import assess
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.self_calibration import SelfCalibration
 from viewimit.loop.settings import Settings
-from viewimit.sensing.frames import MOST_LAG
+from viewimit.sensing.frames import MAX_LATENCY_LOOKS
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -218,7 +218,7 @@ def test_a_point_that_is_misplaced_by_many_pixels_is_not_believed_among_whole_on
     assert not visible[5, 2:].any() and np.delete(visible, 5, 0).all() and visible[5, :2].all()
 
 
-@pytest.mark.parametrize("late", range(MOST_LAG + 1))
+@pytest.mark.parametrize("late", range(MAX_LATENCY_LOOKS + 1))
 def test_the_first_motion_tells_how_late_pictures_come_and_as_many_are_let_pass(late):
     robot = Robot(late=late)
     one = session(robot)

@@ -191,13 +191,13 @@ def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
     plain = Session(settings)
     for _ in range(12):
         plain.step()
-    spoil = looking.spoil
+    disturb = looking.disturb
 
     def spoilt(*images):
-        points, visible = spoil(*images)
+        points, visible = disturb(*images)
         return np.where(np.repeat(visible, 2, -1), points, junk), visible
 
-    monkeypatch.setattr(looking, "spoil", spoilt)
+    monkeypatch.setattr(looking, "disturb", spoilt)
     blind = Session(settings)
     for _ in range(12):
         blind.step()

@@ -137,7 +137,7 @@ def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refuse
         "seed",
         "undistort",
         "rectify",
-        "camera",
+        "sensor",
     }
     told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *SAFETY, *NO_WORDS}
     assert told == set(Settings.__struct_fields__)

@@ -16,7 +16,7 @@ from ..experiments.executors.study import Study
 from ..geometry.affine import require_points
 from ..loop.history import MAX_HISTORY
 from ..loop.self_calibration import MIN_POSTURES
-from ..sensing.files import printable
+from ..sensing.files import escape
 from ..servo import SERVOS
 from ..simulation.scene import load_scene, scene_names
 from ..simulation.world import World
@@ -122,7 +122,7 @@ def run(args: argparse.Namespace) -> int:
         for part in ("speed", "success") if args.what == "all" else (args.what,):
             told[part], table = PARTS[part](args, world.scene, study)
             if not args.json:
-                print(printable(table, len(table), keep="\n"), flush=True)  # the next part takes minutes
+                print(escape(table, len(table), keep="\n"), flush=True)  # the next part takes minutes
     except StudyError as error:
         raise BadInput(str(error)) from None
     except KeyboardInterrupt:

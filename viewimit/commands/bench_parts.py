@@ -25,7 +25,7 @@ from ..experiments.bench import (
 )
 from ..experiments.executors.study import Study
 from ..loop.settings import SENSORS, Settings
-from ..sensing.files import printable
+from ..sensing.files import escape
 from ..servo import SERVOS
 from ..simulation.eyes import require_eyes
 from ..simulation.scene import Scene
@@ -177,7 +177,7 @@ def _robots(args: argparse.Namespace, _: Scene, study: Study) -> tuple[dict, str
     for one in robots.run(settings, paths, args.runs, args.seed, args.max_motions):
         found.append(one)
         if not args.json:
-            print(printable(tables.robot_line(one)), flush=True)
+            print(escape(tables.robot_line(one)), flush=True)
     usable = [one for one in found if one.refused is None]
     arrived = sum(one.all_arrived for one in usable)
     summary = (

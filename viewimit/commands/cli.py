@@ -18,7 +18,6 @@ from typing import NoReturn
 
 from .. import __version__
 from ..geometry import blas_threads as threads
-from ..sensing.files import printable
 from ..sensing.renamed import current_option
 from . import BadInput
 
@@ -28,7 +27,7 @@ UNREAD = 141  # as of a program that ends by SIGPIPE
 COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
     "imitate": "One run of the loop, without a page.",
-    "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --body goes on from that.",
+    "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --calibration goes on from that.",
     "scene": "A scene file for a robot of which only the URDF is known, to be edited.",
     "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",
     "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
@@ -62,7 +61,9 @@ def _run(argv: list[str]) -> int:
         sys.stdout.flush()
         return status
     except BadInput as error:
-        print(f"viewimit {args.command}: {printable(str(error), keep=NEWLINE)}", file=sys.stderr)
+        from ..sensing.files import escape  # it loads numpy, which the number of threads has to precede
+
+        print(f"viewimit {args.command}: {escape(str(error), keep=NEWLINE)}", file=sys.stderr)
         return BAD_INPUT
     except BrokenPipeError:
         _print_no_more()
@@ -84,7 +85,9 @@ class Parser(argparse.ArgumentParser):
     """That says what is wrong in one line, as all else does, without all options before it."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {printable(message)}; see {self.prog} --help\n")
+        from ..sensing.files import escape
+
+        self.exit(BAD_INPUT, f"{self.prog}: {escape(message)}; see {self.prog} --help\n")
 
 
 def parser_of(chosen: str) -> argparse.ArgumentParser:

@@ -12,7 +12,7 @@ from ..loop.codegen import as_imitation
 from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES
 from ..loop.session import Session
 from ..loop.settings import SAFETY, Settings, disturbances
-from ..sensing.files import printable
+from ..sensing.files import escape
 from ..simulation.disturbances import ImageDisturbance
 from . import BadInput
 from .json_output import print_json
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
         told = {"rehearsed": len(body), "postures_deg": postures_deg, "points_seen": usable}
         print_json(args, told | {"noise_px": body.noise_px, "body": msgspec.to_builtins(body.body)}, settings)
     else:
-        of = printable(body.body.robot)
+        of = escape(body.body.robot)
         print(f"rehearsed     {len(body)} postures of {of}, {min(usable)} points or more seen in each")
         if max(usable) >= MIN_POINTS:
             print(f"imitate with  {as_imitation(settings, str(args.out))}")

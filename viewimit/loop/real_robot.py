@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, image_unit
-from ..sensing import frames
-from ..sensing.frames import MOST_LAG, lag_of
-from ..sensing.point_checks import astray, dimensions, lost, rounding
+from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
+from ..sensing.point_checks import dimensions, is_far_outlier, is_missing_value, rounding_std
 from .embodiment import ROUNDING_DEG, Arm, Eyes, SessionStart, degrees, round_to_degrees, waypoints, within, workspace
 from .self_calibration import Body
 from .settings import Settings
@@ -39,7 +38,7 @@ class RealObserver:
 
     def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
         """Whatever is to be seen now."""
-        merged, visible = frames.merge(*self._pictures(settings.frames))
+        merged, visible = average_frames(*self._pictures(settings.frames))
         demo, demo_visible = self._demonstrator((merged[:, :4], visible[:, :2]), self.image_noise_std(settings))
         return FourViews(demo, merged[:, 4:], np.concatenate([demo_visible, visible[:, 2:]], -1))
 
@@ -53,8 +52,8 @@ class RealObserver:
             for _ in range(now.lag):
                 self._eyes.look()
             return now.lag, now.lag
-        lag = lag_of((now.views.own, now.views.visible[:, 2:]), lambda k: self._own(), self._noises()[0])
-        return MOST_LAG if lag is None else lag, lag
+        lag = estimate_latency((now.views.own, now.views.visible[:, 2:]), lambda k: self._own(), self._noises()[0])
+        return MAX_LATENCY_LOOKS if lag is None else lag, lag
 
     def _demonstrator(self, now: Images, noise_px: float) -> Images:
         before = self._demo
@@ -76,7 +75,7 @@ class RealObserver:
         """Of a single picture, px, and what rounding adds however many are averaged: none if noise mixes the steps."""
         if self._noise is None:
             points, visible = self._pictures(REST_LOOKS)
-            measured, rounded = frames.noise(points[..., 4:], visible[..., 2:]), rounding(points, visible)
+            measured, rounded = noise_std(points[..., 4:], visible[..., 2:]), rounding_std(points, visible)
             single = float(np.hypot(measured, _unmeasured(self._eyes)))
             self._noise = single, 0.0 if measured > rounded else rounded
         return self._noise
@@ -122,10 +121,10 @@ def _without_lost(views: FourViews) -> FourViews:
     """Without what a tracker has lost and says so, as with zeros, and without a body all of whose points are in one
     place or on one line. E of such points is nearly 0 wherever the arm is."""
     both, visible = np.concatenate([views.demo, views.own], -1).reshape(-1, 4, 2), views.visible
-    visible = visible & ~lost(both)
+    visible = visible & ~is_missing_value(both)
     for image, seen in zip(both.swapaxes(0, 1), visible.T):
         if seen.any():
-            seen[seen] = ~astray(image[seen])
+            seen[seen] = ~is_far_outlier(image[seen])
     for k, images in ((slice(0, 2), views.demo), (slice(2, 4), views.own)):
         seen = images[visible[:, k].all(-1)]
         if len(seen) >= MIN_POINTS and dimensions(seen) < 2:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import TRANSFERS
 from ..geometry.distortion import Radial
 from ..sensing.files import file_name, is_text, parse_toml
-from ..sensing.frames import MOST_LAG
+from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..sensing.renamed import SETTINGS, current_keys, current_settings, level_outside
 from ..servo import SERVOS
 from ..servo.observation import RESTARTS
@@ -41,6 +41,7 @@ class Setting:
     """What a field of `Settings` means: for help on the command line, the documentation's table and the page."""
 
     description: str  # a phrase without a full stop
+    option: str = ""  # on the command line, without dashes, if it is not the field's name
     default: str = ""  # the default in words, where the default value does not say it
     unit: str = ""  # of the value, such as deg: the placeholder on the command line
     bounds: tuple[float, float] | None = None  # lowest and highest value
@@ -78,13 +79,11 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     scene: Annotated[
         str,
-        Setting(description="scene: the path of a .toml or .urdf file, a scene file's text, or a name"),
+        Setting(description="path of a .toml or .urdf file, a scene file's text, or a name"),
     ] = "panda"
     robot: Annotated[
         str | None,
-        Setting(
-            description="robot: the path of a .urdf file, or a name", default="the scene's"
-        ),
+        Setting(description="path of a .urdf file, or a name", default="the scene's"),
     ] = None
     joints: Annotated[
         tuple[int, ...] | None,
@@ -95,6 +94,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         Setting(
             description="layout of the scene's body points, by their number; rendered pictures show markers instead",
             unit="N",
+            option="n-points",
             default=f"{USUAL_POINTS}, or the scene's nearest to that",
         ),
     ] = USUAL_POINTS
@@ -104,11 +104,21 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = None
     demonstrator_deg: Annotated[
         tuple[float, ...] | None,
-        Setting(description="posture of the demonstrator's moving joints", unit="deg,deg", default="the scene's"),
+        Setting(
+            description="posture of the demonstrator's moving joints",
+            unit="deg,deg",
+            option="demonstrator",
+            default="the scene's",
+        ),
     ] = None
     start_deg: Annotated[
         tuple[float, ...] | None,
-        Setting(description="the learner's first posture, moving joints", unit="deg,deg", default="the scene's"),
+        Setting(
+            description="first posture of the learner's moving joints",
+            unit="deg,deg",
+            option="start",
+            default="the scene's",
+        ),
     ] = None
     transfer: Annotated[
         str, Setting(description="estimator of the demonstrator's points in the learner's images", choices=TRANSFERS)
@@ -133,7 +143,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     gain_error: Annotated[float, GAIN_ERROR] = 0.0
     encoder_step_deg: Annotated[float, QUANTUM] = 0.0
     delay: Annotated[
-        int, Setting(description="looks after a motion that still show the posture before it", bounds=(0, MOST_LAG))
+        int,
+        Setting(
+            description="looks after a motion that still show the posture before it", bounds=(0, MAX_LATENCY_LOOKS)
+        ),
     ] = 0
     seed: Annotated[
         int, Setting(description="seed of the disturbances", unit="N", bounds=(0, MAX_SEED), label="Seed")
@@ -156,7 +169,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     sensor: Annotated[
         str,
         Setting(
-            description="image points: projected, or detected in rendered pictures of arms that have weight and wear "
+            description="image points projected, or detected in rendered pictures of arms that have weight and wear "
             "markers",
             choices=SENSORS,
         ),
@@ -347,6 +360,12 @@ def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
     if angles_deg is None:
         raise ValueError("the posture is not given: the scene has one of its own")
     return angles_deg
+
+
+def option(name: str) -> str:
+    """The option of the command line that sets a field of `Settings`, or that has this destination."""
+    field = FIELDS.get(name)
+    return "--" + (isinstance(field, Setting) and field.option or name.replace("_", "-"))
 
 
 def convert_fields(fields: Mapping[str, Any]) -> dict[str, Any]:

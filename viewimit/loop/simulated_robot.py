@@ -13,15 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
 from ..sensing import frames
-from ..sensing.frames import MOST_LAG, lag_of
+from ..sensing.frames import MAX_LATENCY_LOOKS, estimate_latency, noise_std
 from ..simulation.disturbances import (
     ImageDisturbance,
     MatchDisturbance,
     SightDisturbance,
-    any_of,
-    mismatch,
-    spoil,
-    spoil_frames,
+    any_active,
+    disturb,
+    disturbed_frames,
+    mismatch_points,
 )
 from ..simulation.eyes import SimulatedEyes
 from ..simulation.scene import Scene, load_scene
@@ -66,7 +66,7 @@ class SimulatedObserver:
         key = theta_demo.tobytes(), settings.amounts(SightDisturbance), settings.frames, settings.seed
         if self._demo is None or self._demo[0] != key:
             images = average_frames(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
-            self._demo = key, mismatch(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
+            self._demo = key, mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
         return self._demo[1]
 
     def image_noise_std(self, settings: Settings) -> float:
@@ -75,10 +75,10 @@ class SimulatedObserver:
         key = amounts, settings.seed, settings.frames
         if self._noise is None or self._noise[0] != key:
             measured = 0.0
-            if any_of(amounts):
+            if any_active(amounts):
                 images = self._eyes.own_images(self._theta_rest)
-                looks = spoil_frames(amounts, *images, [settings.seed, REST_LOOK], REST_LOOKS)
-                measured = frames.noise(*looks) / np.sqrt(settings.frames)
+                looks = disturbed_frames(amounts, *images, [settings.seed, REST_LOOK], REST_LOOKS)
+                measured = noise_std(*looks) / np.sqrt(settings.frames)
             self._noise = key, float(np.hypot(measured, self._eyes.noise_px))
         return self._noise[1]
 
@@ -94,16 +94,16 @@ class SimulatedObserver:
         def look(after: int) -> Images:
             return self.own(now.settings, theta if after >= now.settings.delay else now.theta, now.look + 1 + after)
 
-        lag = lag_of((now.views.own, now.views.visible[:, 2:]), look, self.image_noise_std(now.settings))
-        return MOST_LAG if lag is None else lag, lag
+        lag = estimate_latency((now.views.own, now.views.visible[:, 2:]), look, self.image_noise_std(now.settings))
+        return MAX_LATENCY_LOOKS if lag is None else lag, lag
 
 
 def average_frames(settings: Settings, images: Images, *stream: int) -> Images:
     """What is seen of images: as many frames as are set, disturbed and merged. stream: of the seed."""
     seed, amounts = [settings.seed, *stream], settings.amounts(ImageDisturbance)
-    if settings.frames == 1 or not any_of(amounts):
-        return spoil(amounts, *images, seed)
-    return frames.merge(*spoil_frames(amounts, *images, seed, settings.frames))
+    if settings.frames == 1 or not any_active(amounts):
+        return disturb(amounts, *images, seed)
+    return frames.average_frames(*disturbed_frames(amounts, *images, seed, settings.frames))
 
 
 OpenEyes = Callable[[str, Scene, int], SimulatedEyes]

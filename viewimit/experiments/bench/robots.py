@@ -10,7 +10,7 @@ import numpy as np
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.scene import Scene, load_scene
-from ...simulation.urdf.chain import arm_of
+from ...simulation.urdf.chain import find_arm
 from ...simulation.urdf.reference import parse_reference
 from ...simulation.urdf.tree import read_tree
 from .success import WITHIN_DEG
@@ -68,7 +68,7 @@ def run_one(settings: Settings, path: Path, runs: int, seed: int, max_motions: i
     try:
         scene = load_scene(path)
         reference = parse_reference(path)
-        arm = arm_of(read_tree(reference.path))
+        arm = find_arm(read_tree(reference.path))
     except ValueError as error:
         return Found(str(path), str(error).removeprefix(f"{path}: "))
     errors, motions, claimed = [], [], 0

@@ -377,7 +377,7 @@ def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
     for _ in range(400):
         session.step()
     session.pose(np.radians([70, -60]))
-    assert session.snapshot.status == "moving" and session.snapshot.servo_state.since_best == 0
+    assert session.snapshot.status == "moving" and session.snapshot.servo_state.n_since_best == 0
     session.step()
     assert session.snapshot.status == "moving"
 

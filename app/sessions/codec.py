@@ -14,8 +14,8 @@ import msgspec
 import numpy as np
 import zstandard
 
+from viewimit.estimation.rectification import RectifiedTransfer
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.estimation.transfers.rectified import RectifiedTransfer
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification
 from viewimit.loop.self_calibration import Body, SelfCalibration

@@ -9,11 +9,11 @@ from quiet_page import QuietPage
 from viewimit.app.control.commands.display import LetGo
 from viewimit.app.control.commands.experiments import ShowImitation
 from viewimit.app.control.commands.session import Step
+from viewimit.app.drawing.joint_bars import draw_learner
 from viewimit.app.jobs.experiments import Run
 
 from viewimit.analysis.trajectory import Imitation
 from viewimit.drawing.equations import draw_conflict, draw_equations
-from viewimit.drawing.learner_bars import draw_learner
 from viewimit.experiments import EXPERIMENTS
 from viewimit.geometry.affine import PAIRS, fit_affine_fundamental
 from viewimit.loop.settings import Settings

@@ -31,12 +31,13 @@ from drawn import (
     path,
     used,
 )
+from viewimit.app.drawing.glossary import current_values
 from viewimit.app.static import LAYOUT_CSS, LESSON_CSS, stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing import curves, equations, glossary, metrics, relief, status, svg, theme
+from viewimit.drawing import curves, equations, glossary, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.images import panel
 from viewimit.drawing.images.planes import image_windows
@@ -191,7 +192,7 @@ class TestImages:
         )
 
     def test_small_residuals_are_enlarged_and_the_legend_says_so(self, session):
-        lengths = metrics.residual_lengths(session.snapshot)
+        lengths = panel.residual_lengths(session.snapshot)
         gain = panel.arrow_gain(lengths)
         assert gain > 1 and gain * lengths.max() <= panel.LONGEST
         assert f"×{gain}" in drawn(session)
@@ -229,7 +230,7 @@ class TestImages:
             method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
             monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
             snapshot = replace(session.snapshot)
-            row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot))
+            row = panel.draw_metrics(snapshot, panel.residual_lengths(snapshot))
             assert shape is None or shape in row
             assert word in row and (word or "high" not in row)
 
@@ -322,7 +323,7 @@ class TestCurves:
         html = curves.draw_curves(history, 2999, None, (2, 4))
         line = path(parsed(html), E_CURVE)
         x = numbers(line).reshape(-1, 2)[:, 0]
-        assert len(x) <= curves.LIMIT and x[0] == curves.LEFT
+        assert len(x) <= curves.MAX_VERTICES and x[0] == curves.LEFT
         assert x[-1] == pytest.approx(curves.LEFT + (424 - curves.RIGHT - curves.LEFT) * 2999 / 4000, abs=0.06)
         assert len(html.encode()) < 12_000
 
@@ -381,16 +382,16 @@ class TestEquations:
         best = session.snapshot.servo_state.best
         before = next(s for s in session.history if np.array_equal(s.views.own, best.own))
         promised, measured = re.findall(r"<b>([\d.]+)</b>", equations.draw_law(session.snapshot))
-        assert float(promised) == pytest.approx(session.snapshot.servo_state.promised, rel=0.01)
+        assert float(promised) == pytest.approx(session.snapshot.servo_state.predicted_reduction, rel=0.01)
         assert float(measured) == pytest.approx(before.E - session.snapshot.E, rel=0.01)
 
     def test_with_missing_points_the_broyden_law_shows_what_the_motion_before_brought(self):
         session = stepped(5, points=16, missing=0.1)
         state, before = session.snapshot.servo_state, session.history[-2].servo_state
-        assert not session.snapshot.views.visible.all() and state.judged[0] == before.promised
+        assert not session.snapshot.views.visible.all() and state.reductions[0] == before.predicted_reduction
         numbers = re.findall(r"<b>([\d.−]+)</b>", equations.draw_law(session.snapshot))
         told = [float(number.replace(MINUS, "-")) for number in numbers]
-        assert told == pytest.approx([state.promised, *state.judged], rel=0.01, abs=0.006)
+        assert told == pytest.approx([state.predicted_reduction, *state.reductions], rel=0.01, abs=0.006)
 
     def test_other_servos_leave_their_equation_out(self, session):
         assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)
@@ -521,7 +522,7 @@ class TestEverything:
 
     def test_names_only_roles_that_exist(self, drawings):
         used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
-        places = LAYOUT_CSS + LESSON_CSS + glossary.cards() + glossary.told_now({"E": 1.0})
+        places = LAYOUT_CSS + LESSON_CSS + glossary.cards() + current_values({"E": 1.0})
         sizes = set(re.findall(r"--([a-z-]+):", places))
         assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES) | sizes
 

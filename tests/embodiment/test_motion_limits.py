@@ -143,7 +143,7 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     session = Session(asked)
     last = session.run(200).last
     assert last.status == "no-progress" and last.servo_state.restarts == restarts
-    words = SERVOS["trust-region"].says(last.servo_state, last.status)
+    words = SERVOS["trust-region"].describe_status(last.servo_state, last.status)
     assert ("searches elsewhere" in words) == (restarts > 0)
     if restarts == 0:
         assert not any(moment.servo_state.restarts for moment in session.history[1:])

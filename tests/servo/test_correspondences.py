@@ -63,7 +63,7 @@ def test_the_conflict_of_exchanged_own_points_is_that_of_the_demonstrators_excha
 def test_exchanging_moves_the_demonstrators_points_only_and_twice_nothing(pairs):
     rng = np.random.default_rng(1)
     views = FourViews(*rng.normal(size=(2, 5, 4)), rng.random((5, 4)) < 0.5)
-    once = views.with_exchanged(pairs)
+    once = views.permuted(pairs)
     order = list(range(5))
     for i, j in pairs:
         order[i], order[j] = order[j], order[i]
@@ -71,7 +71,7 @@ def test_exchanging_moves_the_demonstrators_points_only_and_twice_nothing(pairs)
     np.testing.assert_array_equal(once.visible, np.concatenate([views.visible[order, :2], views.visible[:, 2:]], 1))
     np.testing.assert_array_equal(exchanged(views.demo, pairs), once.demo)
     assert once.own is views.own
-    np.testing.assert_array_equal(once.with_exchanged(pairs).demo, views.demo)
+    np.testing.assert_array_equal(once.permuted(pairs).demo, views.demo)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.2])

@@ -5,8 +5,8 @@ import pytest
 from axle_markers import axle_markers, in_plane, one_pair
 from sameness import error_deg
 
+from viewimit.estimation.prediction import PredictedResiduals
 from viewimit.experiments.bench.surface import SurfaceEyes
-from viewimit.loop.prediction import PredictedResiduals
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo.trust_region.correspondences import likely_exchange, with_exchanged

@@ -83,4 +83,4 @@ def test_an_arm_that_is_sent_to_its_limit_and_falls_short_says_so():
     """It moves by 20 % less than it is told, so it cannot be sent as far as it could go."""
     end = run(3, gain_error=-0.2)
     assert end.status == "no-progress" and end.commanded[0] == np.radians(90) > end.theta[0]
-    assert "a joint was sent to its limit" in SERVOS["trust-region"].says(end.servo_state, end.status)
+    assert "a joint was sent to its limit" in SERVOS["trust-region"].describe_status(end.servo_state, end.status)

@@ -7,9 +7,9 @@ import pytest
 from linear_world import LinearWorld
 
 from viewimit import Session, Settings
+from viewimit.estimation.noise import affine_whitening
 from viewimit.estimation.residuals import conflict
-from viewimit.estimation.transfers import linear_combination, projective
-from viewimit.estimation.transfers.noise import noise_weight
+from viewimit.estimation.transfers import linear, projective
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
@@ -21,7 +21,7 @@ from viewimit.simulation.disturbances import NOISE, disturb
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
-FITS = {None: projective.fit, "linear": linear_combination.fit}
+FITS = {None: projective.fit, "linear": linear.fit}
 
 
 class Learner:
@@ -49,7 +49,8 @@ class Learner:
             return (
                 e
                 if noise_reference is None or noise_reference.own is None
-                else e @ noise_weight(views.with_own(noise_reference.own[known]), noise_reference.own_variance_ratio)
+                else e
+                @ affine_whitening(views.with_own(noise_reference.own[known]), noise_reference.own_variance_ratio)
             )
 
         for motion in range(most):

@@ -64,7 +64,7 @@ def test_what_is_undone_by_other_numbers_than_the_lenss_is_what_one_sees():
     image, visible = camera.project(points)
     raw, _ = Camera(640, 240, BARREL, camera.T_world_camera).project(points)
     np.testing.assert_allclose(
-        image.T[visible], undistort_points(raw.T[visible], lens.focal, lens.centre, lens.undone), atol=1e-7
+        image.T[visible], undistort_points(raw.T[visible], lens.focal, lens.centre, lens.correction), atol=1e-7
     )
     along = camera.ray(image.T[visible])
     away = points.T[visible] - camera.T_world_camera[:3, 3]

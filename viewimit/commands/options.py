@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import msgspec
 import numpy as np
 
-from ..estimation.transfers import PROJECTIVE_FROM
+from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import Radial
 from ..loop.embodiment import within, workspace
@@ -47,7 +47,7 @@ SHOWN_IN = {
 SCENE = ("scene", "robot", "joints", "points")  # fields that say what is seen
 SIGHT = (*disturbances(SightDisturbance), "frames", "seed")  # how well it is seen
 ARM = ("start_deg", *disturbances(ArmDisturbance))  # where the arm starts, and how well it moves
-DEFAULT_TRANSFER = f"projective from {PROJECTIVE_FROM} points on, epipolar below"  # `default_transfer` in words
+DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar below"  # `default_transfer` in words
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 

@@ -8,10 +8,10 @@ from latex2mathml.converter import convert
 from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
-from ..estimation.transfers.rectified import RectifiedTransfer
+from ..estimation.rectification import RectifiedTransfer
 from ..geometry.rectification import Rectification
 from ..loop.snapshot import Snapshot
-from ..servo import Moment
+from ..servo import LastMotion
 from . import svg
 
 
@@ -100,7 +100,7 @@ def _fundamental(snapshot: Snapshot) -> tuple[NDArray, float]:
 
 def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
     """Of the servo that runs."""
-    moment = Moment(
+    moment = LastMotion(
         E=snapshot.E,
         seen=snapshot.views.visible[:, 2:],
         displacement=snapshot.commanded - snapshot.settings.start_rad,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
-from ..estimation.transfers.transfer import FLAT, FLATNESS
+from ..estimation.transfers.registry import FLAT, FLATNESS
 from ..geometry.affine import MIN_POINTS
 from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
@@ -19,7 +19,7 @@ from ..servo import Certificate, ServoStatus
 from ..servo.trust_region.local_model import UNTOLD
 from . import svg
 from .glossary import ask, glossary
-from .metrics import AMBER, RED
+from .images.panel import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # off, which reads as 0.0°
@@ -199,7 +199,7 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
     if condition < AMBER:
         return ""
     high = ", far too high" if condition >= RED else ""
-    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.ill}."
+    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.degenerate_message}."
 
 
 def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -> str:
@@ -245,7 +245,7 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 def _says(snapshot: Snapshot) -> str:
     """The servo's own words, "" without any."""
     state = snapshot.servo_state
-    return "" if state is None else snapshot.servo.says(state, snapshot.status)
+    return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)
 
 
 def _motions(count: int) -> str:

@@ -15,21 +15,21 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.outliers import reject_outliers
+from ..estimation.prediction import VELOCITY_LOOKS, target_velocity
+from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
-from ..servo import MinimalServo, Observation, Servo, completed_servo
+from ..servo import Observation, Servo, ServoMethod, servo_method
 from ..servo.observation import Visit
 from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
-from .contradictions import believed
 from .embodiment import Arm, Embodiment, Eyes, Observer, Opener, degrees, round_to_degrees, waypoints, within
 from .history import MAX_HISTORY, RECENT, History
-from .prediction import DRIFT_MOMENTS, PredictedResiduals, demo_drift
 from .real_robot import RealRobotOpener
-from .rectifying import POOLED, rectification_for
 from .script import (
     Action,
     Begin,
@@ -45,14 +45,14 @@ from .script import (
 from .self_calibration import MIN_POSTURES, SelfCalibration, calibration_postures
 from .settings import OWN, Settings, convert_fields, warn_of_radians
 from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
-from .snapshot import RunResult, Snapshot, exchanged, given_own, probes, status_of
+from .snapshot import RunResult, Snapshot, exchanged, given_own, predicted_residuals, probes, status_of
 
 BEGIN_ANEW = (  # what changes body or camera
     "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "delay", "workspace_deg",
 )  # fmt: skip
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 GivenTransfer = str | TransferMethod | TransferFunction
-GivenServo = str | Servo | MinimalServo
+GivenServo = str | ServoMethod | Servo
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
@@ -61,7 +61,7 @@ class Session:
 
     settings: `Settings()`, the best method, if None. transfer, servo: in place of those of the settings, a name or one
     of your own, which settings then call OWN: a function of `FourViews` or a `TransferMethod`, and an object with
-    `start` and `step` (`MinimalServo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
+    `start` and `step` (`Servo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
     with and moves by; dense: how many of the last motions its history keeps all of, None for all. workspace: the lowest
     and the highest angles that its arm may be sent to, (m,) rad each. Raises ValueError, with the session as it was,
     for settings that cannot be; TypeError for what is no transfer or no servo.
@@ -123,7 +123,7 @@ class Session:
         chosen = {name: one if isinstance(one, str) else OWN for name, one in named.items() if one is not None}
         self._own = OwnMethods(
             None if isinstance(transfer, str | None) else transfer_method(transfer),
-            None if isinstance(servo, str | None) else completed_servo(servo),
+            None if isinstance(servo, str | None) else servo_method(servo),
         )
         self.begin(msgspec.structs.replace(settings, **chosen))
 
@@ -232,11 +232,15 @@ class Session:
     def _observed(self, theta: NDArray, like: Snapshot, **changes) -> Snapshot:
         """As `observe`; with eyes of one's own where the arm now stands."""
         settings, demo = changes.get("settings", like.settings), changes.get("theta_demo", like.theta_demo)
-        look, before = changes.get("look", like.look), self.history.recent(POOLED)
+        look, before = changes.get("look", like.look), self.history.recent(MAX_LOOKS)
         views = self.observer.four_views(settings, theta, demo, look)  # posture → four views
-        views = views.with_exchanged(exchanged(changes.get("servo_state", like.servo_state)))
-        views = believed(views, before, self.observer.image_noise_std(settings), look)
-        rectification = rectification_for(settings, before, views)
+        views = views.permuted(exchanged(changes.get("servo_state", like.servo_state)))
+        past, last = [moment.views for moment in before], before[-1]
+        views = reject_outliers(views, past, last.rectification, self.observer.image_noise_std(settings), look)
+        rectification = None
+        if settings.rectify != "off":
+            anew = last.settings != settings
+            rectification = update_rectification(views, past, last.rectification, last.motion, anew)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
@@ -279,7 +283,8 @@ class Session:
     def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
         """What a servo may ask at a moment, the present one, about images that it predicts."""
         moments, noise_px = self.history.recent(RECENT), self.observer.image_noise_std(now.settings)
-        return PredictedResiduals(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
+        velocity = target_velocity([moment.views for moment in moments[-VELOCITY_LOOKS:]])
+        return predicted_residuals(now, velocity, noise_px, moments)
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout, start or workspace begins anew; all else re-observes the

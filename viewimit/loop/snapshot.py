@@ -1,5 +1,6 @@
 """One pass of the loop: what it leaves behind, and what follows from that."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from typing import Any, TypeVar
@@ -7,11 +8,13 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod, rectified
+from ..estimation.prediction import AT_REST, PredictedResiduals
+from ..estimation.rectification import fit_transfer, rectify_views
+from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, Servo, ServoStatus
+from ..servo import SERVOS, Certificate, ServoMethod, ServoStatus
 from .self_calibration import SelfCalibration
 from .settings import OWN, Settings
 
@@ -56,7 +59,7 @@ class Snapshot:
     pending_postures: NDArray | None = None
     target: NDArray | None = None
     custom_transfer: TransferMethod | None = None
-    custom_servo: Servo | None = None
+    custom_servo: ServoMethod | None = None
 
     @property
     def method(self) -> TransferMethod:
@@ -66,7 +69,7 @@ class Snapshot:
         return given_own("transfer", self.custom_transfer)
 
     @property
-    def servo(self) -> Servo:
+    def servo(self) -> ServoMethod:
         """The servo that the settings name. Raises ValueError for one that no session was given."""
         return SERVOS[self.settings.servo] if self.settings.servo != OWN else given_own("servo", self.custom_servo)
 
@@ -83,8 +86,8 @@ class Snapshot:
     @property
     def half_shown(self) -> int:
         """How many are in sight in one image alone, for a transfer that can ask them: on a line of the other image."""
-        asked = self.method.half_seen is not None and self.settings.rectify != "off"
-        return int(np.count_nonzero(self.views.half_seen)) if asked else 0
+        asked = self.method.homography_of_space and self.settings.rectify != "off"
+        return int(np.count_nonzero(self.views.partially_visible)) if asked else 0
 
     @property
     def shows_demonstrator(self) -> bool:
@@ -100,7 +103,7 @@ class Snapshot:
 
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
         """The transfer chosen, or another one by its name, fitted to any views as this moment rectifies them."""
-        return rectified.fit(TRANSFERS[by] if by else self.method, views, self.rectification)
+        return fit_transfer(TRANSFERS[by] if by else self.method, views, self.rectification)
 
     @cached_property
     def flatness(self) -> float:
@@ -191,7 +194,7 @@ class Snapshot:
     def fundamental(self) -> PairGeometry | None:
         """Of the six pairs of views, rectified if they are for the transfer, from the usable points, whatever the
         transfer is; None with too few of them."""
-        views = self.views if self.rectification is None else rectified.rectified(self.views, self.rectification)
+        views = self.views if self.rectification is None else rectify_views(self.views, self.rectification)
         known = None if self.transfer is None else self.transfer.fundamentals
         return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.usable], known)
 
@@ -249,6 +252,45 @@ def status_of(servo_state: Any, usual: ServoStatus) -> ServoStatus:
     return found
 
 
+def predicted_residuals(
+    now: Snapshot, velocity: NDArray[np.float64] = AT_REST, noise_px: float = 0.0, past: Sequence[Snapshot] = ()
+) -> PredictedResiduals:
+    """Residuals that a servo may ask for at a moment.
+
+    velocity: of the demonstrator's points, px; noise_px: standard deviation of an image coordinate; past: moments
+    before, whose matches and residuals are known.
+    """
+    return PredictedResiduals(
+        now.views,
+        now.method,
+        now.rectification,
+        noise_px=noise_px,
+        velocity=velocity,
+        converged=now.converged_transfer,
+        past=[moment.views for moment in past],
+        computed=_computed(now, past),
+    )
+
+
+def _computed(now: Snapshot, past: Sequence[Snapshot]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Own images and residuals of the moments at which all else was as it is now."""
+    if now.transfer is None or not now.views.complete:
+        return
+    for moment in past:
+        if (
+            _equal(moment.views.demo, now.views.demo)
+            and _equal(moment.views.visible, now.views.visible)
+            and moment.rectification is now.rectification
+            and moment.settings.transfer == now.settings.transfer
+        ):
+            yield moment.views.own, moment.residual
+
+
+def _equal(one: NDArray, other: NDArray) -> bool:
+    """Mostly the same array; not where a session was resumed."""
+    return one is other or np.array_equal(one, other)
+
+
 FIELDS = frozenset(field.name for field in fields(Snapshot))
 
 
@@ -300,7 +342,7 @@ class RunResult:
         """Why it ended, in a line."""
         status, last = self.status, self.last
         why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        says = last.servo.says(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
+        says = last.servo.describe_status(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
         return f"{why}: {says}" if says else why
 
     @property

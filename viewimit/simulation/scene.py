@@ -323,8 +323,10 @@ def _require_head(head: Head) -> None:
             raise ValueError(f"head.{name}: {error}") from None
         if not min(lens.focal) >= LEAST_LENGTH:
             raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
-        if not lens.shows(corners):
-            told = f"{eye.distortion}, undistorted by {head.undistort}," if lens.undone.bends else f"{eye.distortion}"
+        if not lens.covers(corners):
+            told = (
+                f"{eye.distortion}, undistorted by {head.undistort}," if lens.correction.bends else f"{eye.distortion}"
+            )
             raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
 
 

@@ -20,10 +20,8 @@ from numpy.typing import NDArray
 
 from ...geometry.affine import COORDINATES, EYES, centred, fundamentals, require_points, scatter
 from ...geometry.small_matrices import extreme_eigenvalues, smallest_eigenpair
-from ..equations import HOLE, Equation, column, each, matrix
 from ..views import FourViews
-from .affine_map import AffineTransfer
-from .transfer import TransferMethod
+from .linear import AffineTransfer
 
 CROSSED = np.delete(COORDINATES, EYES, 0)  # of the five pairs
 SINGULAR = 1e-3  # determinant of two unit-norm epipolar lines below which all five are solved together
@@ -128,32 +126,3 @@ def condition(f: NDArray) -> NDArray:
 def _by_view(S: NDArray) -> NDArray:
     """(4, 4, G) → (2 views, 2 coordinates, 2 views, 2 coordinates, G)"""
     return S.reshape((2, 2, 2, 2) + S.shape[2:])
-
-
-def equations(fitted: EpipolarTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
-    """Eq. (4) of one point: demo, own (4,) px."""
-    A, B = linear_system(fitted.f.reshape(4, 5, 1))
-    centred = demo - fitted.demo_mean
-    solution = fitted.matrix @ centred
-    return (
-        Equation(
-            "(4)",
-            f"point {name} recovered, px about the centroids: so f₃₃ = 0",
-            rf"𝐀\,{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=-𝐁𝐜_{{{HOLE}}}:\;{matrix(5, 4)}{column(4)}\approx{column(5)}",
-            (name, name, *each(A[0], 2), *each(solution, 1), *each(-B[0] @ centred, 1)),
-            wide=True,
-        ),
-    )
-
-
-METHOD = TransferMethod(
-    title="Epipolar (paper)",
-    assumes="Affine cameras: each point is where the epipolar lines of its images in l and r cross.",
-    fails="Lines nearly parallel, and depth in the views: the minimum is degrees off the demonstrator.",
-    fit=fit,
-    stored=(EpipolarTransfer,),
-    equations=equations,
-    crosses_lines=True,
-    condition_name="cond A",
-    ill="epipolar lines nearly parallel, E may mislead",
-)

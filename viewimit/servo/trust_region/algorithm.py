@@ -24,12 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.equations import Equation
-from ...estimation.residuals import ResidualFunction, noise_conflict
+from ...estimation.noise import conflict_quantile
+from ...estimation.residuals import ResidualFunction
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ...geometry.rectification import Rectification
 from ..observation import Observation, ScaledResiduals, Visit, in_units, unit_of
-from ..servo import Moment
+from ..servo import LastMotion
 from ..status import ServoStatus
 from .convergence import CHECK, Certificate, curvature_directions
 from .correspondences import likely_exchange, with_exchanged
@@ -138,7 +139,7 @@ class TrustRegion:
             return self._step(*_otherwise(state, seen, residuals), chasing=False)
         return settled
 
-    def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
+    def equations(self, state: TrustState | None, moment: LastMotion) -> tuple[Equation, ...]:
         return equations(state, moment)
 
     def says(self, state: TrustState, status: ServoStatus) -> str:
@@ -148,7 +149,7 @@ class TrustRegion:
 def noise_E(seen: Observation, points: int) -> float:
     """px²: E up to which noise explains it, of so many points."""
     freedom = freedom_of(points, len(seen.displacement))
-    return noise_conflict(points, freedom, NOISE_SLACK * seen.noise_px, NOISE_DEVIATIONS)
+    return conflict_quantile(points, freedom, NOISE_SLACK * seen.noise_px, NOISE_DEVIATIONS)
 
 
 def _turn(state: TrustState) -> int:

@@ -1,7 +1,7 @@
 """Which of the demonstrator's points are taken for each other, one pair or two: found without a motion.
 
 The images that a learner predicts at postures all over its range are held against the demonstrator's as they are and
-with pairs exchanged. An exchange that leaves far less conflict than none, each at its best posture, is likely; what is
+with pairs exchanged. An permute that leaves far less conflict than none, each at its best posture, is likely; what is
 left of E once the learner has gone there decides.
 """
 
@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
-from ...estimation.views import Pairs, exchange
+from ...estimation.views import Pairs, permute
 from ..least_squares import minimise
 
-GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
+GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one permute and for two; with many joints as many at random
 PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
 TOGETHER = 24  # exchanges that are asked about in one batch
-DECISIVE = 0.1  # of the conflict without an exchange
+DECISIVE = 0.1  # of the conflict without an permute
 
 
 def exchanged(images: NDArray, pairs: Pairs) -> NDArray:
     """(..., N, k) with the rows of each pair exchanged."""
-    return images[..., exchange(np.arange(images.shape[-2]), pairs), :] if pairs else images
+    return images[..., permute(np.arange(images.shape[-2]), pairs), :] if pairs else images
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def likely_exchange(
         blocks = [hypotheses[k : k + TOGETHER] for k in range(0, len(hypotheses), TOGETHER)]
 
         def ask(block: Sequence[Pairs]) -> NDArray:
-            together = np.stack([images[exchange(np.arange(len(images)), pairs)] for pairs in block], 2)
+            together = np.stack([images[permute(np.arange(len(images)), pairs)] for pairs in block], 2)
             return conflict(residuals(together.transpose(2, 3, 0, 1)))
 
         return np.concatenate([ask(block) for block in blocks])

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..image_model import ENOUGH
+from ..image_jacobian import MIN_WELL_SEEN
 from ..observation import Visit, by_coordinate
 
 OFFSET_PX, SLOPE_PX, BEND_PX = 30.0, 200.0, 100.0  # prior standard deviations: px, px/rad, px
@@ -161,4 +161,4 @@ def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:
 def _rarely_seen(seen: NDArray, min_visits: int) -> NDArray:
     """(N,) bool: points seen at fewer visits than a linear function needs, if enough others were seen that often."""
     count = seen.all(-1).sum(0)
-    return count < min(min_visits, np.sort(count)[-min(ENOUGH, len(count))])
+    return count < min(min_visits, np.sort(count)[-min(MIN_WELL_SEEN, len(count))])

@@ -28,6 +28,8 @@ KNOWN_BY_NAME = {
     "rehearse.py",
     "settings.py",
     "renamed.py",
+    "outliers.py",  # a kind of outlier
+    "evaluate_report.py",
     "presets.py",
     "robustness.py",
     "compare_draws.py",

@@ -12,7 +12,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import predicted_residuals
-from viewimit.servo.trust_region.correspondences import exchanged, with_exchanged
+from viewimit.servo.trust_region.correspondences import swapped, with_swapped
 
 
 def drift_of(session):
@@ -63,8 +63,8 @@ def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_tran
     assert np.isposinf(ask.with_partially_visible()(np.full_like(there, np.nan))).all()
     np.testing.assert_array_equal(ask.with_partially_visible()(aside, "linear"), ask(aside, "linear"))
     pairs = ((2, 3),)
-    swapped = exchanged(there, pairs)
-    np.testing.assert_array_equal(with_exchanged(ask, pairs).with_partially_visible()(swapped), e)
+    own = swapped(there, pairs)
+    np.testing.assert_array_equal(with_swapped(ask, pairs).with_partially_visible()(own), e)
     for changed in ({"transfer": "epipolar"}, {"rectify": "off"}):
         settings = msgspec.structs.replace(now.settings, **changed)
         assert now.with_fields(settings=settings).half_shown == 0

@@ -11,7 +11,7 @@ from viewimit.drawing import svg
 from viewimit.drawing.observability import describe_costs, draw_bars
 from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.servo.trust_region.local_model import UNTOLD
+from viewimit.servo.trust_region.options import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene
 
 WIDTH, NARROW, HEIGHT, INSET = 150, 74, 22, 8  # px of a posture bar, in one column and in two
@@ -35,7 +35,7 @@ def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray, assessment: 
     rows, columns = [], len(theta) >= MIN_IN_COLUMNS
     band = np.zeros(len(theta))
     if assessment is not None:
-        band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], UNTOLD)
+        band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], MAX_STD_PER_PX)
     width = NARROW if columns else WIDTH
     limits = zip(scene.lower.tolist(), scene.upper.tolist())
     for k, (joint, own, demo, (low, high)) in enumerate(

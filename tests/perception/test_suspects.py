@@ -12,7 +12,7 @@ from viewimit.estimation.noise import views_rounding_std
 from viewimit.estimation.outliers import SWAP_MIN_POINTS, find_outliers
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.random_scenes import draw, resize
-from viewimit.geometry.distortion import Radial
+from viewimit.geometry.distortion import RadialDistortion
 from viewimit.simulation.camera import undistort_points
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -121,7 +121,9 @@ def test_images_that_were_undistorted_after_they_were_rounded_lie_on_no_grid_and
 
     def straight(images):
         halves = np.split(images, 2, axis=-1)
-        return np.concatenate([undistort_points(half, (256, 256), (320, 120), Radial(1e-3, 0)) for half in halves], -1)
+        return np.concatenate(
+            [undistort_points(half, (256, 256), (320, 120), RadialDistortion(1e-3, 0)) for half in halves], -1
+        )
 
     views = FourViews(straight(rounded.demo), straight(rounded.own), rounded.visible)
     assert views_rounding_std(views) == 0 and find_outliers(views).found

@@ -17,7 +17,7 @@ from collections.abc import Iterable
 from typing import NoReturn
 
 from .. import __version__
-from ..geometry import blas_threads as threads
+from ..geometry.blas_threads import limit_blas_threads
 from ..sensing.renamed import current_option
 from . import BadInput
 
@@ -41,7 +41,7 @@ COMMANDS = {
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command and return its exit status. `viewimit` alone serves the page."""
-    threads.take_one()
+    limit_blas_threads()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console of another encoding, or a file, may lack ≤ and −

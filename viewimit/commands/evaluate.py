@@ -18,7 +18,7 @@ from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
 from ..estimation.transfers.registry import FLAT, FLATNESS, PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
 from ..sensing.files import MAX_NAME_CHARS, escape
@@ -185,9 +185,9 @@ def _find_mirrored(
         if frame["refused"]:
             continue
         views = FourViews.from_images(*(frame["seen"][name] for name in VIEW_NAMES.values()))
-        handedness = Handedness.of(rectified(views.demo), axes, noise_px)
+        handedness = Handedness.from_images(rectified(views.demo), axes, noise_px)
         if handedness is not None:
-            frame["mirrored"] = handedness.mirrored_in(rectified(views.own))
+            frame["mirrored"] = handedness.is_mirrored(rectified(views.own))
 
 
 def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
@@ -196,13 +196,13 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
         raise BadInput("--undistort and --lens go together: a distortion is about a centre, in focal lengths")
     if args.undistort is None:
         return views
-    (fx, fy, *centre), by = args.lens, Radial(*args.undistort)
+    (fx, fy, *centre), by = args.lens, RadialDistortion(*args.undistort)
     for name, image in zip(VIEWS, (views.demo_left, views.demo_right, views.own_left, views.own_right)):
         farthest = np.nanmax(np.linalg.norm((image - centre) / (fx, fy), axis=-1), initial=0.0)
-        if not farthest < by.rim:
+        if not farthest < by.max_distorted_radius:
             raise BadInput(
-                f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.rim:.3g} focal lengths on, where "
-                f"it folds its image; a point of {VIEW_NAMES[name]} is {farthest:.3g} from the centre"
+                f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.max_distorted_radius:.3g} focal "
+                f"lengths on, where it folds its image; a point of {VIEW_NAMES[name]} is {farthest:.3g} from the centre"
             )
 
     def pair(images: NDArray) -> NDArray:

@@ -152,7 +152,7 @@ def _observable(known: Assessment | None, joint: int) -> bool | None:
     """Whether the points determine a joint, by index; None where the visited postures leave that open."""
     if known is None:
         return None
-    if known.certificate.told[joint]:
+    if known.certificate.observable[joint]:
         return True
     return False if joint in known.unobservable else None
 
@@ -164,7 +164,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
     truth. `travel_deg` sums the joint that moved most in each motion, or one joint's motions.
     """
     last, known = session.snapshot, assess(session)
-    std_error = None if known is None else known.certificate.expected
+    std_error = None if known is None else known.certificate.std_error
     rehearsed = {}
     if last.calibration is not None:
         rehearsed = {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
@@ -172,7 +172,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
         "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
-        "std_error_deg": None if known is None else np.degrees(known.certificate.worst),
+        "std_error_deg": None if known is None else np.degrees(known.certificate.simultaneous_std_error),
         "joints": [
             {
                 "name": f"theta{joint}",

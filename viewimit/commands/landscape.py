@@ -11,7 +11,7 @@ import numpy as np
 from ..analysis.landscape import Landscape, conflict_at, landscape
 from ..drawing.export import figures
 from ..drawing.landscape import LandscapePicture
-from ..drawing.plots import described
+from ..drawing.plots import describe_settings
 from ..estimation.transfers import TRANSFERS, default_transfer
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
@@ -116,4 +116,4 @@ def _write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) -
     else:
         picture = LandscapePicture(landscape, scene, snapshot, contours="E in px²")
         drawing = picture.draw_alone(snapshot.settings)
-        figures.write(path, figures.standalone(drawing, TITLE, described(snapshot.settings)))
+        figures.write(path, figures.standalone(drawing, TITLE, describe_settings(snapshot.settings)))

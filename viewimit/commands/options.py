@@ -13,7 +13,7 @@ import numpy as np
 
 from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..loop.embodiment import within, workspace
 from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from ..sensing.files import MAX_NAME_CHARS, escape
@@ -92,7 +92,7 @@ def radial(text: str) -> tuple[float, float]:
     """A type for argparse: k1 and k2."""
     k1, k2 = _numbers(text, 2, "-0.05,0.01")
     try:
-        Radial(k1, k2)
+        RadialDistortion(k1, k2)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
     return k1, k2

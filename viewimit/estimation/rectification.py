@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.rectification import Rectification, rectification_of
+from ..geometry.rectification import Rectification, fit_rectification
 from .residuals import conflict
 from .transfers.registry import TransferMethod
 from .transfers.transfer import FittedTransfer
@@ -115,4 +115,4 @@ def update_rectification(
     if settled and not anew:
         return current
     matches = unique_matches([*past[-MAX_LOOKS:], views])
-    return rectification_of(matches[:, :2], matches[:, 2:])
+    return fit_rectification(matches[:, :2], matches[:, 2:])

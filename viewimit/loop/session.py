@@ -275,7 +275,7 @@ class Session:
             rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
             shown=now.shown,
             half_shown=now.half_shown,
-            heads=0 if now.rectification is None else len(now.rectification.others),
+            heads=0 if now.rectification is None else len(now.rectification.perturbed),
             rectification=now.rectification,
             max_step=now.settings.max_step,
             restarts=now.settings.restarts,

@@ -12,7 +12,7 @@ from ..estimation.prediction import AT_REST, PredictedResiduals
 from ..estimation.rectification import fit_transfer, rectify_views
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
-from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
+from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, ServoMethod, ServoStatus
 from .self_calibration import SelfCalibration
@@ -156,8 +156,8 @@ class Snapshot:
 
     @property
     def expected_error(self) -> float | None:
-        """rad, of the worst joint, as the servo reckons: `Certificate.worst`; None if it gives none."""
-        return None if self.certificate is None else self.certificate.worst
+        """rad, of the worst joint, as the servo estimates it (`Certificate.simultaneous_std_error`), or None."""
+        return None if self.certificate is None else self.certificate.simultaneous_std_error
 
     def with_fields(self, **changes) -> "Snapshot":
         """As dataclasses.replace; what was found already is not found anew if views and transfer stay.
@@ -217,7 +217,7 @@ class Snapshot:
         if by is None:
             return fundamental.lines(images.reshape(4, 2))
         lines = fundamental.lines(by.apply(images).reshape(4, 2))
-        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
+        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[LINE_VIEWS % 2])
 
 
 T = TypeVar("T")

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..geometry.rigid import look_rotation, rigid_transform, rotation_about_axis
 
 WORLD = np.eye(4)
@@ -27,8 +27,8 @@ class Lens:
 
     focal: tuple[float, float]  # focal lengths fx, fy [px]
     centre: tuple[float, float]  # principal point [px]
-    distortion: Radial = Radial()  # of the lens
-    correction: Radial = Radial()  # distortion that is removed from the images, as far as the lens is calibrated
+    distortion: RadialDistortion = RadialDistortion()  # of the lens
+    correction: RadialDistortion = RadialDistortion()  # removed from the images, as far as the lens is calibrated
 
     @cached_property
     def is_distorted(self) -> bool:
@@ -42,8 +42,8 @@ class Lens:
 
     def stretch(self, squared: Floats) -> Floats:
         """Return the factor by which a pinhole image moves outwards, given its radius squared [focal lengths²]."""
-        factor = self.distortion.stretch(squared)
-        return factor * self.correction.undone(squared * factor * factor) if self.correction.bends else factor
+        factor = self.distortion.factor(squared)
+        return factor * self.correction.inverse_factor(squared * factor * factor) if self.correction.bends else factor
 
     def direction(self, image: Floats) -> Floats:
         """Return where the ray of a pixel meets the plane at depth 1: (..., 2) px -> (..., 2)."""
@@ -51,16 +51,18 @@ class Lens:
         if not self.is_distorted:
             return on_plane
         squared = (on_plane * on_plane).sum(-1)
-        factor = self.correction.stretch(squared)
-        return on_plane * (factor * self.distortion.undone(squared * factor * factor))[..., None]
+        factor = self.correction.factor(squared)
+        return on_plane * (factor * self.distortion.inverse_factor(squared * factor * factor))[..., None]
 
     def covers(self, image: Floats) -> bool:
         """Return whether every pixel, (..., 2) px, has a ray: beyond its rim a distorted image would fold back."""
         radius = np.hypot(*((image - self.centre) / self.focal).reshape(-1, 2).T)
-        return bool((radius < min(self.distortion.rim, self.correction.reach)).all())
+        return bool((radius < min(self.distortion.max_distorted_radius, self.correction.max_radius)).all())
 
 
-def undistort_points(points: Floats, focal: tuple[float, float], centre: tuple[float, float], by: Radial) -> Floats:
+def undistort_points(
+    points: Floats, focal: tuple[float, float], centre: tuple[float, float], by: RadialDistortion
+) -> Floats:
     """Return the pixels of a pinhole camera for those of a lens with distortion `by`: (..., 2) px -> (..., 2) px."""
     return Lens(focal, centre, by).direction(points) * focal + centre
 

@@ -18,12 +18,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.affine import COORDINATES, EYES, centred, fundamentals, require_points, scatter
+from ...geometry.affine import DEMO_PAIR, PAIR_COORDINATES, centred, cross_scatter, pair_fundamentals, require_points
 from ...geometry.small_matrices import extreme_eigenvalues, smallest_eigenpair
 from ..views import FourViews
 from .linear import AffineTransfer
 
-CROSSED = np.delete(COORDINATES, EYES, 0)  # of the five pairs
+CROSSED = np.delete(PAIR_COORDINATES, DEMO_PAIR, 0)  # of the five pairs
 SINGULAR = 1e-3  # determinant of two unit-norm epipolar lines below which all five are solved together
 
 
@@ -58,12 +58,12 @@ def fit(views: FourViews) -> EpipolarTransfer:
 def constraints(demo: NDArray, own: NDArray) -> NDArray:
     """The five fundamental matrices f: (4, 5, G) from centred points demo: (..., N, 4) or (N, 4), own: (..., N, 4)."""
     if own.ndim == 2:  # one posture, whose price is the number of steps
-        return fundamentals(np.concatenate([demo, own], 1), CROSSED).T[..., None]
+        return pair_fundamentals(np.concatenate([demo, own], 1), CROSSED).T[..., None]
     P, M, Q = (np.empty((2, 2, 5, math.prod(own.shape[:-2]))) for _ in range(3))
     to_P, to_M, to_Q = (block[:, :, :4].reshape(2, 2, 2, 2, -1) for block in (P, M, Q))  # views: i, j, o, d
-    to_P[:] = np.einsum("didjg->ijdg", _by_view(scatter(demo, demo)))[:, :, None]
-    to_M[:] = _by_view(scatter(demo, own)).transpose(1, 3, 2, 0, 4)
-    S = _by_view(scatter(own, own))
+    to_P[:] = np.einsum("didjg->ijdg", _by_view(cross_scatter(demo, demo)))[:, :, None]
+    to_M[:] = _by_view(cross_scatter(demo, own)).transpose(1, 3, 2, 0, 4)
+    S = _by_view(cross_scatter(own, own))
     to_Q[:] = np.einsum("oiojg->ijog", S)[:, :, :, None]
     P[:, :, 4], M[:, :, 4], Q[:, :, 4] = S[0, :, 0], S[0, :, 1], S[1, :, 1]
     return smallest_eigenpair(P, M, Q)[1]

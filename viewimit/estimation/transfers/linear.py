@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...geometry.affine import centred, require_points, scatter
+from ...geometry.affine import centred, cross_scatter, require_points
 from ..views import FourViews
 from .transfer import Transfer
 
@@ -62,7 +62,7 @@ def fit(views: FourViews) -> LinearTransfer:
     demo = np.asarray(views.demo, float)
     demo_mean, sigma, inverse = _cached_inverse(demo.tobytes()) if demo.ndim == 2 else _pseudo_inverse(demo)
     own_mean, own = centred(views.own)
-    matrix = scatter(inverse, own).transpose(2, 1, 0).reshape(own.shape[:-2] + (4, 4))
+    matrix = cross_scatter(inverse, own).transpose(2, 1, 0).reshape(own.shape[:-2] + (4, 4))
     return LinearTransfer(matrix, demo_mean, own_mean, sigma)
 
 

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...geometry.affine import centred, require_points, scatter
+from ...geometry.affine import centred, cross_scatter, require_points
 from ...geometry.small_matrices import tail_eigenvalue_sum
 from ..views import FourViews
 from .transfer import Transfer
@@ -70,10 +70,10 @@ def fit(views: FourViews) -> Rank3Transfer:
     own_mean, own = centred(views.own)
     batch = own.shape[:-2]
     W = np.empty((8, 8, math.prod(batch)))
-    W[:4, :4] = (demo.T @ demo)[:, :, None] if demo.ndim == 2 else scatter(demo, demo)
-    W[:4, 4:] = scatter(demo, own)
+    W[:4, :4] = (demo.T @ demo)[:, :, None] if demo.ndim == 2 else cross_scatter(demo, demo)
+    W[:4, 4:] = cross_scatter(demo, own)
     W[4:, :4] = W[:4, 4:].swapaxes(0, 1)
-    W[4:, 4:] = scatter(own, own)
+    W[4:, 4:] = cross_scatter(own, own)
     sigma = np.linalg.svd(demo, compute_uv=False)
     known = sigma[..., 2] > sigma[..., 0] * np.finfo(float).eps * demo.shape[-2]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -19,7 +19,7 @@ from ..sensing.files import file_name, is_text, parse_toml
 from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..sensing.renamed import SETTINGS, current_keys, current_settings, level_outside
 from ..servo import SERVOS
-from ..servo.observation import RESTARTS
+from ..servo.observation import DEFAULT_MAX_RESTARTS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from ..simulation.robot import BodyPoint
 
@@ -190,7 +190,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             unit="N",
             bounds=(0, 100),
         ),
-    ] = RESTARTS
+    ] = DEFAULT_MAX_RESTARTS
     workspace_deg: Annotated[
         tuple[Range, ...] | None,
         Setting(

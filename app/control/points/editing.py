@@ -16,7 +16,7 @@ from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.autoscene.candidates import candidates
+from viewimit.simulation.autoscene.candidates import find_candidates
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
@@ -173,7 +173,7 @@ class PointEditing:
 
 def _search(world: World, moment: Snapshot) -> tuple[World, Snapshot, Proposal] | ValueError:
     try:
-        return world, moment, best_next(world, moment, candidates(world, moment.theta_demo))
+        return world, moment, best_next(world, moment, find_candidates(world, moment.theta_demo))
     except ValueError as reason:
         return reason
 

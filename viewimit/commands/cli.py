@@ -26,6 +26,7 @@ COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
     "imitate": "One run of the loop, without a page.",
     "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --body goes on from that.",
+    "lab": "The method in the browser: one file that needs no server, to open, send or embed.",
     "scene": "A scene file for a robot of which only the URDF is known, to be edited.",
     "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",
     "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",

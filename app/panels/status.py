@@ -5,13 +5,13 @@ posture that is only looked at, and to that nothing is saved. Of an arm on its w
 images are.
 """
 
-from viewimit.drawing.body_points import describe_edited
-from viewimit.drawing.curves import following
-from viewimit.drawing.over.links import link, sink
-from viewimit.drawing.over.postures import describe_see_through
-from viewimit.drawing.status import Said, describe, describe_truth, draw_status
+from viewimit.drawing.curves import describe_errors
+from viewimit.drawing.status import StatusMessage, describe, describe_truth, draw_status
 
 from ..control.state import PageState
+from ..drawing.joint_bars import describe_body_points
+from ..drawing.links import link, sink
+from ..drawing.overlays import describe_see_through
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html
 
@@ -58,23 +58,25 @@ class StatusPanel(Panel):
 
     def show_message(self, text: str) -> None:
         """Whatever the state."""
-        put_html(self._status, draw_status(Said("message", text), self._truth))
+        put_html(self._status, draw_status(StatusMessage("message", text), self._truth))
 
 
-def _said(state: PageState) -> Said:
+def _said(state: PageState) -> StatusMessage:
     session, busy = state.session, _busy(state)
     if state.message is not None:
-        return Said("message", state.message)
+        return StatusMessage("message", state.message)
     if busy is not None:
-        return Said(*busy)
+        return StatusMessage(*busy)
     points = state.points
     if points.information is not None and not state.playing:
         joints = session.scene.moving_joints
-        return Said("editing", describe_edited(joints, points.information, points.proposal, points.searching))
+        return StatusMessage(
+            "editing", describe_body_points(joints, points.information, points.proposal, points.searching)
+        )
     if state.see_through is not None:
-        return Said("see-through", describe_see_through(session.scene, state.see_through))
+        return StatusMessage("see-through", describe_see_through(session.scene, state.see_through))
     if state.unsaved is not None:
-        return Said("message", f"not saved: {state.unsaved}; a reload would lose this session.")
+        return StatusMessage("message", f"not saved: {state.unsaved}; a reload would lose this session.")
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
     if (on_the_way := state.on_the_way) is not None:
         return describe(on_the_way, before, joints=session.scene.moving_joints)
@@ -82,7 +84,7 @@ def _said(state: PageState) -> Said:
 
 
 def _truth(state: PageState) -> str:
-    off = following(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
+    off = describe_errors(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
     if off:
         return off + "."
     own = state.seen.theta if state.on_the_way is None else state.shown.theta

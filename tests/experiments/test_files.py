@@ -12,7 +12,7 @@ from PIL import Image
 
 from viewimit.analysis.landscape import Landscape
 from viewimit.drawing import svg
-from viewimit.drawing.plots import described
+from viewimit.drawing.plots import describe_settings
 from viewimit.drawing.theme import ROLES
 from viewimit.experiments import EXPERIMENTS, ON_PICTURES, files
 from viewimit.experiments.paper import fig7, fig8, fig9, fig10
@@ -119,7 +119,7 @@ def test_an_svg_needs_nothing_beside_it(made):
     text = (folder / f"{name}.svg").read_text("utf-8")
     root = ElementTree.fromstring(text)
     assert root.tag == f"{SVG}svg" and root.find(f"{SVG}title").text.startswith(f"Fig. {name[3:]}: ")
-    assert root.find(f"{SVG}desc").text == described(result.settings)
+    assert root.find(f"{SVG}desc").text == describe_settings(result.settings)
     without_namespace = text.replace('xmlns="http://www.w3.org/2000/svg"', "")
     assert not re.search(r"<script|var\(|@import|http|url\((?!#)|href=\"(?!data:)", without_namespace)
     known = styled(root.find(f"{SVG}style").text)
@@ -141,7 +141,7 @@ def test_a_figure_in_a_file_is_the_pages(made):
 
 
 def test_without_a_renderer_all_but_png_is_written(tmp_path, monkeypatch):
-    monkeypatch.setattr("viewimit.drawing.standalone.can_render", lambda: False)
+    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda: False)
     written = files.write("fig9", EXPERIMENTS["fig9"], COARSE["fig9"](), tmp_path)
     assert {path.suffix for path in written} == {".npz", ".csv", ".json", ".svg"}
 

@@ -10,8 +10,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ..drawing import standalone
-from ..drawing.plots import described
+from ..drawing.export import figures
+from ..drawing.plots import describe_settings
 from .experiment import Experiment, Result
 from .paper.claims import Claim, verdict
 from .tables import Table, Tables
@@ -33,10 +33,10 @@ def write(name: str, experiment: Experiment, result: Result, folder: Path) -> li
             written.append(folder / f"{name}-{table}.csv")
             write_csv(written[-1], columns)
     if experiment.draw is not None:
-        drawing = standalone.standalone(experiment.figure(result), experiment.title, described(result.settings))
-        for suffix in (".svg", ".png") if standalone.can_render() else (".svg",):
+        drawing = figures.standalone(experiment.figure(result), experiment.title, describe_settings(result.settings))
+        for suffix in (".svg", ".png") if figures.can_render() else (".svg",):
             written.append(folder / f"{name}{suffix}")
-            standalone.write(written[-1], drawing)
+            figures.write(written[-1], drawing)
     manifest = folder / f"{name}.json"
     said = _manifest(name, result, [path.name for path in written])
     manifest.write_text(json.dumps(said, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")

@@ -44,7 +44,7 @@ def _says(stage: Stage, moment: Snapshot, names: Sequence[str]) -> list[str]:
         before = f"{svg.short(least_as_seen(stage))} px²"
         told = f"As I saw them E never fell below {before}; with them changed back it is {E}."
         return [f"Something does not fit: {_of(pairs)} seem to be swapped.", told, ending]
-    untold = [] if known is None else known.named(moment.status)
+    untold = [] if known is None else known.reportable_joints(moment.status)
     if untold:
         joints = " and ".join(names[k] for k in untold)
         told = f"E is {E} after {moment.motion} motions, and it does not rise when that joint turns."
@@ -62,7 +62,7 @@ def _truth(stage: Stage, moment: Snapshot, names: Sequence[str]) -> list[str]:
 
 
 def _of(pairs: Pairs) -> str:
-    return "points " + ", ".join(f"{svg.point_name(i)} and {svg.point_name(j)}" for i, j in pairs)
+    return "points " + ", ".join(f"{i} and {j}" for i, j in pairs)
 
 
 FIGURES: Mapping[str, FigureKind] = {"verdict": FigureKind(_verdict, verdict.LAYERS, works=("races",))}

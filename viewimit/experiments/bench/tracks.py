@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.leave_one_out import leave_one_out
+from ...estimation.outliers import find_outliers, select_matches
+from ...estimation.rectification import fit_transfer
 from ...estimation.transfers import TRANSFERS
-from ...estimation.transfers.rectified import fit
 from ...estimation.views import FourViews
-from ...geometry.rectification import Rectification, rectification_of
+from ...geometry.rectification import Rectification, fit_rectification
 from ...geometry.rigid import rigid_transform, rotation_about_axis
-from ...loop.suspects import suspects, telling
 from ...simulation.camera import Camera, Cameras, Lens
 from ..executors.study import Study, each
 from .success import Share
@@ -102,9 +102,9 @@ def run(
 def run_once(points: int, toe_in_deg: float, board: bool, seed: list[int]) -> Run:
     """One draw of a case."""
     seen, elsewhere = draw(Case(points, toe_in_deg, board), np.random.default_rng(seed))
-    right = suspects(seen).left_out(seen)
+    right = find_outliers(seen).corrected(seen)
     chosen = leave_one_out(right).rectification
-    by_matches = rectification_of(*np.split(telling(seen), 2, axis=1))
+    by_matches = fit_rectification(*np.split(select_matches(seen), 2, axis=1))
     error_px, raw_px, always_px = (_errors(seen, elsewhere, by) for by in (chosen, None, by_matches))
     return Run(chosen is not None, by_matches is not None, error_px, raw_px, always_px)
 
@@ -167,7 +167,7 @@ def _turn(deg: Sequence[float], rng: np.random.Generator) -> NDArray:
 
 def _errors(seen: FourViews, elsewhere: FourViews, by: Rectification | None) -> dict[str, float]:
     """px rms, by transfer, of points that it was not fitted to."""
-    fitted = {name: fit(method, seen, by) for name, method in TRANSFERS.items()}
+    fitted = {name: fit_transfer(method, seen, by) for name, method in TRANSFERS.items()}
     off = {name: one.recover(elsewhere.demo_left, elsewhere.demo_right) - elsewhere.own for name, one in fitted.items()}
     return {name: float(np.sqrt(np.square(px).sum(-1).mean() / 2)) for name, px in off.items()}
 

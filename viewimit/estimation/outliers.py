@@ -155,7 +155,7 @@ def find_outliers(views: FourViews, seed: int = 0, rounding_px: float | None = N
     if geometry is None:
         needed = f"{MIN_MATCHES_F} matches of left and right, or {MIN_MATCHES} that lie in equal rows"
         few = f"misplaced points: they need {needed}"
-        return OutlierReport((), (few, "swapped points: they need to know the noise, which the same matches tell"))
+        return OutlierReport((), (few, "swapped points: they need the noise, which is estimated from the same matches"))
     misplaced, visible = [], views.visible.copy()
     for body, (images, seen) in enumerate(views.bodies):
         found, wrong = _misplaced(images, np.asarray(seen.all(-1)), geometry, BODIES[body])
@@ -225,8 +225,8 @@ def _swapped(views: FourViews, noise_px: float) -> tuple[list[Outlier], str]:
     E_swapped = trial.median_E(pairs)
     least = E_swapped.min()
     if least > explained or E < MIN_FALL * least:
-        whoever = f"E of the projective transfer is {E:.3g} px², and {least:.3g} px² at least whoever is exchanged"
-        return [], f"swapped points: {whoever}, where it must not reflect; arms in one posture would tell"
+        found_E = f"E of the projective transfer is {E:.3g} px², and at least {least:.3g} px² with any pair swapped"
+        return [], f"swapped points: {found_E}, where it must not reflect; they show only with arms in one posture"
     names = np.flatnonzero(points)
     found = []
     for k in np.argsort(E_swapped):

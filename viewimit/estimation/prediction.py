@@ -20,7 +20,7 @@ VELOCITY_LOOKS = 3  # two displacements
 AT_REST = np.zeros(())
 HOMOGRAPHY_MIN_POINTS = 8  # five determine a homography of space; more are needed to show their noise
 AFFINE_RMS = 1.5  # rms distance from an affine geometry, over the noise, of matches that fit one
-MIN_NOISE = 1e-3  # image units, in place of a smaller noise
+MIN_NOISE = 1e-3  # image units: a smaller noise counts as this
 
 
 def target_velocity(looks: Sequence[FourViews]) -> NDArray[np.float64]:
@@ -51,7 +51,7 @@ class PredictedResiduals:
     Residuals are whitened as `DemonstratorResiduals` if the head's geometry is known, and otherwise as affine cameras
     propagate noise. Own images that fit only a mirror image of the demonstrator have further columns: what a fit that
     may not reflect would leave. Behind a demonstrator that moves and is seen with noise, the transfer of the last
-    convergence is used (Section 5.4): fitted anew at postures far apart, it would add its own noise to theirs.
+    convergence is used (Section 5.4): refitted at distant postures, it would add its own noise to theirs.
 
     Parameters
     ----------

@@ -74,7 +74,8 @@ def _pair(left: float, top: float, names: str, images: NDArray, arm: ArmImages, 
         drawn.append(f'<path class="vi-row-line" d="M{left} {y:.1f}h{2 * IMAGE[0] + GAP}"/>')
         drawn.append(f'<path class="vi-e" d="M{x:.1f} {y:.1f}V{there:.1f}"/>')
     distance = row_distance(images)
-    words = f"rows differ by {'less than ' if distance < MIN_DISTANCE else ''}{svg.number(max(distance, MIN_DISTANCE), 2)} px"
+    less = "less than " if distance < MIN_DISTANCE else ""
+    words = f"rows differ by {less}{svg.number(max(distance, MIN_DISTANCE), 2)} px"
     return "".join(drawn) + svg.text(left, top + IMAGE[1] + 16, words)
 
 

@@ -16,7 +16,7 @@ from ...estimation.outliers import find_outliers, select_matches
 from ...estimation.rectification import fit_transfer
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews
-from ...geometry.rectification import Rectification, rectification_of
+from ...geometry.rectification import Rectification, fit_rectification
 from ...geometry.rigid import rigid_transform, rotation_about_axis
 from ...simulation.camera import Camera, Cameras, Lens
 from ..executors.study import Study, each
@@ -104,7 +104,7 @@ def run_once(points: int, toe_in_deg: float, board: bool, seed: list[int]) -> Ru
     seen, elsewhere = draw(Case(points, toe_in_deg, board), np.random.default_rng(seed))
     right = find_outliers(seen).corrected(seen)
     chosen = leave_one_out(right).rectification
-    by_matches = rectification_of(*np.split(select_matches(seen), 2, axis=1))
+    by_matches = fit_rectification(*np.split(select_matches(seen), 2, axis=1))
     error_px, raw_px, always_px = (_errors(seen, elsewhere, by) for by in (chosen, None, by_matches))
     return Run(chosen is not None, by_matches is not None, error_px, raw_px, always_px)
 

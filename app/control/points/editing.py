@@ -59,7 +59,7 @@ class PointEditing:
 
     @property
     def on(self) -> bool:
-        return self._on and self._session.settings.camera == "points"
+        return self._on and self._session.settings.sensor == "projected"
 
     def toggle(self) -> None:
         """Begin or end. Raises ValueError where pictures show markers."""
@@ -67,7 +67,7 @@ class PointEditing:
         if self.on:
             self._on = False
             return
-        if self._session.settings.camera == "rendered":
+        if self._session.settings.sensor == "rendered":
             raise ValueError("camera images show the markers that the arm wears: switch them off to edit points")
         self._on = True
 

@@ -51,7 +51,7 @@ def test_rig_hypotheses_have_their_own_residuals_and_raise_the_standard_error():
     session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
     now = session.run(6).last
     seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.perturbed
-    assert seen.heads == len(others) == 7
+    assert seen.n_rig_hypotheses == len(others) == 7
     for head, other in enumerate(others, 1):
         e = residuals(now.views.own, rig=head)
         of_other = now.with_fields(rectification=other).transfer.residual(now.views.used)
@@ -60,7 +60,7 @@ def test_rig_hypotheses_have_their_own_residuals_and_raise_the_standard_error():
     last = session.run().last
     seen, residuals = session.observation(last), session.predicted_residuals(last)
     of_heads = [
-        TrustRegion().step(last.servo_state, replace(seen, heads=heads), residuals)[0].certificate.std_error
+        TrustRegion().step(last.servo_state, replace(seen, n_rig_hypotheses=heads), residuals)[0].certificate.std_error
         for heads in (0, 7)
     ]
     assert (of_heads[1] > of_heads[0]).all()

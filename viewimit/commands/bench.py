@@ -55,7 +55,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="robots: the folder of URDF files; compare: a table of runs that --csv has written, to be judged anew",
     )
     parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
-    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
+    parser.add_argument(
+        "--n-points", dest="points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})"
+    )
     seed = between(int, 0, 2**32)
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of postures timed, of runs (%(default)s)")
     timed = parser.add_argument_group("speed, of E over the range, at one posture, and of one motion")
@@ -107,7 +109,7 @@ def grid(text: str) -> tuple[int, int]:
 
 
 def run(args: argparse.Namespace) -> int:
-    with naming("--scene, --points"):
+    with naming("--scene, --n-points"):
         scene = load_scene(args.scene)
         args.points = layout(args, scene)
         world = World(scene, args.points)

@@ -24,7 +24,7 @@ from ..experiments.bench import (
     tracks,
 )
 from ..experiments.executors.study import Study
-from ..loop.settings import CAMERAS, Settings
+from ..loop.settings import SENSORS, Settings
 from ..sensing.files import escape
 from ..servo import SERVOS
 from ..simulation.eyes import require_eyes
@@ -158,7 +158,7 @@ def _pictures(args: argparse.Namespace, scene: Scene, study: Study) -> tuple[dic
     for transfer in [args.transfer] if args.transfer else TRANSFERS:
         for servo in [args.servo] if args.servo else _quick():
             settings = Settings.paper(scene=args.scene, points=args.points, transfer=transfer, servo=servo)
-            cases = [robustness.Case(f"{transfer}, {servo}, {camera}", {"camera": camera}) for camera in CAMERAS]
+            cases = [robustness.Case(f"{transfer}, {servo}, {sensor}", {"sensor": sensor}) for sensor in SENSORS]
             outcomes += _with_bar(
                 f"{transfer}, {servo}",
                 lambda tell: robustness.run(settings, cases, args.runs, args.seed, workers=study, tell=tell),  # noqa: B023

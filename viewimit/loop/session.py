@@ -21,6 +21,7 @@ from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
+from ..sensing.renamed import current_settings
 from ..servo import Observation, Servo, ServoMethod, servo_method
 from ..servo.observation import Visit
 from ..servo.status import ServoStatus
@@ -48,7 +49,7 @@ from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
 from .snapshot import RunResult, Snapshot, exchanged, given_own, predicted_residuals, probes, status_of
 
 BEGIN_ANEW = (  # what changes body or camera
-    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay", "workspace_deg",
+    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "delay", "workspace_deg",
 )  # fmt: skip
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 GivenTransfer = str | TransferMethod | TransferFunction
@@ -271,13 +272,13 @@ class Session:
             upper=self.workspace[1] - start,
             motion=now.motion,
             noise_px=noise_px if known is None else max(noise_px, known.noise_px),
-            rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
-            shown=now.shown,
-            half_shown=now.half_shown,
-            heads=0 if now.rectification is None else len(now.rectification.perturbed),
+            calibration=() if known is None else known.seen_from(self.embodiment.lower - start),
+            n_visible=now.shown,
+            n_partial=now.half_shown,
+            n_rig_hypotheses=0 if now.rectification is None else len(now.rectification.perturbed),
             rectification=now.rectification,
             max_step=now.settings.max_step,
-            restarts=now.settings.restarts,
+            max_restarts=now.settings.restarts,
         )
 
     def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
@@ -292,6 +293,7 @@ class Session:
 
         A new servo starts learning afresh, where the arm now stands. Raises ValueError, with the session as it was.
         """
+        fields = current_settings(fields)
         settings = msgspec.structs.replace(self.settings, **fields)
         self._own.require(settings)
         if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):

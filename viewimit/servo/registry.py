@@ -185,7 +185,7 @@ def _kalman_equations(state: KalmanState | None, motion: LastMotion) -> tuple[Eq
             Equation("", "filter of the image Jacobian", _KALMAN_FILTER),
         )
     latex, numbers = rf"𝐡^{{\top}}𝐤={HOLE},\quad {_KALMAN_FILTER}", (number(state.model.mean_gain, 2),)
-    share = Equation("", "filter: share believed of what was seen", latex, numbers)
+    share = Equation("", "filter: share of the image change that it believes", latex, numbers)
     title = "servo: a share of the residual a motion"
     if state.probe:
         return (Equation("", title, _KALMAN_LAW, note=_probe_note(motion)), share)
@@ -225,7 +225,7 @@ def _gradient_method(servo: Gradient, **described: str) -> ServoMethod:
     )
 
 
-def trust_region(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
+def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
     """Return the trust region with other options, as `SERVOS["trust-region"]` is with the default ones."""
     return ServoMethod(
         servo=TrustRegion(options),
@@ -283,6 +283,6 @@ SERVOS = Servos(
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,
         ),
-        "trust-region": trust_region(),
+        "trust-region": trust_region_method(),
     }
 )

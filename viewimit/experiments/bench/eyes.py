@@ -8,10 +8,10 @@ from ...simulation.eyes import ProjectedEyes, SimulatedEyes, open_eyes
 from ...simulation.scene import Scene
 
 
-def shared_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
+def shared_eyes(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
     """As `open_eyes`; those that project points remember nothing of a run, so the same ones serve the next."""
-    if camera != "points":
-        return open_eyes(camera, scene, points)
+    if sensor != "projected":
+        return open_eyes(sensor, scene, points)
     return _projected(msgspec.msgpack.encode(scene), points)
 
 

@@ -44,7 +44,7 @@ CASES = (
     Case("all of these: 0.5 px, 10%, 10%, 25 frames", {"noise_px": 0.5, "missing": 0.1, "outliers": 0.1, "frames": 25}),
     *(Case(f"swapped {share:.0%}", {"swapped": share}) for share in (0.1, 0.2)),
     Case("gain error 5 %", {"gain_error": 0.05}),
-    Case("steps of 0.2°", {"quantum_deg": 0.2}),
+    Case("steps of 0.2°", {"encoder_step_deg": 0.2}),
     *(Case(f"pictures {late} late", {"delay": late}) for late in (1, 3)),
     *(
         Case(f"seven joints, ±{offset:g}°, {points} points", {"joints": SEVEN, "points": points}, offset)

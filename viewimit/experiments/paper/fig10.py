@@ -16,7 +16,7 @@ from ...estimation.transfers import FittedTransfer
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...servo.status import ServoStatus
-from ..tables import Tables, joint_columns, stacked
+from ..experiment import Tables, joint_columns, stacked
 from .claims import Claims
 
 CONVERGED, BODY, BEFORE, SAME = "converged", "all points", "before", "same posture"

@@ -64,7 +64,7 @@ def transform(origin: ET.Element | None) -> np.ndarray:
     return T
 
 
-def carried_frames(robot: ET.Element) -> dict[str, tuple[int, np.ndarray]]:
+def carrier_frames(robot: ET.Element) -> dict[str, tuple[int, np.ndarray]]:
     """For each link: i of the revolute joint that carries it, and T_carrier_link."""
     joint_of = {joint.find("child").get("link"): joint for joint in robot.iter("joint")}
     root = next(link.get("name") for link in robot.iter("link") if link.get("name") not in joint_of)
@@ -147,7 +147,7 @@ def split_at_creases(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
 
 def link_meshes(robot: ET.Element, folder: Path) -> dict[str, trimesh.Trimesh]:
     """Decimated visual meshes by name `link<i>`, each in the frame of link i."""
-    frames = carried_frames(robot)
+    frames = carrier_frames(robot)
     parts: dict[str, list[trimesh.Trimesh]] = {}
     for link in robot.iter("link"):
         index, T_carrier_link = frames[link.get("name")]

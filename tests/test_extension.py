@@ -36,7 +36,7 @@ from viewimit.experiments.paper.claims import Claims
 from viewimit.geometry.affine import centred
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo import SERVOS, Broyden
+from viewimit.servo import SERVOS, Broyden, ServoMethod
 from viewimit.servo.broyden import BroydenState
 
 SHRINKAGE = 1e-6  # of the demonstrator's scatter
@@ -100,9 +100,6 @@ class CautiousState:
 
 
 class Cautious:
-    title, slow, predicts = "Cautious", False, False
-    assumes, fails = "That Broyden exaggerates.", "Where haste is called for."
-    stored = (CautiousState, *Broyden.stored)
     broyden, share = Broyden(), 0.9
 
     def start(self, seen):
@@ -116,13 +113,22 @@ class Cautious:
         made = step if inner.probe else self.share * step
         return CautiousState(inner, state.saved + float(np.abs(step - made).sum()), inner.status, inner.probe), made
 
-    def equations(self, state, moment):
-        if state is None:
-            return (Equation("C", "no motion yet", r"𝐮=\frac{9}{10}𝐮_B"),)
-        return (Equation("C", "caution", rf"\sum|𝐮_B-𝐮|={HOLE}", (number(state.saved, 6),)),)
 
-    def says(self, state, status):
-        return "caution is satisfied" if status == "settled" else ""
+def cautious_equations(state, motion):
+    if state is None:
+        return (Equation("C", "no motion yet", r"𝐮=\frac{9}{10}𝐮_B"),)
+    return (Equation("C", "caution", rf"\sum|𝐮_B-𝐮|={HOLE}", (number(state.saved, 6),)),)
+
+
+CAUTIOUS = ServoMethod(
+    servo=Cautious(),
+    title="Cautious",
+    assumes="That Broyden exaggerates.",
+    limitations="Where haste is called for.",
+    stored=(CautiousState, *SERVOS["broyden"].stored),
+    equations=cautious_equations,
+    describe_status=lambda state, status: "caution is satisfied" if status == "settled" else "",
+)
 
 
 # An experiment: E at the start, and after a motion of the demonstrator
@@ -160,7 +166,7 @@ def draw_start(scene, found=None):
 @pytest.fixture(autouse=True)
 def registered(monkeypatch):
     monkeypatch.setitem(TRANSFERS, "ridge", RIDGE)
-    monkeypatch.setitem(SERVOS, "cautious", Cautious())
+    monkeypatch.setitem(SERVOS, "cautious", CAUTIOUS)
     monkeypatch.setitem(
         EXPERIMENTS, "fig11", Experiment("Fig. 11: the start", run_start, draw_start, options=("motion",))
     )
@@ -201,7 +207,7 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
     assert last.servo_state.saved > 0 and f">{number(last.servo_state.saved, 6)}<" in page.shown
     assert page.shown.count(E_CURVE) == 1  # the curves
-    assert all(words in help_html("") for words in (RIDGE.assumes, RIDGE.fails, Cautious.assumes, Cautious.fails))
+    assert all(words in help_html("") for words in (RIDGE.assumes, RIDGE.fails, CAUTIOUS.assumes, CAUTIOUS.limitations))
 
 
 def test_too_large_a_condition_is_said_in_the_transfers_words(monkeypatch):
@@ -258,7 +264,7 @@ def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
 def test_the_transfer_frozen_at_convergence_is_kept():
     history = stepped(40).history
     back = decode(encode(history))
-    assert isinstance(back[-1].frozen.penalty, Penalty)
+    assert isinstance(back[-1].converged_transfer.penalty, Penalty)
     assert_same(tuple(back), tuple(history))
 
 
@@ -266,12 +272,10 @@ def test_the_transfer_frozen_at_convergence_is_kept():
 def test_what_is_not_said_to_be_stored_is_not(monkeypatch, methods, name, without):
     history, method = stepped(3).history, methods[name]
     stored = tuple(kind for kind in method.stored if kind is not without)
-    monkeypatch.setattr(type(method), "stored", stored) if name == "cautious" else monkeypatch.setitem(
-        methods, name, replace(method, stored=stored)
-    )
-    monkeypatch.setattr(Broyden, "stored", ())
+    monkeypatch.setitem(methods, name, replace(method, stored=stored))
+    monkeypatch.setitem(SERVOS, "broyden", replace(SERVOS["broyden"], stored=()))
     with pytest.raises(TypeError, match=f"cannot keep a {without.__name__}"):
-        encode([replace(moment, frozen=fit_ridge(moment.views)) for moment in history])
+        encode([replace(moment, converged_transfer=fit_ridge(moment.views)) for moment in history])
 
 
 def test_two_stored_classes_of_one_name_are_refused(monkeypatch):

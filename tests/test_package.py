@@ -19,9 +19,9 @@ from viewimit.commands import BadInput
 from viewimit.commands.cli import COMMANDS, main
 from viewimit.commands.docs import first_page
 from viewimit.drawing.glossary import glossary
+from viewimit.loop.codegen import as_python
 from viewimit.loop.settings import Settings
-from viewimit.loop.wording import as_python
-from viewimit.simulation.eyes import has_wheel
+from viewimit.simulation.eyes import pybullet_has_wheel
 
 try:
     import tomllib
@@ -212,7 +212,7 @@ def test_what_camera_images_need_comes_by_one_marker():
     by_name = dict(dependency.partition("; ")[::2] for dependency in project["dependencies"])
     marker = by_name["pybullet>=3.2.7"]
     assert by_name["opencv-python-headless>=4.8"] == marker
-    assert markers.Marker(marker).evaluate() == has_wheel()
+    assert markers.Marker(marker).evaluate() == pybullet_has_wheel()
     here = {"python_version": "3.11", "platform_python_implementation": "CPython", "sys_platform": "linux"}
     assert markers.Marker(marker).evaluate(here | {"platform_machine": "x86_64"})
     for other in ({"python_version": "3.12"}, {"sys_platform": "darwin"}, {"platform_machine": "aarch64"}):
@@ -233,6 +233,6 @@ def test_there_is_no_wheel_of_pybullet_elsewhere(monkeypatch, field, value):
         monkeypatch.setattr(f"platform.{name}", lambda here=here: here)
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.setattr("sys.version_info", (3, 11, 7))
-    assert has_wheel()
+    assert pybullet_has_wheel()
     monkeypatch.setattr(field, value)
-    assert not has_wheel()
+    assert not pybullet_has_wheel()

@@ -123,7 +123,7 @@ def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
 def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
     first = Session(Settings.paper(transfer="linear", start_deg=(25, -45)))
     then = first.snapshot.transfer
-    now = first.run().last.with_fields(frozen=then)
+    now = first.run().last.with_fields(converged_transfer=then)
     own, drift = now.views.own, np.ones_like(now.views.demo)
 
     def of_frozen(by_px):

@@ -10,10 +10,10 @@ from viewimit.assets import ROOT
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines
-from viewimit.loop.embodiment.in_scene import complete
 from viewimit.loop.history import EARLY, MOST_OLD, RECENT, STRIDE, History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings, warn_of_radians
+from viewimit.loop.simulated_robot import complete
 from viewimit.servo import SERVOS
 from viewimit.simulation.scene import Scene
 
@@ -377,7 +377,7 @@ def test_a_falling_E_is_not_called_stalled_after_the_demonstrator_has_moved():
     for _ in range(400):
         session.step()
     session.pose(np.radians([70, -60]))
-    assert session.snapshot.status == "moving" and session.snapshot.servo_state.since_best == 0
+    assert session.snapshot.status == "moving" and session.snapshot.servo_state.n_since_best == 0
     session.step()
     assert session.snapshot.status == "moving"
 

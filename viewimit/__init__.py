@@ -29,21 +29,20 @@ if TYPE_CHECKING:
     from .estimation.transfers import TRANSFERS
     from .estimation.views import FourViews
     from .geometry.affine import fit_affine_fundamental
-    from .loop.embodiment.interface import Arm, Eyes
-    from .loop.result import RunResult
+    from .loop.embodiment import Arm, Eyes
     from .loop.session import Session
     from .loop.settings import Settings
-    from .loop.snapshot import Snapshot
+    from .loop.snapshot import RunResult, Snapshot
     from .servo import SERVOS
     from .simulation.scene import load_scene
     from .simulation.world import World
 
 _MODULES = {
-    "Arm": ".loop.embodiment.interface",
-    "Eyes": ".loop.embodiment.interface",
+    "Arm": ".loop.embodiment",
+    "Eyes": ".loop.embodiment",
     "FourViews": ".estimation.views",
     "Landscape": ".analysis.landscape",
-    "RunResult": ".loop.result",
+    "RunResult": ".loop.snapshot",
     "SERVOS": ".servo",
     "Session": ".loop.session",
     "Settings": ".loop.settings",

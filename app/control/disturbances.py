@@ -42,7 +42,10 @@ class Count(Amount):
 
 
 def _amounts(kind: type[Disturbance]) -> list[Amount]:
-    return [Amount(name, it.label, *it.reach, it.per, it.says) for name, it in disturbances(kind).items()]
+    return [
+        Amount(name, it.label, *it.slider_range, it.slider_scale, it.description)
+        for name, it in disturbances(kind).items()
+    ]
 
 
 FRAMES = Count(

@@ -11,7 +11,7 @@ WORDS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight",
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
     """What `Settings.joints` may become, by name; the present ones too, whatever they are."""
     scene = load_scene(settings.scene, settings.robot)
-    every = load_robot(scene.robot).free
+    every = load_robot(scene.robot).movable_joints
     choices = {_name(scene.moving_joints): None, f"all {_number(len(every))}": every}
     if settings.joints is not None and settings.joints not in (every, scene.moving_joints):
         choices[_name(settings.joints)] = settings.joints

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from viewimit.loop.embodiment.in_scene import complete
 from viewimit.loop.settings import Settings
+from viewimit.loop.simulated_robot import complete
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from viser import Icon
 
-from viewimit.loop.rehearsal import POSTURES
+from viewimit.loop.self_calibration import DEFAULT_POSTURES
 
 from ..control.commands.session import ToggleRehearsal
 from ..control.moments.rehearsal import Rehearsal
@@ -12,7 +12,7 @@ from .widgets import put_html, put_label
 
 WATCH, STOP, FORGET = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP), ("Forget", Icon.ERASER)
 
-HINT = f"the learner goes through {POSTURES} postures, with nobody to imitate, and needs no probes then"
+HINT = f"the learner goes through {DEFAULT_POSTURES} postures, with nobody to imitate, and needs no probes then"
 
 
 class RehearsalButton:

@@ -96,12 +96,12 @@ class Arm:
 
     def _turning(self, theta: NDArray) -> Iterable[tuple[int, float]]:
         """Joints, from 0, that may have turned, and their angles, rad."""
-        if not self._robot.mimics:
+        if not self._robot.has_mimics:
             return zip(self._moving, theta.tolist())
         angles = list(self._angles)
         for i, angle in zip(self._moving, theta.tolist()):
             angles[i] = angle
-        return enumerate(np.array(self._robot.coupled(angles), float).tolist())
+        return enumerate(np.array(self._robot.with_mimics(angles), float).tolist())
 
     def show(self, visible: bool) -> None:
         """Or hide it. viser's setter looks up types, which takes longer than the pose does."""

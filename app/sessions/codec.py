@@ -18,7 +18,7 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.transfers.rectified import RectifiedTransfer
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification
-from viewimit.loop.body_image import Body, BodyImage
+from viewimit.loop.self_calibration import Body, SelfCalibration
 from viewimit.loop.settings import OWN, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
@@ -30,7 +30,7 @@ MOST_BYTES = 8 << 20  # of a part, unpacked
 SCALARS = (type(None), bool, int, float, str)
 KINDS = "biuf"  # of arrays: numbers and truth values, no objects
 DTYPE = re.compile(f"[<>|][{KINDS}][0-9]{{1,2}}")
-OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, BodyImage, Body, Visit)
+OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, SelfCalibration, Body, Visit)
 ARRAY, SCALAR, STATUS, TUPLE, SETTINGS = "array", "scalar", "status", "tuple", "settings"
 
 

@@ -9,7 +9,7 @@ import msgspec
 import zstandard
 
 from viewimit.loop.history import MAX_HISTORY
-from viewimit.loop.script import Began, Changed, Deed, Posed, Rehearsed, Script
+from viewimit.loop.script import Action, Begin, Calibrate, ChangeSettings, MoveDemonstrator, Script
 from viewimit.loop.settings import OWN, Settings
 from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.robot import robot_names
@@ -21,7 +21,7 @@ MOST_CHARS = 6_000
 MOST_BYTES = 1 << 18  # unpacked
 MOST_STEPS = 3_000  # passes of the loop that a server makes for a visitor
 MOST_FRAMES = 100  # images averaged in each
-MOST_DEEDS = 500
+MAX_ACTIONS = 500
 MOST_POINTS = 64  # placed by hand, or of a layout
 MOST_LAYOUTS = 16
 MOST_TITLE = 200  # characters
@@ -113,9 +113,12 @@ def _require(linked: Linked, begun: Settings) -> None:
     script = linked.script
     if script.steps > MOST_STEPS:
         raise ValueError(f"the link asks for {script.steps} motions; {MOST_STEPS} are the most")
-    if len(script.deeds) > MOST_DEEDS:
-        raise ValueError(f"the link asks for {len(script.deeds)} deeds; {MOST_DEEDS} are the most")
-    all_settings = [script.settings, *(found for deed in script.deeds if (found := _settings_of(deed)) is not None)]
+    if len(script.actions) > MAX_ACTIONS:
+        raise ValueError(f"the link asks for {len(script.actions)} actions; {MAX_ACTIONS} are the most")
+    all_settings = [
+        script.settings,
+        *(found for action in script.actions if (found := _settings_of(action)) is not None),
+    ]
     for settings in all_settings:
         _require_names(settings, begun)
     texts = {settings.scene for settings in all_settings if is_text(settings.scene)}
@@ -123,18 +126,18 @@ def _require(linked: Linked, begun: Settings) -> None:
         raise ValueError(f"the link tells {len(texts)} scenes; {MOST_SCENES} are the most")
     for text in texts:
         _require_scene(text)
-    for deed in script.deeds:
-        _require_finite(deed)
+    for action in script.actions:
+        _require_finite(action)
 
 
-def _settings_of(deed: Deed) -> Settings | None:
-    """That a deed begins or goes on with, its other fields as usual."""
-    if isinstance(deed, Began):
-        return deed.settings
-    if not isinstance(deed, Changed):
+def _settings_of(action: Action) -> Settings | None:
+    """The settings that an action begins or goes on with, its other fields as usual."""
+    if isinstance(action, Begin):
+        return action.settings
+    if not isinstance(action, ChangeSettings):
         return None
     try:
-        return msgspec.convert(deed.fields, Settings)
+        return msgspec.convert(action.fields, Settings)
     except msgspec.ValidationError as error:
         raise ValueError(f"the link is damaged: {error}") from None
 
@@ -170,8 +173,14 @@ def _require_scene(text: str) -> None:
         raise ValueError("the link's scene has a title that cannot be printed")
 
 
-def _require_finite(deed: Deed) -> None:
-    postures = (deed.theta_demo,) if isinstance(deed, Posed) else deed.postures if isinstance(deed, Rehearsed) else ()
+def _require_finite(action: Action) -> None:
+    postures = (
+        (action.theta_demo,)
+        if isinstance(action, MoveDemonstrator)
+        else action.postures
+        if isinstance(action, Calibrate)
+        else ()
+    )
     if len(postures) > MOST_REHEARSED:
         raise ValueError(f"the link rehearses {len(postures)} postures; {MOST_REHEARSED} are the most")
     if not all(math.isfinite(angle) for posture in postures for angle in posture):

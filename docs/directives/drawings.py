@@ -21,7 +21,7 @@ from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.lessons.view import draw_view
-from viewimit.simulation.appearance import Bodies, Silhouettes, reach
+from viewimit.simulation.appearance import Bodies, Silhouettes, reachable_image_points
 from viewimit.simulation.robot import link_meshes
 
 from . import states
@@ -64,7 +64,7 @@ def _views(**layers: tuple[str, ...]) -> Callable[[Session, int], str]:
 
 def _images(session: Session, chosen: int) -> str:
     now, world = session.snapshot, session.world
-    windows = image_windows(reach(world, [now.theta, now.theta_demo]), world.scene.head.image)
+    windows = image_windows(reachable_image_points(world, [now.theta, now.theta_demo]), world.scene.head.image)
     return draw_images(now, _bodies(session), windows, chosen, construction=construct(now, chosen))
 
 

@@ -16,7 +16,7 @@ class SettingsTable(SphinxDirective):
         head, body = nodes.thead(), nodes.tbody()
         head += _row("field", "usual", "")
         for field in msgspec.structs.fields(Settings):
-            said = DISTURBANCES[field.name].says if field.name in DISTURBANCES else ""
+            said = DISTURBANCES[field.name].description if field.name in DISTURBANCES else ""
             body += _row(field.name, repr(field.default), said)
         group += [head, body]
         table += group

@@ -110,9 +110,11 @@ def test_no_flight_goes_without_a_word():
     while session.step():
         now = session.snapshot
         if now.servo_state.restarts:
-            said.append(servo.says(now.servo_state, now.status))
+            said.append(servo.describe_status(now.servo_state, now.status))
     assert len(said) > 4
     assert all("looking for something lower" in words or words == "back to the best posture" for words in said)
     last = session.snapshot
-    assert last.status == "no-progress" and "nothing lower in 4 searches" in servo.says(last.servo_state, last.status)
+    assert last.status == "no-progress" and "nothing lower in 4 searches" in servo.describe_status(
+        last.servo_state, last.status
+    )
     assert assess(session).at_local_minimum

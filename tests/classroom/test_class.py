@@ -20,8 +20,7 @@ from viewimit.app.control.commands.method import change_transfer
 from viewimit.app.control.commands.session import Play, PoseJoint, Reset, Step, Undo
 from viewimit.app.control.memory import memory_of
 
-from viewimit.loop.script import Changed, Posed, Script, Stepped
-from viewimit.loop.script_player import play
+from viewimit.loop.script import ChangeSettings, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -397,23 +396,22 @@ def test_a_summary_is_small_whatever_was_done(of):
 
 
 SETTINGS = Session(Settings.paper()).settings
-DEEDS = (Stepped(2), Posed((0.5, -1.0)), Stepped(1), Changed({"noise_px": 0.5}), Stepped(3))
+ACTIONS = (Steps(2), MoveDemonstrator((0.5, -1.0)), Steps(1), ChangeSettings({"noise_px": 0.5}), Steps(3))
 
 
-@pytest.mark.parametrize("count", range(len(DEEDS) + 1))
+@pytest.mark.parametrize("count", range(len(ACTIONS) + 1))
 def test_the_rest_of_a_script_leads_on_to_the_same_state(count):
     whole, begun = Session(Settings.paper()), Session(Settings.paper())
-    play(Script(SETTINGS, DEEDS), whole)
-    play(Script(SETTINGS, DEEDS[:count]), begun)
-    from viewimit.loop.script_player import do
+    whole.play(Script(SETTINGS, ACTIONS))
+    begun.play(Script(SETTINGS, ACTIONS[:count]))
 
-    for deed in rest(begun.script, whole.script):
-        do(begun, deed)
+    for action in rest(begun.script, whole.script):
+        begun.do(action)
     assert begun.snapshot.theta.tobytes() == whole.snapshot.theta.tobytes() and begun.script == whole.script
 
 
 def test_what_went_elsewhere_has_no_rest():
-    done = Script(SETTINGS, (Stepped(3),))
-    assert rest(done, Script(SETTINGS, (Stepped(2), Posed((0.5, -1.0))))) is None
-    assert rest(done, Script(Settings.paper(seed=1), (Stepped(4),))) is None
-    assert rest(done, done) == () and rest(done, Script(SETTINGS, (Stepped(4),))) == (Stepped(1),)
+    done = Script(SETTINGS, (Steps(3),))
+    assert rest(done, Script(SETTINGS, (Steps(2), MoveDemonstrator((0.5, -1.0))))) is None
+    assert rest(done, Script(Settings.paper(seed=1), (Steps(4),))) is None
+    assert rest(done, done) == () and rest(done, Script(SETTINGS, (Steps(4),))) == (Steps(1),)

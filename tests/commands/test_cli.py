@@ -488,7 +488,7 @@ def test_without_what_camera_images_need_a_line_says_what_can_be_done(ask, monke
     find = importlib.util.find_spec
     there = lambda name: None if name in missing else object() if name in ("pybullet", "cv2") else find(name)
     monkeypatch.setattr(importlib.util, "find_spec", there)
-    monkeypatch.setattr(eyes, "has_wheel", lambda: False)
+    monkeypatch.setattr(eyes, "pybullet_has_wheel", lambda: False)
     status, _, err = ask("imitate", "--camera", "rendered")
     assert status == 2 and err.count("\n") == 1
     if "pybullet" in missing:
@@ -496,7 +496,7 @@ def test_without_what_camera_images_need_a_line_says_what_can_be_done(ask, monke
         assert "pip install" not in err
     else:
         assert "pip install 'viewimit[opencv]'" in err
-    monkeypatch.setattr(eyes, "has_wheel", lambda: True)
+    monkeypatch.setattr(eyes, "pybullet_has_wheel", lambda: True)
     status, _, err = ask("imitate", "--camera", "rendered")
     extras = ",".join(extra for package, extra in eyes.NEEDS.items() if package in missing)
     assert status == 2 and f"pip install 'viewimit[{extras}]'" in err

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viewimit.commands.cli import main
-from viewimit.sensing.files import MOST_NAME, parse_toml, printable
+from viewimit.sensing.files import MAX_NAME_CHARS, escape, parse_toml
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -62,4 +62,4 @@ def test_of_tracked_points(tmp_path, capsys):
 
 
 def test_long_ones_are_cut_in_their_middle():
-    assert printable("a" * 50 + "b" * 50, MOST_NAME) == "a" * 40 + " … " + "b" * 40
+    assert escape("a" * 50 + "b" * 50, MAX_NAME_CHARS) == "a" * 40 + " … " + "b" * 40

@@ -10,7 +10,6 @@ from drawn import QR_CODE
 from quiet_page import QuietPage
 from viewimit.app.control.commands.links import FollowLink
 from viewimit.app.control.commands.session import Step, Undo
-from viewimit.app.control.history import undoable
 from viewimit.app.control.memory import memory_of
 from viewimit.app.control.presets import AS_STARTED, PRESETS
 from viewimit.app.panels.guide.share import share_html
@@ -20,7 +19,6 @@ from waiting import wait_until
 
 from viewimit.drawing.export.citation import cite
 from viewimit.drawing.export.replay import replay
-from viewimit.loop.script_player import play
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -39,21 +37,21 @@ def settled(page: QuietPage) -> None:
 @pytest.mark.parametrize("below", [(), ("begin,tour",)], ids=["page", "lesson"])
 def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_a_time(below, monkeypatch):
     """In a lesson, too: each follows in a thread of its own, and its page's tick returns at once."""
-    going_on, most, may_end = set(), [], threading.Event()
+    going_on, most, may_end, play = set(), [], threading.Event(), Session.play
 
-    def slow(script, session):
+    def slow(session, script):
         going_on.add(threading.get_ident())
         most.append(len(going_on))
         assert may_end.wait(10)
         going_on.discard(threading.get_ident())
-        play(script, session)
+        play(session, script)
 
-    monkeypatch.setattr(undoable, "play", slow)
+    monkeypatch.setattr(Session, "play", slow)
     text = written(QuietPage(Settings.paper(transfer="linear")).page.model.linked())
     pages = [QuietPage(Settings.paper(), address="/touch/0.x") for _ in range(4)]
     for page in pages:
-        for deed in below:
-            page.page.touch("lesson", deed)
+        for action in below:
+            page.page.touch("lesson", action)
             page.tick(0.1)
         page.page.put(FollowLink(text))
         page.tick(0.1)  # returns, though the link cannot be followed yet
@@ -139,9 +137,8 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
     assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
     session = Session(Settings.paper())
-    from viewimit.loop.script_player import play
 
-    play(read(text, Settings.paper()).script, session)
+    session.play(read(text, Settings.paper()).script)
     assert np.array_equal(session.snapshot.theta, model.session.snapshot.theta)
 
 

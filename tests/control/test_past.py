@@ -10,9 +10,9 @@ from viewimit.app.control.history.past import MOST
 from viewimit.app.control.names import modified
 from viewimit.app.control.presets import AS_STARTED, PRESETS
 
-from viewimit.loop.embodiment.in_scene import complete
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.loop.simulated_robot import complete
 
 SETTINGS = Settings.paper(start_deg=(25, -45), noise_px=0.3)
 

@@ -252,12 +252,12 @@ def test_a_rehearsal_with_other_points_is_forgotten(visit):
     model.player.pause()
     for _ in range(12):
         visitor.act("step")
-    assert len(model.session.snapshot.body) == 12
+    assert len(model.session.snapshot.calibration) == 12
     visitor.act("reset")
-    assert model.session.snapshot.body is not None
+    assert model.session.snapshot.calibration is not None
     visitor.set("chosen", "0")
     visitor.act("remove point")
-    assert model.session.snapshot.body is None
+    assert model.session.snapshot.calibration is None
     PLACE.apply(model, 0.0)
     other = model.session.embodiment.body(model.session.settings)
     assert other.points == 10 and other != model.session.embodiment.body(Settings.paper())

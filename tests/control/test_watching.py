@@ -13,7 +13,7 @@ from viewimit.app.jobs import session_eyes
 from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
-from viewimit.loop.rehearsal import POSTURES, motions_of_imitation, rehearse
+from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -47,12 +47,12 @@ def test_it_goes_through_the_postures_that_the_library_does_and_on_to_imitate(vi
     assert model.player.playing
     play(model)
     alone = Session(SETTINGS)
-    body = rehearse(alone, POSTURES, seed=7)
-    assert_same(model.session.snapshot.body, body)
+    body = alone.calibrate(DEFAULT_POSTURES, seed=7)
+    assert_same(model.session.snapshot.calibration, body)
     alone.run()
     assert_same(model.session.snapshot, alone.snapshot)
-    assert model.session.snapshot.status == "converged" and motions_of_imitation(model.session) <= 6
-    assert model.session.cursor == POSTURES + motions_of_imitation(model.session)
+    assert model.session.snapshot.status == "converged" and model.session.history.imitation_motions <= 6
+    assert model.session.cursor == DEFAULT_POSTURES + model.session.history.imitation_motions
 
 
 def test_what_plays_goes_on_and_what_rests_is_woken(visit):
@@ -63,8 +63,11 @@ def test_what_plays_goes_on_and_what_rests_is_woken(visit):
     before = model.session.cursor
     visitor.act("rehearse")
     assert model.player.playing
-    play(model, POSTURES)
-    assert model.session.cursor == before + POSTURES and len(model.session.snapshot.body) == POSTURES
+    play(model, DEFAULT_POSTURES)
+    assert (
+        model.session.cursor == before + DEFAULT_POSTURES
+        and len(model.session.snapshot.calibration) == DEFAULT_POSTURES
+    )
 
 
 def test_every_posture_is_seen_on_its_way_at_the_speed_of_the_page(visit):
@@ -95,13 +98,13 @@ def test_what_is_said_follows_what_is_remembered(visit):
     assert said(model) == ""
     visitor.act("rehearse")
     play(model, 3)
-    assert said(model) == f"Watches itself: 3 of {POSTURES} postures."
-    play(model, POSTURES - 3)
+    assert said(model) == f"Watches itself: 3 of {DEFAULT_POSTURES} postures."
+    play(model, DEFAULT_POSTURES - 3)
     assert said(model) == "Remembers 12 postures; Play imitates with them."
     play(model, 1)
     assert said(model) == "Remembers 12 postures, which hold. Imitates: 1 motion."
     play(model)
-    count = motions_of_imitation(model.session)
+    count = model.session.history.imitation_motions
     assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} motions."
     model.undoable.change(servo="broyden")
     assert said(model) == "Remembers 12 postures; only for Trust region on images."
@@ -110,7 +113,7 @@ def test_what_is_said_follows_what_is_remembered(visit):
 def test_another_head_is_noticed(visit):
     model, visitor = visit
     visitor.act("rehearse")
-    play(model, POSTURES)
+    play(model, DEFAULT_POSTURES)
     model.undoable.change(scene="panda-toed")
     assert said(model) == "Remembers 12 postures; Play imitates with them."  # of the same body
     play(model, 5)
@@ -119,11 +122,11 @@ def test_another_head_is_noticed(visit):
 
 def test_it_is_forgotten_at_any_time_and_then_it_probes(visit):
     model, visitor = visit
-    for motions in (2, POSTURES, POSTURES + 2):
+    for motions in (2, DEFAULT_POSTURES, DEFAULT_POSTURES + 2):
         visitor.act("rehearse")
         play(model, motions)
         visitor.act("rehearse")
-        assert model.session.snapshot.body is None and said(model) == ""
+        assert model.session.snapshot.calibration is None and said(model) == ""
         visitor.act("reset")
     play(model, 0)
     visitor.act("play")
@@ -137,26 +140,26 @@ def test_it_is_forgotten_at_any_time_and_then_it_probes(visit):
 def test_a_reset_and_presets_of_the_same_body_keep_it(visit, name, value):
     model, visitor = visit
     visitor.act("rehearse")
-    play(model, POSTURES)
-    body = model.session.snapshot.body
+    play(model, DEFAULT_POSTURES)
+    body = model.session.snapshot.calibration
     visitor.act("reset") if name == "reset" else visitor.set(name, value)
-    assert model.session.snapshot.body is body and model.session.cursor == 0
+    assert model.session.snapshot.calibration is body and model.session.cursor == 0
     visitor.set("preset", "Beyond the paper")
     visitor.act("play")
     play(model)
-    assert model.session.snapshot.rehearsal_holds and model.session.cursor <= 6
+    assert model.session.snapshot.calibration_holds and model.session.cursor <= 6
 
 
 @pytest.mark.parametrize("name, value", [("preset", "KUKA iiwa"), ("points", "16 points"), ("joints", "all seven")])
 def test_another_body_knows_nothing_and_undo_brings_back_who_did(visit, name, value):
     model, visitor = visit
     visitor.act("rehearse")
-    play(model, POSTURES + 1)
+    play(model, DEFAULT_POSTURES + 1)
     before = list(model.session.history)
     visitor.set(name, value)
-    assert model.session.snapshot.body is None
+    assert model.session.snapshot.calibration is None
     visitor.act("undo")
-    assert list(model.session.history) == before and len(model.session.snapshot.body) == POSTURES
+    assert list(model.session.history) == before and len(model.session.snapshot.calibration) == DEFAULT_POSTURES
 
 
 def test_undo_goes_back_posture_by_posture_and_brings_back_motions_that_it_took_the_place_of(visit):
@@ -167,9 +170,9 @@ def test_undo_goes_back_posture_by_posture_and_brings_back_motions_that_it_took_
     visitor.set("history", 1)
     visitor.act("rehearse")
     play(model, 2)
-    assert said(model) == f"Watches itself: 2 of {POSTURES} postures."
+    assert said(model) == f"Watches itself: 2 of {DEFAULT_POSTURES} postures."
     visitor.act("undo")
-    assert said(model) == f"Watches itself: 1 of {POSTURES} postures."
+    assert said(model) == f"Watches itself: 1 of {DEFAULT_POSTURES} postures."
     visitor.act("undo")
     visitor.act("undo")
     assert list(model.session.history) == other and model.session.cursor == 1
@@ -180,10 +183,10 @@ def test_a_rehearsal_that_a_reset_cuts_short_can_begin_again(visit):
     visitor.act("rehearse")
     play(model, 2)
     visitor.act("reset")
-    assert said(model) == "" and not model.session.snapshot.rehearses
+    assert said(model) == "" and not model.session.snapshot.is_rehearsing
     visitor.act("rehearse")
     play(model)
-    assert len(model.session.snapshot.body) == POSTURES and model.session.snapshot.status == "converged"
+    assert len(model.session.snapshot.calibration) == DEFAULT_POSTURES and model.session.snapshot.status == "converged"
 
 
 def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit(tmp_path):
@@ -222,7 +225,7 @@ def test_the_button_is_what_can_be_done_now():
     page.click(WATCH)
     page.tick(0.2)
     assert button.label == STOP
-    for _ in range(POSTURES):
+    for _ in range(DEFAULT_POSTURES):
         page.tick(0.2)
     assert button.label == FORGET
     page.choose("Servo", "Broyden on images")
@@ -239,24 +242,24 @@ def test_in_a_duel_both_watch_themselves_and_know_the_same(visit):
     visitor.set("opponent's servo", "Trust region on images")
     visitor.act("duel")
     visitor.act("rehearse")
-    play(model, POSTURES)
+    play(model, DEFAULT_POSTURES)
     both = model.session, model.duel.opponent
-    assert_same(*(session.snapshot.body for session in both))
+    assert_same(*(session.snapshot.calibration for session in both))
     play(model)
     for session in both:
-        assert session.snapshot.rehearsal_holds and session.snapshot.status.is_at_rest
+        assert session.snapshot.calibration_holds and session.snapshot.status.is_at_rest
     visitor.act("reset")
-    assert all(len(session.snapshot.body) == POSTURES and session.cursor == 0 for session in both)
+    assert all(len(session.snapshot.calibration) == DEFAULT_POSTURES and session.cursor == 0 for session in both)
     visitor.act("rehearse")
-    assert all(session.snapshot.body is None for session in both)
+    assert all(session.snapshot.calibration is None for session in both)
 
 
 def test_an_opponent_that_comes_later_knows_the_same_and_one_that_makes_no_use_of_it_races_on(visit):
     model, visitor = visit
     visitor.act("rehearse")
-    play(model, POSTURES)
+    play(model, DEFAULT_POSTURES)
     visitor.act("duel")
-    assert model.duel.opponent.snapshot.body is model.session.snapshot.body
+    assert model.duel.opponent.snapshot.calibration is model.session.snapshot.calibration
     visitor.set("opponent's servo", "Broyden on images")
     alone = Session(model.duel.opponent.settings)
     visitor.act("rehearse")  # forgets
@@ -264,7 +267,7 @@ def test_an_opponent_that_comes_later_knows_the_same_and_one_that_makes_no_use_o
     play(model, 4)
     for _ in range(4):
         alone.step()
-    assert len(model.session.snapshot.to_rehearse) == POSTURES - 4
+    assert len(model.session.snapshot.pending_postures) == DEFAULT_POSTURES - 4
     np.testing.assert_array_equal(model.duel.opponent.snapshot.theta, alone.snapshot.theta)
 
 
@@ -280,7 +283,7 @@ def test_it_watches_itself_with_cameras_too(monkeypatch):
         if visit.session.snapshot.status == "converged":
             break
         visit.rest()
-    assert len(visit.session.snapshot.body) == POSTURES and visit.session.snapshot.rehearsal_holds
+    assert len(visit.session.snapshot.calibration) == DEFAULT_POSTURES and visit.session.snapshot.calibration_holds
     assert visit.page.close()
 
 

@@ -49,7 +49,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
 from viewimit.servo.trust_region.local_model import UNTOLD
-from viewimit.simulation.appearance import Silhouettes, reach
+from viewimit.simulation.appearance import Silhouettes, reachable_image_points
 
 MINUS = "−"
 MATHML = "{http://www.w3.org/1998/Math/MathML}"
@@ -107,7 +107,7 @@ def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
 
 
 def windows_of(session):
-    return image_windows(reach(session.world), session.scene.head.image)
+    return image_windows(reachable_image_points(session.world), session.scene.head.image)
 
 
 def planes(html):
@@ -381,16 +381,16 @@ class TestEquations:
         best = session.snapshot.servo_state.best
         before = next(s for s in session.history if np.array_equal(s.views.own, best.own))
         promised, measured = re.findall(r"<b>([\d.]+)</b>", equations.draw_law(session.snapshot))
-        assert float(promised) == pytest.approx(session.snapshot.servo_state.promised, rel=0.01)
+        assert float(promised) == pytest.approx(session.snapshot.servo_state.predicted_reduction, rel=0.01)
         assert float(measured) == pytest.approx(before.E - session.snapshot.E, rel=0.01)
 
     def test_with_missing_points_the_broyden_law_shows_what_the_motion_before_brought(self):
         session = stepped(5, points=16, missing=0.1)
         state, before = session.snapshot.servo_state, session.history[-2].servo_state
-        assert not session.snapshot.views.visible.all() and state.judged[0] == before.promised
+        assert not session.snapshot.views.visible.all() and state.reductions[0] == before.predicted_reduction
         numbers = re.findall(r"<b>([\d.−]+)</b>", equations.draw_law(session.snapshot))
         told = [float(number.replace(MINUS, "-")) for number in numbers]
-        assert told == pytest.approx([state.promised, *state.judged], rel=0.01, abs=0.006)
+        assert told == pytest.approx([state.predicted_reduction, *state.reductions], rel=0.01, abs=0.006)
 
     def test_other_servos_leave_their_equation_out(self, session):
         assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)

@@ -14,8 +14,8 @@ from viewimit.app.panels.guide.help import help_html
 from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.loop.embodiment.in_scene import complete
 from viewimit.loop.settings import Settings
+from viewimit.loop.simulated_robot import complete
 
 ENTRIES = glossary.glossary()
 

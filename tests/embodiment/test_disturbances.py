@@ -12,12 +12,19 @@ import viewimit
 from viewimit.drawing.plots import described
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
-from viewimit.simulation.disturbances import GROSS_PX, ArmDisturbance, ImageDisturbance, drive, spoil, spoil_frames
+from viewimit.simulation.disturbances import (
+    GROSS_PX,
+    ArmDisturbance,
+    ImageDisturbance,
+    disturb,
+    disturbed_frames,
+    drive,
+)
 
 POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
 # the fields, cases made of them, and a noise that was measured
 KNOWN_BY_NAME = {
-    "body_image.py",
+    "self_calibration.py",
     "rehearse.py",
     "settings.py",
     "presets.py",
@@ -30,7 +37,7 @@ KNOWN_BY_NAME = {
 
 
 def spoilt(seed=(1,), **amounts):
-    return spoil(Settings.paper(**amounts).amounts(ImageDisturbance), POINTS, SEEN, seed)
+    return disturb(Settings.paper(**amounts).amounts(ImageDisturbance), POINTS, SEEN, seed)
 
 
 def driven(theta, sent, **amounts):
@@ -72,8 +79,8 @@ def test_one_disturbance_of_an_image_does_not_change_what_another_does():
 def test_frames_are_looks_of_their_own_and_the_first_is_the_only_one_of_a_single_look():
     points, visible = np.zeros((10, 4)), np.ones((10, 2), bool)
     amounts = Settings.paper(noise_px=1.0, missing=0.2).amounts(ImageDisturbance)
-    frames, seen = spoil_frames(amounts, points, visible, [3, 1], 4)
-    alone, alone_seen = spoil(amounts, points, visible, [3, 1])
+    frames, seen = disturbed_frames(amounts, points, visible, [3, 1], 4)
+    alone, alone_seen = disturb(amounts, points, visible, [3, 1])
     assert frames.shape == (4, 10, 4) and seen.shape == (4, 10, 2)
     np.testing.assert_array_equal(frames[0], alone)
     np.testing.assert_array_equal(seen[0], alone_seen)
@@ -110,7 +117,7 @@ class TestEach:
 
     def test_it_is_an_option(self, name, entry, ask, ask_json):
         option = "--" + name.replace("_", "-")
-        assert entry.says in " ".join(ask("imitate", "--help")[1].split())
+        assert entry.description in " ".join(ask("imitate", "--help")[1].split())
         told = ask_json("imitate", option, entry.bounds[1] / 100, "--max-motions", 1)[1]
         assert told["settings"][name] == entry.bounds[1] / 100
         status, _, err = ask("imitate", option, entry.bounds[1] + 1)
@@ -120,9 +127,11 @@ class TestEach:
         page = QuietPage(Settings.paper(start_deg=(25, -45)))
         page.tick()
         slider = page.widget(entry.label)
-        assert (slider.min, slider.max, slider.step) == entry.reach and slider.hint == entry.says
-        page.choose(entry.label, entry.reach[1])
-        assert getattr(page.page.memory().history[-1].settings, name) == pytest.approx(entry.reach[1] / entry.per)
+        assert (slider.min, slider.max, slider.step) == entry.slider_range and slider.hint == entry.description
+        page.choose(entry.label, entry.slider_range[1])
+        assert getattr(page.page.memory().history[-1].settings, name) == pytest.approx(
+            entry.slider_range[1] / entry.slider_scale
+        )
 
 
 def test_nobody_else_knows_a_disturbance_by_its_name():

@@ -4,10 +4,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.loop.looking import Observer
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.sensing.frames import MOST_LAG
+from viewimit.loop.simulated_robot import SimulatedObserver
+from viewimit.sensing.frames import MAX_LATENCY_LOOKS
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 
@@ -37,7 +37,7 @@ def eyes():
 
 @pytest.fixture
 def observer(eyes):
-    return Observer(eyes, START)
+    return SimulatedObserver(eyes, START)
 
 
 def test_the_demonstrator_is_looked_at_again_only_when_it_or_its_disturbance_has_changed(eyes, observer):
@@ -62,11 +62,11 @@ def test_every_look_at_the_own_body_has_noise_of_its_own_and_repeats_itself(obse
     assert not np.allclose(first, observer.own(msgspec.structs.replace(settings, seed=8), START, 0)[0])
 
 
-@pytest.mark.parametrize("delay", range(MOST_LAG + 1))
+@pytest.mark.parametrize("delay", range(MAX_LATENCY_LOOKS + 1))
 def test_the_first_motion_tells_how_late_images_come_and_later_ones_are_not_asked(eyes, observer, delay):
     now = Session(Settings.paper(start_deg=(25, -45), delay=delay)).snapshot
     assert observer.wait(now, START + 0.1) == (delay, delay)
-    assert observer.wait(now, START) == (MOST_LAG, None)  # no motion that could show
+    assert observer.wait(now, START) == (MAX_LATENCY_LOOKS, None)  # no motion that could show
     asked = len(eyes.asked)
     assert observer.wait(now.with_fields(lag=2), START + 0.1) == (2, 2) and len(eyes.asked) == asked
 

@@ -9,10 +9,8 @@ import pytest
 from hypothesis import given, settings, strategies
 
 from viewimit import Session
-from viewimit.loop.embodiment.motion_limits import waypoints
+from viewimit.loop.embodiment import waypoints
 from viewimit.loop.history import MAX_HISTORY
-from viewimit.loop.rehearsal import rehearse
-from viewimit.loop.script_player import play
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 
@@ -145,7 +143,7 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     session = Session(asked)
     last = session.run(200).last
     assert last.status == "no-progress" and last.servo_state.restarts == restarts
-    words = SERVOS["trust-region"].says(last.servo_state, last.status)
+    words = SERVOS["trust-region"].describe_status(last.servo_state, last.status)
     assert ("searches elsewhere" in words) == (restarts > 0)
     if restarts == 0:
         assert not any(moment.servo_state.restarts for moment in session.history[1:])
@@ -173,27 +171,27 @@ def test_a_rehearsal_goes_in_short_motions_and_keeps_the_postures_that_were_aske
         Session(changed(start_deg=START_DEG)),
         Session(changed(start_deg=START_DEG, max_step_deg=5.0, workspace_deg=SCENE_WORKSPACE_DEG)),
     )
-    body = rehearse(bound, 9, seed=1)
+    body = bound.calibrate(9, seed=1)
     lower = bound.embodiment.lower
     postures = np.array([visit.displacement + lower for visit in body.visits])
     assert len(body) == 9 and longest(sent(bound)) <= np.radians(5.0) + ROUNDING
     require_inside(sent(bound), SCENE_WORKSPACE_DEG)
-    free.rehearse(postures)
+    free.begin_calibration(postures)
     free.run(9)
-    for one, other in zip(body.visits, free.snapshot.body.visits):
+    for one, other in zip(body.visits, free.snapshot.calibration.visits):
         np.testing.assert_allclose(one.displacement, other.displacement, atol=ROUNDING)
         np.testing.assert_allclose(one.own, other.own, atol=1e-6)
     with pytest.raises(ValueError, match="the rehearsed posture is outside the workspace: angle 2"):
-        bound.rehearse(np.array([low, high, (low[0], high[1] + 0.1)]))
+        bound.begin_calibration(np.array([low, high, (low[0], high[1] + 0.1)]))
 
 
 def test_a_rehearsal_within_a_workspace_serves_an_imitation_without_one():
     """Postures are told from the arm's own limits."""
-    body = rehearse(Session(changed(workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG)), 12, seed=1)
+    body = Session(changed(workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG)).calibrate(12, seed=1)
     session = Session(changed(demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
-    session.remember(body)
+    session.use_calibration(body)
     last = session.run(40).last
-    assert last.status == "converged" and last.rehearsal_holds and last.motion <= 4
+    assert last.status == "converged" and last.calibration_holds and last.motion <= 4
 
 
 def test_who_goes_back_to_the_past_drives_the_arm_there_in_short_motions():
@@ -251,7 +249,7 @@ def test_a_run_in_short_motions_is_repeated_by_its_script():
     assert session.snapshot.target is not None  # on its way
     script = msgspec.json.decode(msgspec.json.encode(session.script), type=type(session.script))
     again = Session()
-    play(script, again)
+    again.play(script)
     assert again.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert again.settings == session.settings
     one, other = again.run(200).last, session.run(200).last

@@ -9,10 +9,9 @@ import pytest
 from viewimit import FourViews, Session
 from viewimit.analysis.self_assessment import assess
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.loop.body_image import BodyImage
-from viewimit.loop.rehearsal import rehearse
+from viewimit.loop.self_calibration import SelfCalibration
 from viewimit.loop.settings import Settings
-from viewimit.sensing.frames import MOST_LAG
+from viewimit.sensing.frames import MAX_LATENCY_LOOKS
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -161,14 +160,14 @@ def test_a_demonstrator_that_keeps_moving_is_followed():
 def test_noise_keeps_the_demonstrators_images_and_is_measured_at_rest():
     robot = Robot(noise_px=0.3, points=20)
     one = session(robot, Settings(frames=9))
-    assert one.observer.noise_at_rest(one.settings) == pytest.approx(0.3 / 3, rel=0.25)  # 560 degrees of freedom
+    assert one.observer.image_noise_std(one.settings) == pytest.approx(0.3 / 3, rel=0.25)  # 560 degrees of freedom
     one.run(60)
     assert all(moment.views.demo is one.history[0].views.demo for moment in one.history)
     assert not one.look() and error_deg(one.snapshot) < 1.0
-    assert one.observer.noise_at_rest(Settings(frames=1)) == pytest.approx(0.3, rel=0.25)
+    assert one.observer.image_noise_std(Settings(frames=1)) == pytest.approx(0.3, rel=0.25)
     robot.noise_px = 4.0  # as its maker states it
     one.reset()
-    assert one.observer.noise_at_rest(one.settings) == pytest.approx(4 / 3, rel=0.05)
+    assert one.observer.image_noise_std(one.settings) == pytest.approx(4 / 3, rel=0.05)
 
 
 class WholePixels(Robot):
@@ -184,9 +183,9 @@ def test_rounding_is_noise_that_pictures_at_rest_do_not_show_and_that_more_of_th
     settings = Settings(frames=frames)
     for sigma in (0.0, 0.1):
         one = session(WholePixels(noise_px=sigma), settings)
-        assert one.observer.noise_at_rest(one.settings) == pytest.approx(1 / np.sqrt(12), rel=0.1)
+        assert one.observer.image_noise_std(one.settings) == pytest.approx(1 / np.sqrt(12), rel=0.1)
     mixed = session(WholePixels(noise_px=2.0, points=20), settings)  # noise of steps and more is averaged, as any is
-    assert mixed.observer.noise_at_rest(mixed.settings) == pytest.approx(2 / np.sqrt(frames), rel=0.25)
+    assert mixed.observer.image_noise_std(mixed.settings) == pytest.approx(2 / np.sqrt(frames), rel=0.25)
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.2])
@@ -219,7 +218,7 @@ def test_a_point_that_is_misplaced_by_many_pixels_is_not_believed_among_whole_on
     assert not visible[5, 2:].any() and np.delete(visible, 5, 0).all() and visible[5, :2].all()
 
 
-@pytest.mark.parametrize("late", range(MOST_LAG + 1))
+@pytest.mark.parametrize("late", range(MAX_LATENCY_LOOKS + 1))
 def test_the_first_motion_tells_how_late_pictures_come_and_as_many_are_let_pass(late):
     robot = Robot(late=late)
     one = session(robot)
@@ -264,14 +263,14 @@ def test_all_own_points_may_be_lost_in_mid_run():
 def test_it_rehearses_without_a_demonstrator_and_begins_with_that(tmp_path):
     robot = Robot(demo=DEMO)
     one = session(robot, name="mine")
-    body = rehearse(one, 12, seed=0)
+    body = one.calibrate(12, seed=0)
     body.save(tmp_path / "body.npz")
     other = session(Robot(), name="mine")
-    other.remember(BodyImage.load(tmp_path / "body.npz"))
+    other.use_calibration(SelfCalibration.load(tmp_path / "body.npz"))
     last = other.run(60).last
-    assert last.status == "converged" and last.rehearsal_holds and last.motion < session(Robot()).run(60).last.motion
+    assert last.status == "converged" and last.calibration_holds and last.motion < session(Robot()).run(60).last.motion
     with pytest.raises(ValueError, match="rehearsed with robot mine, here it is yours"):
-        session(Robot(), name="yours").remember(body)
+        session(Robot(), name="yours").use_calibration(body)
 
 
 @pytest.mark.parametrize("servo", ["broyden", "gradient-retuned"])

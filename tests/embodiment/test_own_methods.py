@@ -10,7 +10,7 @@ from viewimit import SERVOS, TRANSFERS, FourViews, Session, Settings, replay
 from viewimit.drawing.export.citation import cite
 from viewimit.estimation.transfers import TransferMethod, linear_combination, transfer_method
 from viewimit.loop.settings import OWN
-from viewimit.servo import GaussNewton
+from viewimit.servo import GaussNewton, servo_method
 
 START = {"demonstrator_deg": (45, -90), "start_deg": (25, -45)}
 
@@ -186,7 +186,7 @@ def test_names_serve_as_well():
         ({"transfer": lambda views: None}, TypeError, r"must return an object with recover\(demo_left, demo_right\)"),
         ({"transfer": "magic"}, ValueError, "no transfer 'magic'"),
         ({"servo": Law}, TypeError, r"the servo Law is a class; make one, Law\(…\)"),
-        ({"servo": object()}, TypeError, r"has no start\(seen\) and no step\(state, seen, residuals\)"),
+        ({"servo": object()}, TypeError, r"has no start\(observation\) and no step\(state, observation, residuals\)"),
         ({"settings": "panda"}, TypeError, r"settings must be Settings\(…\), got 'panda'"),
     ],
 )
@@ -232,7 +232,7 @@ def test_points_of_another_shape_and_motions_that_are_none_are_named():
     law = Mover([0.1, 0.0])
     law.start = lambda seen: type("State", (), {"status": "busy"})()
     with pytest.raises(
-        ValueError, match="status must be one of moving, converged, rests, unobservable, stalled, got 'busy'"
+        ValueError, match="status must be one of moving, converged, settled, unobservable, no-progress, got 'busy'"
     ):
         Session(servo=law).step()
 
@@ -243,3 +243,16 @@ def test_functions_and_laws_of_two_methods_have_names_once_they_are_set(monkeypa
     session = Session(Settings.paper(**START, transfer="mine", servo="mine"))
     session.run(3)
     assert "affine_map, Law" in replay(session).html and session.script.settings.transfer == "mine"
+
+
+def test_a_servo_that_describes_itself_as_in_earlier_versions_is_read_with_a_warning():
+    class Described(Law):
+        title, fails, slow = "By itself", "Nowhere.", True
+
+        def says(self, state, status):
+            return f"is {status}"
+
+    with pytest.warns(DeprecationWarning, match="give title, limitations, slow, describe_status to ServoMethod"):
+        method = servo_method(Described())
+    assert (method.title, method.limitations, method.slow, method.assumes) == ("By itself", "Nowhere.", True, "")
+    assert method.describe_status(None, "moving") == "is moving" and method.equations(None, None) == ()

@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies
 from viewimit import FourViews, Session
 from viewimit.geometry.affine import image_unit
 from viewimit.geometry.rectification import Rectification
-from viewimit.sensing.point_checks import rounding
+from viewimit.sensing.point_checks import rounding_std
 
 FakeRobot = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "fake_robot.py"))["FakeRobot"]
 FOCAL_PX = 1100.0
@@ -71,9 +71,9 @@ def test_whole_pixels_are_known_in_hundreds_of_a_pixel_too(seed):
 @pytest.mark.parametrize("scale", [1.0, 0.1, 0.01])
 def test_a_grid_of_pixels_is_found_in_decimal_parts(scale):
     points = np.random.default_rng(3).uniform(0, 400, (20, 4)).round() * scale
-    assert rounding(points, np.ones((20, 2), bool)) == pytest.approx(scale / np.sqrt(12))
+    assert rounding_std(points, np.ones((20, 2), bool)) == pytest.approx(scale / np.sqrt(12))
     fine = np.random.default_rng(3).uniform(0, 400, (20, 4)) * scale
-    assert rounding(fine, np.ones((20, 2), bool)) == 0.0
+    assert rounding_std(fine, np.ones((20, 2), bool)) == 0.0
 
 
 def test_a_unit_follows_the_images_scale_and_not_their_place():

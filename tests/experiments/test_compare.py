@@ -15,9 +15,9 @@ from viewimit.experiments.bench.compare_table import Row, read, write
 from viewimit.experiments.bench.compared import compared
 from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
 from viewimit.experiments.bench.success import wilson
-from viewimit.loop.result import RunResult
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import RunResult
 from viewimit.servo import SERVOS, ServoStatus
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -36,7 +36,7 @@ def test_behind_a_moving_demonstrator_seen_with_noise_the_transfer_is_kept(monke
     class Forgetful(Session):
         def step(self):
             moved = super().step()
-            self.history.replace(self.snapshot.with_fields(frozen=None))
+            self.history.replace(self.snapshot.with_fields(converged_transfer=None))
             return moved
 
     monkeypatch.setattr(following, "Session", Forgetful)

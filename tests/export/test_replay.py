@@ -21,7 +21,7 @@ from viewimit.drawing.export.citation import cite
 from viewimit.drawing.export.dedupe import Woven, weave
 from viewimit.drawing.export.panels import MOST_MOMENTS, Appearance, farthest_off, kept_motions
 from viewimit.drawing.images.panel import draw_images
-from viewimit.loop.script import Posed
+from viewimit.loop.script import MoveDemonstrator
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -163,7 +163,7 @@ def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
 def test_what_it_cannot_show_it_says(session):
     with pytest.raises(ValueError, match="no point 10; there are 10"):
         viewimit.replay(session, chosen=10)
-    assert any(isinstance(deed, Posed) for deeds in session.log.deeds.values() for deed in deeds)
+    assert any(isinstance(action, MoveDemonstrator) for actions in session.log.actions.values() for action in actions)
     assert cite(session).command is None and "session.pose(" in cite(session).python
 
 

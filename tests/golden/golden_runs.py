@@ -83,7 +83,7 @@ def play(run: Run, moved_deg: float = 0.0) -> Trace:
     """Play a run. moved_deg: by which its start is moved, to see how much that changes."""
     session, show = _begun(run, moved_deg)
     if run.rehearsed_deg:
-        session.rehearse(np.radians(run.rehearsed_deg))
+        session.begin_calibration(np.radians(run.rehearsed_deg))
     for motion, posture_deg in run.shown_deg:
         session.run(motion)
         show(np.radians(posture_deg))

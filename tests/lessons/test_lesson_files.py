@@ -10,8 +10,8 @@ from viewimit.app.lessons.source import MOST_BYTES, load, own, shipped
 from viewimit.app.lessons.step_session import StepSession
 from viewimit.app.lessons.trial import faults_in_session
 
-from viewimit.loop.embodiment.in_scene import complete
 from viewimit.loop.settings import Settings
+from viewimit.loop.simulated_robot import complete
 
 GOOD = """\
 title = "Mine"

@@ -112,7 +112,7 @@ def test_a_reload_comes_back_to_the_same_pictures(here):
 def test_what_is_not_installed_is_said_beside_the_switch_and_by_the_preset(here, monkeypatch):
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pybullet" else find(name))
-    monkeypatch.setattr("viewimit.simulation.eyes.has_wheel", lambda: True)
+    monkeypatch.setattr("viewimit.simulation.eyes.pybullet_has_wheel", lambda: True)
     install = "pip install 'viewimit[pybullet]'"
     with Client(here.url).ready() as client:
         wait_until(lambda: any(install in html.unescape(shown) for shown in client.html.values()))

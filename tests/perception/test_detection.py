@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("cv2")
 
-from viewimit.sensing.detection import as_large_in_both, detect, pictures  # noqa: E402
+from viewimit.sensing.detection import detect, read_pictures, reject_partly_hidden  # noqa: E402
 from viewimit.simulation.markers import colours, load_markers, marker_names  # noqa: E402
 
 HUES = np.array([0.0, 40.0, 80.0, 120.0, 200.0, 280.0])
@@ -67,11 +67,11 @@ def test_what_is_beside_the_middle_is_another_body():
 
 def test_files_that_are_no_pictures_are_named(tmp_path):
     with pytest.raises(FileNotFoundError, match="No such file"):
-        next(pictures(tmp_path / "l.png"))
+        next(read_pictures(tmp_path / "l.png"))
     for name in ("l.png", "l.mp4"):
         (tmp_path / name).write_text("no picture")
         with pytest.raises(ValueError, match=name):
-            next(pictures(tmp_path / name))
+            next(read_pictures(tmp_path / name))
 
 
 def test_markers_are_of_all_links_and_hues_apart():
@@ -105,10 +105,10 @@ def test_a_ball_that_is_hidden_from_several_sides_and_stays_round_is_smaller_tha
     covers = [(40.0 + 11.9 * s, 60.0 + 11.9 * t, 10.3, grey) for s, t in ((1, 0), (0, 1))]
     left, right = detect(drawn(whole), HUES), detect(drawn(whole + covers), HUES)
     assert right.found.all() and np.abs(right.points[1] - middles[1]).max() > 0.4
-    kept_left, kept_right = as_large_in_both(left, right)
+    kept_left, kept_right = reject_partly_hidden(left, right)
     assert kept_left.found.all() and kept_right.found.tolist() == [True, False, True, True, True, True]
     assert np.isnan(kept_right.points[1]).all()
-    mirrored = as_large_in_both(right, left)
+    mirrored = reject_partly_hidden(right, left)
     assert mirrored[0].found.tolist() == kept_right.found.tolist() and mirrored[1].found.all()
 
 
@@ -116,6 +116,6 @@ def test_all_balls_may_be_smaller_in_one_picture_than_in_the_other():
     middles = np.stack([15 + 25.0 * np.arange(6), np.full(6, 60.0)], -1)
     balls = lambda r: [(*middle, r, colour) for middle, colour in zip(middles, colours(HUES))]
     left, right = (detect(drawn(balls(radius)), HUES) for radius in (3.0, 4.2))
-    assert all(one.found.all() for one in as_large_in_both(left, right))
+    assert all(one.found.all() for one in reject_partly_hidden(left, right))
     nothing = detect(np.full((48, 64, 3), 90, np.uint8), HUES)
-    assert not any(one.found.any() for one in as_large_in_both(nothing, nothing))
+    assert not any(one.found.any() for one in reject_partly_hidden(nothing, nothing))

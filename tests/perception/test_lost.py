@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from viewimit.sensing.point_checks import FAR, astray, lost
+from viewimit.sensing.point_checks import FAR, is_far_outlier, is_missing_value
 
 
 def test_a_point_is_lost_at_both_coordinates_of_a_mark_only():
     image = np.array([[(0, 0), (-1, -1), (-0.0, 0)], [(0, -1), (0, 12), (1e-9, 0)]])
-    assert lost(image).tolist() == [[True] * 3, [False] * 3]
+    assert is_missing_value(image).tolist() == [[True] * 3, [False] * 3]
 
 
 @pytest.mark.parametrize("times, beyond", [(0.9 * FAR, False), (1.1 * FAR, True)])
@@ -18,8 +18,8 @@ def test_a_point_is_astray_beyond_so_many_times_what_the_others_lie_apart(times,
     ring = np.stack([np.cos(turns), np.sin(turns)], -1)
     for scale, centre in ((1.0, (0, 0)), (80.0, (320, 240))):
         image = scale * np.concatenate([ring, ring, [(times, 0)]]) + centre
-        assert astray(image).tolist() == [False] * 16 + [beyond]
+        assert is_far_outlier(image).tolist() == [False] * 16 + [beyond]
 
 
 def test_no_point_is_astray_where_half_are_in_one_place():
-    assert not astray(np.array([(3.0, 4)] * 4 + [(500, 2), (7, 9)])).any()
+    assert not is_far_outlier(np.array([(3.0, 4)] * 4 + [(500, 2), (7, 9)])).any()

@@ -12,7 +12,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.random_scenes import draw, resize
 from viewimit.geometry.distortion import Radial
 from viewimit.loop.suspects import FEWEST_POINTS, rounding_of, suspects
-from viewimit.simulation.camera import undistorted
+from viewimit.simulation.camera import undistort_points
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -120,7 +120,7 @@ def test_images_that_were_undistorted_after_they_were_rounded_lie_on_no_grid_and
 
     def straight(images):
         halves = np.split(images, 2, axis=-1)
-        return np.concatenate([undistorted(half, (256, 256), (320, 120), Radial(1e-3, 0)) for half in halves], -1)
+        return np.concatenate([undistort_points(half, (256, 256), (320, 120), Radial(1e-3, 0)) for half in halves], -1)
 
     views = FourViews(straight(rounded.demo), straight(rounded.own), rounded.visible)
     assert rounding_of(views) == 0 and suspects(views).found

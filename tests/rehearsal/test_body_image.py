@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sameness import assert_same
 
-from viewimit.loop.body_image import FEWEST, Body, BodyImage, postures_apart, rehearsal_postures
+from viewimit.loop.self_calibration import MIN_POSTURES, Body, SelfCalibration, calibration_postures, spread_postures
 from viewimit.servo.observation import Visit
 
 PANDA = Body("panda", (2, 4), (90.0, 180.0), 10, "points", (0.0, 0.0))
@@ -17,13 +17,13 @@ def rehearsed(count=4, seed=0):
     rng = np.random.default_rng(seed)
     seen = rng.random((count, 10, 2)) < 0.9
     visits = zip(rng.uniform(0, 1.5, (count, 2)), rng.uniform(0, 240, (count, 10, 4)), seen)
-    return BodyImage(PANDA, "panda", 0.25, tuple(Visit.of(*visit) for visit in visits))
+    return SelfCalibration(PANDA, "panda", 0.25, tuple(Visit.of(*visit) for visit in visits))
 
 
 def test_what_is_saved_comes_back(tmp_path):
     body = rehearsed()
     body.save(tmp_path / "body.npz")
-    back = BodyImage.load(tmp_path / "body.npz")
+    back = SelfCalibration.load(tmp_path / "body.npz")
     assert (back.body, back.scene, back.noise_px, len(back)) == (PANDA, "panda", 0.25, 4)
     for one, other in zip(back.visits, body.visits):
         np.testing.assert_allclose(one.displacement, other.displacement, rtol=1e-15)  # degrees in the file
@@ -65,7 +65,7 @@ def spoilt(tmp_path, **changes):
 def test_a_file_that_is_none_says_what_is_wrong(tmp_path, changes, what):
     path = spoilt(tmp_path, **changes)
     with pytest.raises(ValueError, match=f"{path}: no body image.*{what}.*viewimit rehearse"):
-        BodyImage.load(path)
+        SelfCalibration.load(path)
 
 
 @pytest.mark.parametrize("content", [b"", b"theta,E\n1,2\n", b"PK\x03\x04 broken"])
@@ -73,7 +73,7 @@ def test_other_files_are_refused(tmp_path, content):
     path = tmp_path / "body.npz"
     path.write_bytes(content)
     with pytest.raises(ValueError, match="not an .npz file"):
-        BodyImage.load(path)
+        SelfCalibration.load(path)
 
 
 def test_another_body_is_refused_with_what_differs():
@@ -91,12 +91,12 @@ def test_displacements_are_told_from_wherever_an_imitation_begins():
         assert told.own is visit.own
 
 
-@pytest.mark.parametrize("count", [FEWEST, 12, 40])
+@pytest.mark.parametrize("count", [MIN_POSTURES, 12, 40])
 def test_postures_are_within_limits_and_apart_and_repeat_themselves(count):
-    postures = postures_apart(LOW, HIGH, count, np.random.default_rng(1))
+    postures = spread_postures(LOW, HIGH, count, np.random.default_rng(1))
     assert postures.shape == (count, 2) and (postures >= LOW).all() and (postures <= HIGH).all()
-    np.testing.assert_array_equal(postures, postures_apart(LOW, HIGH, count, np.random.default_rng(1)))
-    assert not np.array_equal(postures, postures_apart(LOW, HIGH, count, np.random.default_rng(2)))
+    np.testing.assert_array_equal(postures, spread_postures(LOW, HIGH, count, np.random.default_rng(1)))
+    assert not np.array_equal(postures, spread_postures(LOW, HIGH, count, np.random.default_rng(2)))
     scaled = (postures - LOW) / (HIGH - LOW)
     drawn = np.random.default_rng(0).uniform(size=(2000, 2))
     far = lambda among: np.linalg.norm(drawn[:, None] - among, axis=-1).min(1).mean()
@@ -106,25 +106,25 @@ def test_postures_are_within_limits_and_apart_and_repeat_themselves(count):
 
 @pytest.mark.parametrize("count", [5, 12])
 def test_a_rehearsal_turns_each_joint_by_itself_and_goes_far_apart(count):
-    postures = rehearsal_postures(LOW, HIGH, count, np.random.default_rng(1))
+    postures = calibration_postures(LOW, HIGH, count, np.random.default_rng(1))
     assert postures.shape == (count, 2) and (postures >= LOW).all() and (postures <= HIGH).all()
     turned = np.abs(np.diff(postures[:3], axis=0))
     assert (turned > np.radians(15)).tolist() == [[True, False], [False, True]] and turned.max() < np.radians(25)
-    apart = postures_apart(LOW, HIGH, count - 2, np.random.default_rng(1))
+    apart = spread_postures(LOW, HIGH, count - 2, np.random.default_rng(1))
     np.testing.assert_array_equal(np.delete(postures, [1, 2], 0), apart)
 
 
 def test_too_few_postures_for_both_are_far_apart():
-    few = rehearsal_postures(LOW, HIGH, 4, np.random.default_rng(1))
-    np.testing.assert_array_equal(few, postures_apart(LOW, HIGH, 4, np.random.default_rng(1)))
+    few = calibration_postures(LOW, HIGH, 4, np.random.default_rng(1))
+    np.testing.assert_array_equal(few, spread_postures(LOW, HIGH, 4, np.random.default_rng(1)))
 
 
 def test_the_way_through_them_is_short():
-    postures = postures_apart(LOW, HIGH, 20, np.random.default_rng(0))
+    postures = spread_postures(LOW, HIGH, 20, np.random.default_rng(0))
     length = lambda order: np.abs(np.diff(postures[order], axis=0)).max(1).sum()
     assert length(np.arange(20)) < 0.7 * np.mean([length(np.random.default_rng(k).permutation(20)) for k in range(20)])
 
 
 def test_too_few_postures_are_refused():
-    with pytest.raises(ValueError, match=f"{FEWEST} postures or more, got 2"):
-        postures_apart(LOW, HIGH, 2, np.random.default_rng(0))
+    with pytest.raises(ValueError, match=f"{MIN_POSTURES} postures or more, got 2"):
+        spread_postures(LOW, HIGH, 2, np.random.default_rng(0))

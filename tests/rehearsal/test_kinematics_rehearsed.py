@@ -5,7 +5,6 @@ import pytest
 from sameness import error_deg
 
 from viewimit import Session, Settings
-from viewimit.loop.rehearsal import rehearse
 
 SEVEN = (1, 2, 3, 4, 5, 6, 7)
 
@@ -15,7 +14,7 @@ def test_seven_joints_are_imitated_at_once_and_then_checked_one_by_one(postures)
     for seed in range(3):
         settings = Settings.paper(transfer="projective", servo="trust-region", joints=SEVEN, points=16)
         session = Session(settings)
-        rehearse(session, postures, seed, within_deg=60.0)
+        session.calibrate(postures, seed, within_deg=60.0)
         session.reset()
         lower, upper = session.embodiment.lower, session.embodiment.upper
         aside = np.random.default_rng(seed).uniform(-0.5, 0.5, 7)
@@ -29,7 +28,7 @@ def test_two_joints_need_five_postures():
     motions = []
     for seed in range(8):
         session = Session(Settings.paper(transfer="projective", servo="trust-region"))
-        rehearse(session, 5, seed)
+        session.calibrate(5, seed)
         session.reset()
         lower, upper = session.embodiment.lower, session.embodiment.upper
         session.pose(np.random.default_rng(seed).uniform(lower, upper))
@@ -41,9 +40,9 @@ def test_two_joints_need_five_postures():
 
 def test_a_head_that_has_moved_is_noticed_though_kinematics_foretold_everything():
     session = Session(Settings.paper(transfer="projective", servo="trust-region"))
-    body = rehearse(session, 12, 0)
+    body = session.calibrate(12, 0)
     moved = Session(Settings.paper(transfer="projective", servo="trust-region", scene="panda-verged"))
-    moved.remember(body)
+    moved.use_calibration(body)
     moved.pose((moved.embodiment.lower + moved.embodiment.upper) / 2)
     last = moved.run(60).last
     assert not last.servo_state.rehearsed and error_deg(last) < 0.5

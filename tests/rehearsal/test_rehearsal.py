@@ -6,8 +6,7 @@ import pytest
 from sameness import assert_same, error_deg
 from viewimit.app.sessions import codec
 
-from viewimit.loop.body_image import FEWEST
-from viewimit.loop.rehearsal import rehearse
+from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo.trust_region.state import FIRST_RADIUS
@@ -23,8 +22,8 @@ def begun(start_deg, demonstrator_deg):
 
 def test_a_motion_a_posture_and_what_is_seen_there_is_kept():
     session = Session(SETTINGS)
-    body = rehearse(session, 5, seed=0)
-    assert session.snapshot.motion == len(body) == 5 and session.snapshot.body is body
+    body = session.calibrate(5, seed=0)
+    assert session.snapshot.motion == len(body) == 5 and session.snapshot.calibration is body
     for moment, visit in zip(session.history[1:], body.visits):
         np.testing.assert_allclose(visit.displacement, moment.theta - session.scene.lower, atol=1e-12)
         np.testing.assert_array_equal(visit.own, session.world.own_images(moment.theta)[0])
@@ -32,29 +31,29 @@ def test_a_motion_a_posture_and_what_is_seen_there_is_kept():
 
 
 def test_what_is_kept_has_nothing_to_do_with_a_demonstrator():
-    kept = [rehearse(Session(begun((25, -45), demo)), 4, seed=0) for demo in ((45, -90), (10, -20))]
+    kept = [Session(begun((25, -45), demo)).calibrate(4, seed=0) for demo in ((45, -90), (10, -20))]
     assert_same(kept[0], kept[1])
     blind = Session(SETTINGS)
     blind.observer.demo = lambda settings, theta_demo: (np.full((10, 4), np.nan), np.zeros((10, 2), bool))
-    assert_same(rehearse(blind, 4, seed=0), kept[0])
+    assert_same(blind.calibrate(4, seed=0), kept[0])
 
 
 def test_from_random_starts_it_imitates_in_few_motions_without_probes():
     """Median 3, 95 % within 4 of 200 runs; claimed, and truly."""
     session, rng = Session(SETTINGS), np.random.default_rng(8)
-    rehearse(session, 12, seed=0)
+    session.calibrate(12, seed=0)
     limits, motions = np.transpose(session.scene.range_deg), []
     for _ in range(16):
         session.begin(begun(*rng.uniform(*limits, (2, 2)).tolist()))
         last = session.run(60).last
-        assert last.status == "converged" and error_deg(last) < 0.5 and last.rehearsal_holds
+        assert last.status == "converged" and error_deg(last) < 0.5 and last.calibration_holds
         motions.append(last.motion)
     assert np.median(motions) <= 3.5 and max(motions) <= 7
 
 
 def test_it_goes_on_to_imitate_where_the_rehearsal_ends():
     session = Session(SETTINGS)
-    rehearse(session, 12, seed=0)
+    session.calibrate(12, seed=0)
     last = session.run(60).last
     assert last.status == "converged" and error_deg(last) < 0.5 and last.motion <= 12 + 7
 
@@ -72,9 +71,9 @@ def with_points_moved(by_m):
 def test_where_points_have_moved_it_notices_and_probes():
     elsewhere = Session(SETTINGS, with_points_moved(0.05))
     session = Session(SETTINGS)
-    session.remember(rehearse(elsewhere, 12, seed=0))
+    session.use_calibration(elsewhere.calibrate(12, seed=0))
     last = session.run(60).last
-    assert last.status == "converged" and error_deg(last) < 0.5 and last.rehearsal_holds is False
+    assert last.status == "converged" and error_deg(last) < 0.5 and last.calibration_holds is False
     assert [moment.probe for moment in session.history[1:3]] == [True, True]
     alone = Session(SETTINGS)
     alone.run(60)
@@ -87,42 +86,42 @@ def test_where_points_have_moved_it_notices_and_probes():
 
 def test_reset_and_a_new_start_keep_it_another_body_does_not():
     session = Session(SETTINGS)
-    body = rehearse(session, 4, seed=0)
+    body = session.calibrate(4, seed=0)
     session.reset()
-    assert session.snapshot.body is body and session.snapshot.motion == 0
+    assert session.snapshot.calibration is body and session.snapshot.motion == 0
     session.change(start_deg=(30.0, -30.0))
-    assert session.snapshot.body is body
+    assert session.snapshot.calibration is body
     session.change(points=16)
-    assert session.snapshot.body is None
+    assert session.snapshot.calibration is None
 
 
 def test_another_body_is_refused_and_the_session_stays():
     session = Session(msgspec.structs.replace(SETTINGS, points=16))
     before = session.snapshot
     with pytest.raises(ValueError, match="rehearsed with points 10, here it is 16"):
-        session.remember(rehearse(Session(SETTINGS), 4, seed=0))
-    with pytest.raises(ValueError, match=f"{FEWEST} postures or more"):
-        session.rehearse(np.zeros((2, 2)))
+        session.use_calibration(Session(SETTINGS).calibrate(4, seed=0))
+    with pytest.raises(ValueError, match=f"{MIN_POSTURES} postures or more"):
+        session.begin_calibration(np.zeros((2, 2)))
     with pytest.raises(ValueError, match="the rehearsed joint 2 at 171.887° is outside"):
-        session.rehearse(np.full((4, 2), 3.0))
+        session.begin_calibration(np.full((4, 2), 3.0))
     assert session.snapshot is before
 
 
 def test_a_session_that_is_kept_goes_on_with_its_rehearsal_to_the_last_bit():
     session = Session(SETTINGS)
-    session.rehearse(np.radians([(10, -20), (80, -20), (80, -160), (10, -160), (45, -90)]))
+    session.begin_calibration(np.radians([(10, -20), (80, -20), (80, -160), (10, -160), (45, -90)]))
     for _ in range(3):
         session.step()
     other = Session(SETTINGS)
     other.resume(codec.decode(codec.encode(list(session.history))), session.cursor)
     assert_same(session.run(60).last, other.run(60).last)
     session.undo()
-    assert session.snapshot.body is not None
+    assert session.snapshot.calibration is not None
 
 
 def test_another_servo_imitates_as_if_nothing_had_been_rehearsed():
     alone, rehearsed = (Session(msgspec.structs.replace(SETTINGS, servo="broyden")) for _ in range(2))
-    rehearse(rehearsed, 4, seed=0)
+    rehearsed.calibrate(4, seed=0)
     rehearsed.reset()
     assert [m.E for m in (alone.run(30).last, rehearsed.run(30).last)][0] == rehearsed.snapshot.E
     assert len(alone.history) == len(rehearsed.history)

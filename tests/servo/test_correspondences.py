@@ -10,9 +10,9 @@ from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.drawing.status import describe
 from viewimit.estimation.views import FourViews
-from viewimit.loop.looking import MATCH
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.loop.simulated_robot import MATCH
 from viewimit.servo.trust_region.correspondences import exchanged, likely_exchange, with_exchanged
 
 replace = msgspec.structs.replace

@@ -40,7 +40,7 @@ def test_a_learner_does_not_stall_at_the_best_posture_behind_a_demonstrator_far_
 def test_matches_that_no_affine_geometry_fits_keep_affine_weights_and_make_no_false_claim(seed):
     session, last, error_deg = run_of(seed, scene="panda-toed", rectify="off")
     now = session.snapshot
-    noise_px = session.observer.noise_at_rest(session.settings)
+    noise_px = session.observer.image_noise_std(session.settings)
     ask = PredictedResiduals(now, noise_px=noise_px, moments=tuple(session.history))
     assert ask.head is None
     own = now.views.own

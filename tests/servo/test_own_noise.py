@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from viewimit.servo.images.own_noise import own_noise
-from viewimit.servo.images.surrogate import learn
 from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
+from viewimit.servo.trust_region.image_models import estimate_own_noise
 
 POINTS, NOISE, DRAWS = 8, 0.5, 1500
 PLACES = np.radians([(0, 0), (15, 0), (15, 15), (3, -4), (-2, 6), (1, 1)])
@@ -27,7 +27,7 @@ def body():
         drawn = np.random.default_rng(seed)
         seen = np.ones((POINTS, 2), bool)
         visits = [Visit(d, y + J @ d + drawn.normal(0, NOISE, (POINTS, 4)), seen) for d in PLACES]
-        return learn(visits, len(visits) - 1, NOISE)
+        return GaussianProcessImages.fit(visits, len(visits) - 1, NOISE)
 
     return model, residual_of
 
@@ -45,7 +45,7 @@ def test_slopes_that_are_learned_from_noise_add_the_curvature_that_it_says(body)
     drawn = np.array([slopes(model(k), residual_of, place)[0] for k in range(DRAWS)])
     mean = drawn.mean(0)
     added = (drawn @ drawn.swapaxes(1, 2)).mean(0) / POINTS - mean @ mean.T / POINTS
-    said = own_noise(model(0), residual_of, place, NOISE, 20, 1).hessian
+    said = estimate_own_noise(model(0), residual_of, place, NOISE, 20, 1).hessian_bias
     share = np.abs(np.linalg.eigvalsh(np.linalg.solve(added, said)) - 1).max()
     assert share < TOLERANCE + 0.25  # DRAWS of own_noise estimate what is left of 32 - 12 residuals
 
@@ -55,22 +55,24 @@ def test_gradients_are_as_large_as_those_that_noise_makes(body):
     place = np.radians((2.0, 1.0))
     slopes_drawn, e_drawn = zip(*(slopes(model(k), residual_of, place) for k in range(DRAWS)))
     made = np.array(e_drawn) @ np.mean(slopes_drawn, axis=0).T / POINTS
-    said = np.concatenate([own_noise(model(k), residual_of, place, NOISE, 20, k).gradients for k in range(60)])
+    said = np.concatenate(
+        [estimate_own_noise(model(k), residual_of, place, NOISE, 20, k).grad_samples_images for k in range(60)]
+    )
     np.testing.assert_allclose(np.sqrt((said**2).mean(0)), made.std(0), rtol=0.25)
 
 
 def test_of_a_curvature_is_left_what_surely_is_not_noise(body):
     model, residual_of = body
-    noise = own_noise(model(0), residual_of, np.zeros(2), NOISE, 20, 1)
+    noise = estimate_own_noise(model(0), residual_of, np.zeros(2), NOISE, 20, 1)
     for k in range(1, 20):  # what noise alone makes is nothing
         J = slopes(model(k), residual_of, np.zeros(2))[0]
         J = J - np.mean([slopes(model(m), residual_of, np.zeros(2))[0] for m in range(1, 20)], axis=0)
         H = J @ J.T / POINTS
-        assert np.linalg.eigvalsh(noise.taken_off(H))[0] < 0.05 * np.trace(noise.hessian)
-    steep = 1e4 * np.trace(noise.hessian) * np.eye(2)
-    np.testing.assert_allclose(noise.taken_off(steep), steep, rtol=1e-3, atol=1e-3 * steep[0, 0])
-    both = noise.taken_off(np.stack([steep, noise.hessian]))
-    np.testing.assert_allclose(both[0], noise.taken_off(steep))
+        assert np.linalg.eigvalsh(noise.debias_hessian(H))[0] < 0.05 * np.trace(noise.hessian_bias)
+    steep = 1e4 * np.trace(noise.hessian_bias) * np.eye(2)
+    np.testing.assert_allclose(noise.debias_hessian(steep), steep, rtol=1e-3, atol=1e-3 * steep[0, 0])
+    both = noise.debias_hessian(np.stack([steep, noise.hessian_bias]))
+    np.testing.assert_allclose(both[0], noise.debias_hessian(steep))
     assert (np.linalg.eigvalsh(both) > 0).all()
 
 
@@ -82,6 +84,8 @@ def test_where_the_demonstrators_noise_leaves_residuals_noisy_slopes_move_the_gr
     with_left = lambda own: residual_of(own) + left
     gradients = lambda J, e: J @ e / POINTS
     made = np.array([gradients(*slopes(model(k), with_left, place)) for k in range(DRAWS)])
-    said = [own_noise(model(k), with_left, place, NOISE, 20, k) for k in range(60)]
-    squares = np.mean([(one.gradients**2).mean(0) + (one.by_slopes**2).mean(0) for one in said], axis=0)
+    said = [estimate_own_noise(model(k), with_left, place, NOISE, 20, k) for k in range(60)]
+    squares = np.mean(
+        [(one.grad_samples_images**2).mean(0) + (one.grad_samples_jacobian**2).mean(0) for one in said], axis=0
+    )
     np.testing.assert_allclose(np.sqrt(squares), made.std(0), rtol=0.25)

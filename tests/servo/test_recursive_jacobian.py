@@ -10,9 +10,8 @@ from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo import SERVOS, GaussNewton, Kalman, Observation
-from viewimit.servo.image_model import ImageModel
-from viewimit.servo.recursive_jacobian import RecursiveJacobian
+from viewimit.servo import SERVOS, GaussNewton, Kalman, LastMotion, Observation
+from viewimit.servo.image_jacobian import BroydenModel, RecursiveJacobian
 
 LAWS = {"kalman": Kalman(), "gauss-newton": GaussNewton()}
 
@@ -31,12 +30,12 @@ def walk(rng, m=3, points=6, motions=9, hidden=0.25):
 def test_a_filter_that_does_not_remember_how_well_it_knows_is_broydens_update(soft):
     """P' = q I, so that k = h/(r/q + hᵀh): Broyden's, with soft² = r/q; what it remembers makes the difference."""
     q, first, *rest = 1e6, *walk(np.random.default_rng(1))
-    filtered, broyden = RecursiveJacobian.start(first, 0.0), ImageModel.start(first)
+    filtered, broyden = RecursiveJacobian.start(first, 0.0), BroydenModel.start(first)
     remembering = filtered
     for seen in rest:
         r = max(soft**2, 1e-18) * q
-        filtered, broyden = filtered.learn(seen, r, q), broyden.learn(seen, soft)
-        remembering = remembering.learn(seen, r, q)
+        filtered, broyden = filtered.update(seen, r, q), broyden.update(seen, soft)
+        remembering = remembering.update(seen, r, q)
         filtered = replace(filtered, covariance=np.zeros_like(filtered.covariance))
         np.testing.assert_allclose(filtered.jacobian, broyden.jacobian, rtol=1e-9, atol=1e-7)
         np.testing.assert_allclose(filtered.last.own, broyden.last.own, rtol=1e-9)
@@ -51,7 +50,7 @@ def test_without_drift_it_is_weighted_least_squares_over_all_motions_at_once(for
     P_0, model, before = 100.0, RecursiveJacobian.start(first, 100.0), first
     told = [[] for _ in range(8)]  # h and Δy, by point and image
     for seen in rest:
-        model = model.learn(seen, r=forgetting, forgetting=forgetting)
+        model = model.update(seen, r=forgetting, forgetting=forgetting)
         h = seen.displacement - before.displacement
         for k in range(8):
             point, image = divmod(k, 2)
@@ -85,10 +84,10 @@ def test_the_filter_tells_how_well_it_knows_what_it_measures():
     for _ in range(4):
         model = replace(model, last=replace(model.last, own=rest + true @ theta))  # the end before, without noise
         theta = theta + rng.normal(0, 0.03, m)
-        model = model.learn(seen(r), r)
+        model = model.update(seen(r), r)
     whitened = np.linalg.solve(np.linalg.cholesky(model.covariance[0, 0]), (model.jacobian - true).reshape(-1, m).T)
     np.testing.assert_allclose(whitened @ whitened.T / whitened.shape[1], np.eye(m), atol=0.06)
-    assert 0 < model.believed < 1
+    assert 0 < model.mean_gain < 1
 
 
 @pytest.mark.parametrize("m", [1, 2, 7])
@@ -132,8 +131,8 @@ def test_a_motion_that_raises_E_is_answered_with_more_damping_and_shorter_motion
         state, step = law.step(state, world.observe(theta, motion), world.residuals)
         if motion < 2:
             theta = theta + step
-    lower, _ = law.step(state, replace(world.observe(theta, 3), E=state.before / 2), world.residuals)
-    higher, again = law.step(state, replace(world.observe(theta, 3), E=state.before * 2), world.residuals)
+    lower, _ = law.step(state, replace(world.observe(theta, 3), E=state.previous_E / 2), world.residuals)
+    higher, again = law.step(state, replace(world.observe(theta, 3), E=state.previous_E * 2), world.residuals)
     assert lower.damping < state.damping < higher.damping
     J = world.J.reshape(-1, 2)
     normal, gradient = J.T @ J, J.T @ world.residuals(world.images(theta)).ravel()
@@ -177,7 +176,7 @@ def test_it_ends_at_the_transfers_own_minimum_and_claims_nothing(name):
     least = landscape_over(world, TRANSFERS["linear"], demo, seen, near).minimum
     off = np.degrees(np.abs(np.array(ends) - least)).max(1)  # a Jacobian of some motions ago may end it early
     assert (off < 1).all() and (off < 0.2).sum() >= 2
-    assert SERVOS[name].says(last.servo_state, "settled") == "next step under 0.1°"
+    assert SERVOS[name].describe_status(last.servo_state, "settled") == "next step under 0.1°"
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -186,13 +185,11 @@ def test_its_equations_carry_the_numbers_of_the_moment(name):
     for _ in range(4):
         before = session.snapshot
         session.step()
-    from viewimit.servo import Moment
-
     now, law = session.snapshot, SERVOS[name]
-    moment = Moment(before.E, before.views.visible[:, 2:], now.theta - np.radians((25, -45)), now.moved, now.status)
+    moment = LastMotion(before.E, before.views.visible[:, 2:], now.theta - np.radians((25, -45)), now.moved, now.status)
     said = [equation.numbers for equation in law.equations(now.servo_state, moment)]
-    asked = [f"{value:.2f}°".replace("-", "−") for value in np.degrees(now.servo_state.asked)]
+    asked = [f"{value:.2f}°".replace("-", "−") for value in np.degrees(now.servo_state.requested)]
     assert all(word in said[0] for word in asked)
     assert law.equations(None, moment)[0].numbers == ()
-    other = f"{now.servo_state.model.believed:.2f}" if name == "kalman" else f"{now.servo_state.damping:.4f}"
+    other = f"{now.servo_state.model.mean_gain:.2f}" if name == "kalman" else f"{now.servo_state.damping:.4f}"
     assert any(other in numbers for numbers in said)

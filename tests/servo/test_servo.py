@@ -8,7 +8,7 @@ from linear_world import LinearWorld
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.loop import looking
+from viewimit.loop import simulated_robot as looking
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, Broyden, Gradient, Observation
@@ -37,7 +37,7 @@ def test_a_loop_written_from_the_docstring_runs(name, noise_px):
         if not displacement.any():
             break
         theta = theta + displacement
-    if name in ("broyden", "trust-region"):  # the gradients' constants are of another scale than this world's
+    if name in ("broyden", "trust-region"):  # the gradients' options are of another scale than this world's
         assert state.status == {"broyden": "settled", "trust-region": "converged"}[name]
         assert min(found) < 0.01 * found[0]
     if name == "trust-region" and noise_px:
@@ -110,10 +110,10 @@ def test_the_papers_first_step_by_hand():
     np.testing.assert_allclose(np.degrees(step), [0.5, -0.5])  # -0.005 · [-1, 1]ᵀ · 100
 
 
-@pytest.mark.parametrize("constants", [PAPER, RETUNED])
-def test_the_recursive_gradient_is_the_weighted_least_squares_one(constants):
+@pytest.mark.parametrize("options", [PAPER, RETUNED])
+def test_the_recursive_gradient_is_the_weighted_least_squares_one(options):
     """Σ ρ^(k-i) (ΔE_i - J u_i)² + ρ^k |J - J_0|² / P_0 is least at the J of step k."""
-    rng, servo, rho = np.random.default_rng(1), Gradient(constants), constants.forgetting
+    rng, servo, rho = np.random.default_rng(1), Gradient(options), options.forgetting
     theta, E = np.zeros(2), 50.0
 
     def seen():
@@ -127,9 +127,9 @@ def test_the_recursive_gradient_is_the_weighted_least_squares_one(constants):
         theta, E = theta + np.radians(moves[-1]), E + changes[-1]
         state, _ = servo.step(state, seen(), None)
         u, dE, weight = np.array(moves), np.array(changes), rho ** np.arange(k - 1, -1, -1)
-        prior = rho**k / constants.covariance
+        prior = rho**k / options.covariance
         normal = (u * weight[:, None]).T @ u + prior * np.eye(2)
-        right = (u * weight[:, None]).T @ dE + prior * np.array(constants.jacobian)
+        right = (u * weight[:, None]).T @ dE + prior * np.array(options.jacobian)
         np.testing.assert_allclose(state.jacobian, np.linalg.solve(normal, right), rtol=1e-6, atol=1e-8)
 
 
@@ -191,13 +191,13 @@ def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
     plain = Session(settings)
     for _ in range(12):
         plain.step()
-    spoil = looking.spoil
+    disturb = looking.disturb
 
     def spoilt(*images):
-        points, visible = spoil(*images)
+        points, visible = disturb(*images)
         return np.where(np.repeat(visible, 2, -1), points, junk), visible
 
-    monkeypatch.setattr(looking, "spoil", spoilt)
+    monkeypatch.setattr(looking, "disturb", spoilt)
     blind = Session(settings)
     for _ in range(12):
         blind.step()

@@ -6,8 +6,8 @@ import pytest
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.servo.images.standing import contradicts, standing
 from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.localisation import contradicts_command, localise
 
 JOINTS, POINTS = 2, 8
 J = np.random.default_rng(3).normal(0, 200, (POINTS, 4, JOINTS))  # px/rad
@@ -25,28 +25,28 @@ PROBED = (visit((0, 0)), visit((15, 0)), visit((15, 15)))
 
 
 def test_an_image_that_should_have_changed_contradicts_where_the_arm_was_sent():
-    assert contradicts(PROBED, visit((15.4, 15.3), (15, 15)), 0.0)
-    assert contradicts(PROBED, visit((0.4, 0.1), (0, 0)), 0.0)
-    assert not contradicts(PROBED, visit((15.4, 15.3)), 0.0)
-    assert not contradicts(PROBED[:2], visit((15.4, 0), (15, 0)), 0.0)  # nothing is foreseen yet
+    assert contradicts_command(PROBED, visit((15.4, 15.3), (15, 15)), 0.0)
+    assert contradicts_command(PROBED, visit((0.4, 0.1), (0, 0)), 0.0)
+    assert not contradicts_command(PROBED, visit((15.4, 15.3)), 0.0)
+    assert not contradicts_command(PROBED[:2], visit((15.4, 0), (15, 0)), 0.0)  # nothing is foreseen yet
 
 
 def test_under_noise_only_more_than_noise_contradicts():
     noise = np.random.default_rng(5).normal(0, 0.5, (POINTS, 4))
-    assert not contradicts(PROBED, visit((15.1, 15.1), (15, 15), noise=noise), 0.5)
-    assert contradicts(PROBED, visit((16, 16), (15, 15), noise=noise), 0.5)
+    assert not contradicts_command(PROBED, visit((15.1, 15.1), (15, 15), noise=noise), 0.5)
+    assert contradicts_command(PROBED, visit((16, 16), (15, 15), noise=noise), 0.5)
 
 
 def test_a_joint_that_moves_no_point_contradicts_nothing():
     still = J * (1.0, 0.0)
     known = [visit(at, jacobian=still) for at in ((0, 0), (15, 0), (15, 15))]
-    assert not contradicts(tuple(known), visit((15, 20), jacobian=still), 0.0)
+    assert not contradicts_command(tuple(known), visit((15, 20), jacobian=still), 0.0)
 
 
 def test_the_same_image_is_the_same_posture_and_another_is_where_its_images_say():
-    here, been = standing(PROBED, visit((15.4, 14.2), (15, 15)), 0.0)
+    here, been = localise(PROBED, visit((15.4, 14.2), (15, 15)), 0.0)
     assert been and np.array_equal(here.displacement, PROBED[2].displacement)
-    here, been = standing(PROBED, visit((14.5, 13.5), (14, 13)), 0.0)
+    here, been = localise(PROBED, visit((14.5, 13.5), (14, 13)), 0.0)
     assert not been
     np.testing.assert_allclose(np.degrees(here.displacement), (14, 13), atol=0.05)
 
@@ -83,4 +83,4 @@ def test_an_arm_that_is_sent_to_its_limit_and_falls_short_says_so():
     """It moves by 20 % less than it is told, so it cannot be sent as far as it could go."""
     end = run(3, gain_error=-0.2)
     assert end.status == "no-progress" and end.commanded[0] == np.radians(90) > end.theta[0]
-    assert "a joint was sent to its limit" in SERVOS["trust-region"].says(end.servo_state, end.status)
+    assert "a joint was sent to its limit" in SERVOS["trust-region"].describe_status(end.servo_state, end.status)

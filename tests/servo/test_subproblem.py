@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from viewimit.servo.images.learned import Learned
-from viewimit.servo.images.surrogate import learn
 from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
+from viewimit.servo.trust_region.image_models import ImageData
 from viewimit.servo.trust_region.subproblem import EQUAL, WELL_TOLD, last_least, measure
 
 POINTS, FEW, MANY = 14, 7, 12
@@ -37,7 +37,7 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
         return residual
 
     for share, best in ((0.5, 1), (0.1, 0)):
-        measured = measure(Learned(visits, 0.0), residuals(share), None)
+        measured = measure(ImageData(visits, 0.0), residuals(share), None)
         assert measured.count.tolist() == [FEW, MANY] and measured.best == best
 
 
@@ -54,9 +54,11 @@ def test_under_noise_a_point_that_is_not_seen_tells_e_only_if_it_is_told_as_well
 
         return residual
 
-    spread = learn(list(visits), len(visits) - 1, 0.08).spread(visits[-1].displacement[None])[0, -1]
+    spread = GaussianProcessImages.fit(list(visits), len(visits) - 1, 0.08).prediction_std(
+        visits[-1].displacement[None]
+    )[0, -1]
     assert 0.08 < spread < WELL_TOLD
     near, far = residual_of(0.1), residual_of(1.0)  # E of 0.02 and of 2 px²
-    assert measure(Learned(visits, 0.08), near, None).count.tolist() == [POINTS] * len(away) + [MANY]
-    assert measure(Learned(visits, 0.08), far, None).count.tolist() == [POINTS] * len(visits)
-    assert measure(Learned(visits, 0.0), near, None).count.tolist() == [POINTS] * len(visits)
+    assert measure(ImageData(visits, 0.08), near, None).count.tolist() == [POINTS] * len(away) + [MANY]
+    assert measure(ImageData(visits, 0.08), far, None).count.tolist() == [POINTS] * len(visits)
+    assert measure(ImageData(visits, 0.0), near, None).count.tolist() == [POINTS] * len(visits)

@@ -3,12 +3,19 @@
 import numpy as np
 import pytest
 
-from viewimit.servo.images.surrogate import BEND, LEAST_NOISE, LENGTH, OFFSET, SLOPE, learn
 from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.gaussian_process import (
+    BEND_PX,
+    LENGTH_RAD,
+    MIN_NOISE_PX,
+    OFFSET_PX,
+    SLOPE_PX,
+    GaussianProcessImages,
+)
 
 
 def kernel(a, b):
-    return OFFSET**2 + SLOPE**2 * (a @ b) + BEND**2 * np.exp(-((a - b) @ (a - b)) / (2 * LENGTH**2))
+    return OFFSET_PX**2 + SLOPE_PX**2 * (a @ b) + BEND_PX**2 * np.exp(-((a - b) @ (a - b)) / (2 * LENGTH_RAD**2))
 
 
 def visits_of(images, displacements, seen=None):
@@ -29,7 +36,7 @@ def test_predictions_are_those_of_the_textbook_one_coordinate_at_a_time(linear):
     curved = lambda theta: images(theta) + 20 * np.sin(3 * theta[0]) * theta[1]
     visits = visits_of(curved, places)
     asked = rng.uniform(-0.7, 0.7, (3, 2))
-    found = learn(visits, 2, 0.5).predict(asked)
+    found = GaussianProcessImages.fit(visits, 2, 0.5).predict(asked)
     away = places - places[2]
     K = np.array([[kernel(a, b) for b in away] for a in away]) + 0.25 * np.eye(5)
     for point, coordinate in np.ndindex(6, 4):
@@ -45,7 +52,7 @@ def test_what_is_told_of_a_point_is_as_uncertain_as_the_textbook_has_it(linear):
     places, asked = rng.uniform(-0.5, 0.5, (5, 2)), rng.uniform(-0.7, 0.7, (3, 2))
     seen = np.ones((5, 6, 2), bool)
     seen[:2, 1], seen[2, 3, 0], seen[:, 4] = False, False, False
-    found = learn(visits_of(images, places, seen), 2, 0.5).spread(asked)
+    found = GaussianProcessImages.fit(visits_of(images, places, seen), 2, 0.5).prediction_std(asked)
     away = places - places[2]
     for point in range(6):
         told = np.flatnonzero(seen[:, point].all(-1))
@@ -62,7 +69,7 @@ def test_what_is_not_learned_of_a_points_slopes_is_what_differences_of_the_kerne
     places, asked, h = rng.uniform(-0.5, 0.5, (5, 2)), rng.uniform(-0.7, 0.7, 2), 1e-4
     seen = np.ones((5, 6, 2), bool)
     seen[:2, 1], seen[2, 3, 0], seen[:, 4] = False, False, False
-    found = learn(visits_of(images, places, seen), 2, 0.5).unlearned_slopes(asked)
+    found = GaussianProcessImages.fit(visits_of(images, places, seen), 2, 0.5).jacobian_std(asked)
     away, theta = places - places[2], asked - places[2]
     slope = lambda f: np.array([(f(theta + h * a) - f(theta - h * a)) / (2 * h) for a in np.eye(2)])
 
@@ -84,7 +91,7 @@ def test_a_linear_image_is_known_after_one_visit_more_than_joints(linear):
     visits = visits_of(images, np.array([[0.0, 0], [0.26, 0], [0.26, 0.26]]))
     theta = np.array([0.2, 0.1])
     assert (
-        np.abs(learn(visits, 0, 0.0).predict(theta) - images(theta)).max()
+        np.abs(GaussianProcessImages.fit(visits, 0, 0.0).predict(theta) - images(theta)).max()
         < 0.02 * np.abs(images(theta) - images(theta * 0)).max()
     )
 
@@ -92,10 +99,10 @@ def test_a_linear_image_is_known_after_one_visit_more_than_joints(linear):
 def test_visits_are_remembered_and_noise_is_averaged(linear):
     images, rng = linear
     places = rng.uniform(-0.1, 0.1, (40, 2))
-    exact = learn(visits_of(images, places), 0, 0.0)
-    np.testing.assert_allclose(exact.predict(places), [images(p) for p in places], atol=10 * LEAST_NOISE)
+    exact = GaussianProcessImages.fit(visits_of(images, places), 0, 0.0)
+    np.testing.assert_allclose(exact.predict(places), [images(p) for p in places], atol=10 * MIN_NOISE_PX)
     noisy = visits_of(lambda theta: images(theta) + rng.normal(0, 2.0, (6, 4)), places)
-    error = learn(noisy, 0, 2.0).predict(places) - [images(p) for p in places]
+    error = GaussianProcessImages.fit(noisy, 0, 2.0).predict(places) - [images(p) for p in places]
     assert np.sqrt((error**2).mean()) < 0.4 * 2.0  # a linear map of 12 numbers a point, from 160: √(3/40) = 0.27
 
 
@@ -105,13 +112,18 @@ def test_points_not_seen_have_no_part_and_points_never_seen_are_not_known(linear
     seen = np.ones((6, 6, 2), bool)
     seen[2, 0, 1] = seen[4, 3, 0] = False
     seen[:, 5, 0] = False
-    whole, partly = learn(visits_of(images, places), 1, 0.0), learn(visits_of(images, places, seen), 1, 0.0)
+    whole, partly = (
+        GaussianProcessImages.fit(visits_of(images, places), 1, 0.0),
+        GaussianProcessImages.fit(visits_of(images, places, seen), 1, 0.0),
+    )
     asked = rng.uniform(-0.5, 0.5, (4, 2))
     found = partly.predict(asked)
     assert np.isnan(found[:, 5, :2]).all() and not np.isnan(np.delete(found, 5, 1)).any()
     np.testing.assert_allclose(found[:, [1, 2, 4]], whole.predict(asked)[:, [1, 2, 4]], atol=1e-8)
     kept = [visit for k, visit in enumerate(visits_of(images, places)) if k != 2]
-    np.testing.assert_allclose(found[:, 0, 2:], learn(kept, 1, 0.0).predict(asked)[:, 0, 2:], atol=1e-6)
+    np.testing.assert_allclose(
+        found[:, 0, 2:], GaussianProcessImages.fit(kept, 1, 0.0).predict(asked)[:, 0, 2:], atol=1e-6
+    )
 
 
 def test_a_point_hidden_at_the_centre_starts_from_where_it_was_seen_nearest(linear):
@@ -119,7 +131,7 @@ def test_a_point_hidden_at_the_centre_starts_from_where_it_was_seen_nearest(line
     places = np.array([[0.0, 0], [0.1, 0], [0.4, 0], [0, 0.3]])
     seen = np.ones((4, 6, 2), bool)
     seen[0, 2, 1] = False
-    found = learn(visits_of(images, places, seen), 0, 0.0)
+    found = GaussianProcessImages.fit(visits_of(images, places, seen), 0, 0.0)
     np.testing.assert_array_equal(found.at_centre[2, 2:], images(places[1])[2, 2:])
     assert np.abs(found.predict(places[0])[2, 2:] - images(places[0])[2, 2:]).max() < 1.0
 
@@ -128,7 +140,7 @@ def test_predicted_images_are_the_sums_of_those_visited_that_it_says(linear):
     images, rng = linear
     places = rng.uniform(-0.5, 0.5, (6, 2))
     visits = visits_of(lambda theta: images(theta) + 20 * np.sin(3 * theta[0]), places)
-    model = learn(visits, 2, 0.5)
+    model = GaussianProcessImages.fit(visits, 2, 0.5)
     for theta in rng.uniform(-0.7, 0.7, (3, 2)):
         weights = model.image_weights(theta)
         assert weights.sum() == pytest.approx(1)
@@ -140,6 +152,10 @@ def test_slopes_are_what_differences_of_predicted_images_come_to(linear):
     images, rng = linear
     places = rng.uniform(-0.5, 0.5, (5, 2))
     curved = lambda theta: images(theta) + 20 * np.sin(3 * theta[0]) * theta[1]
-    model, theta, step = learn(visits_of(curved, places), 2, 0.5), np.array([0.2, -0.3]), 1e-4 * np.eye(2)
+    model, theta, step = (
+        GaussianProcessImages.fit(visits_of(curved, places), 2, 0.5),
+        np.array([0.2, -0.3]),
+        1e-4 * np.eye(2),
+    )
     expected = (model.predict(theta + step) - model.predict(theta - step)) / 2e-4
-    np.testing.assert_allclose(model.slopes(theta), expected, atol=1e-5)
+    np.testing.assert_allclose(model.jacobian(theta), expected, atol=1e-5)

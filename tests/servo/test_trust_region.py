@@ -17,7 +17,7 @@ from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.algorithm import TrustRegion
 from viewimit.servo.trust_region.convergence import EQUAL
 from viewimit.servo.trust_region.motions import aside, farthest
-from viewimit.simulation.disturbances import NOISE, spoil
+from viewimit.simulation.disturbances import NOISE, disturb
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -31,7 +31,7 @@ class Learner:
         self.world, self.noise_px = World(load_scene(scene)), noise_px
 
     def look(self, points, visible, seed):
-        return spoil(((NOISE, self.noise_px),), points, visible, seed)
+        return disturb(((NOISE, self.noise_px),), points, visible, seed)
 
     def run(self, demo_deg, start_deg, servo=None, most=60):
         """→ postures (T, m) rad, status"""

@@ -13,9 +13,7 @@ from viewimit.app.control.presets import PRESETS
 from viewimit.app.sessions import link
 from viewimit.app.sessions.link import Linked, files_named, read, written
 
-from viewimit.loop.rehearsal import begin_rehearsal
-from viewimit.loop.script import Began, Changed, Posed, Rehearsed, Script, Stepped
-from viewimit.loop.script_player import play
+from viewimit.loop.script import Begin, Calibrate, ChangeSettings, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -40,14 +38,14 @@ def test_a_link_leads_to_the_same_moment(preset):
     found = read(text, Settings.paper())
     assert found == linked
     other = Session(Settings.paper())
-    play(found.script, other)
+    other.play(found.script)
     assert other.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert other.snapshot.E == session.snapshot.E and other.settings == session.settings
 
 
 def test_the_longest_that_is_usual_is_short_enough():
     session = Session(Settings())
-    begin_rehearsal(session, 20, seed=3)
+    session.begin_calibration(session.calibration_postures(20, seed=3))
     for k in range(40):
         session.step()
         session.pose((0.5 + 0.01 * k, -1.0 - 0.003 * k))
@@ -56,9 +54,9 @@ def test_the_longest_that_is_usual_is_short_enough():
 
 def test_too_much_is_said_to_be_too_much():
     rng = random.Random(1)
-    deeds = tuple(Posed((rng.random(), rng.random())) for _ in range(link.MOST_DEEDS))
+    actions = tuple(MoveDemonstrator((rng.random(), rng.random())) for _ in range(link.MAX_ACTIONS))
     with pytest.raises(ValueError, match="too much was done for a link"):
-        written(Linked(script=Script(Settings(), deeds)))
+        written(Linked(script=Script(Settings(), actions)))
 
 
 BYTES = st.binary(max_size=300).map(lambda data: link.FORM + base64.urlsafe_b64encode(data).decode())
@@ -70,8 +68,8 @@ def test_what_is_no_link_is_refused(text):
         read(text, Settings.paper())
 
 
-def script(settings=None, *deeds) -> dict:
-    return {"script": {"settings": settings or {}, "deeds": list(deeds)}}
+def script(settings=None, *actions) -> dict:
+    return {"script": {"settings": settings or {}, "deeds": list(actions)}}
 
 
 def layout(count: int) -> str:
@@ -88,7 +86,7 @@ def layout(count: int) -> str:
         (script(None, ["s", 10**9]), "motions"),
         (script(None, *[["s", 1000]] * 4), "motions"),
         (script(None, ["s", -5]), "damaged"),
-        (script(None, *[["f"]] * 501), "deeds"),
+        (script(None, *[["f"]] * 501), "actions"),
         (script(None, ["p", [float("nan"), 0.0]]), "no number"),
         (script(None, ["r", [[0.0, 0.0]] * 201]), "rehearses"),
         (script(None, ["c", {"servo": "magic"}]), "damaged"),
@@ -134,7 +132,9 @@ def test_a_small_link_that_unpacks_to_much_is_refused():
 
 def test_a_link_of_the_servers_own_scene_is_followed():
     begun = Settings.paper(scene="mine.toml")
-    text = written(Linked(script=Script(begun, (Stepped(1), Changed({"noise_px": 0.5}), Rehearsed(((0.1, 0.2),) * 4)))))
+    text = written(
+        Linked(script=Script(begun, (Steps(1), ChangeSettings({"noise_px": 0.5}), Calibrate(((0.1, 0.2),) * 4))))
+    )
     assert read(text, begun).script.settings == begun
     with pytest.raises(ValueError, match="not here"):
         read(text, Settings.paper())
@@ -165,7 +165,7 @@ def test_a_link_of_ones_own_scene_opens_where_nobody_knows_it(name, tmp_path):
     assert files_named(text) == [] and len(text) < 1_100  # with an origin, few enough for a QR code
     path.unlink()
     other = Session(Settings.paper())
-    play(read(text, Settings.paper(scene="iiwa")).script, other)
+    other.play(read(text, Settings.paper(scene="iiwa")).script)
     assert other.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
     assert other.snapshot.E == session.snapshot.E and other.world.scene == session.world.scene
     assert written(Linked(script=other.script)) == text  # and is passed on
@@ -191,12 +191,12 @@ def test_scenes_that_no_link_can_hold_go_by_their_names(tmp_path):
 
 def test_a_link_tells_no_folder_of_the_server():
     begun = Settings.paper(scene="/home/ada/my arms/arm.urdf", robot="C:\\arms\\arm 2.urdf")
-    deeds = (
-        Changed({"scene": "panda", "robot": "iiwa"}),
-        Changed({"scene": begun.scene, "robot": begun.robot}),
-        Began(begun),
+    actions = (
+        ChangeSettings({"scene": "panda", "robot": "iiwa"}),
+        ChangeSettings({"scene": begun.scene, "robot": begun.robot}),
+        Begin(begun),
     )
-    linked = Linked(script=Script(begun, deeds))
+    linked = Linked(script=Script(begun, actions))
     text = written(linked)
     plain = zstandard.decompress(base64.urlsafe_b64decode(text[1:] + "==="), 1 << 18)
     assert b"ada" not in plain and b"arms" not in plain and b"arm 2.urdf" in plain

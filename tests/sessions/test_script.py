@@ -6,9 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from viewimit.loop.rehearsal import begin_rehearsal
-from viewimit.loop.script import MOST_DEEDS, Deed, Log, Posed, Script, Stepped
-from viewimit.loop.script_player import do, play
+from viewimit.loop.script import MAX_ACTIONS, Action, Log, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
@@ -30,11 +28,11 @@ def again(session: Session) -> Session:
     """Another session, by what is written of the first one's script."""
     script = msgspec.msgpack.decode(msgspec.msgpack.encode(session.script), type=Script)
     other = Session(Settings.paper(servo="gradient"))
-    play(script, other)
+    other.play(script)
     return other
 
 
-DEEDS = st.lists(
+ACTIONS = st.lists(
     st.one_of(
         st.tuples(st.just("step"), st.integers(1, 4)),
         st.tuples(st.just("pose"), st.tuples(st.floats(0.1, 1.4), st.floats(-2.9, -0.2))),
@@ -54,10 +52,10 @@ DEEDS = st.lists(
 
 
 @settings(max_examples=40, deadline=None)
-@given(DEEDS, st.sampled_from([Settings.paper(), Settings(), LOSSY]))
-def test_whatever_is_done_is_done_again_to_the_last_bit(deeds, begun):
+@given(ACTIONS, st.sampled_from([Settings.paper(), Settings(), LOSSY]))
+def test_whatever_is_done_is_done_again_to_the_last_bit(actions, begun):
     session = Session(begun)
-    for kind, value in deeds:
+    for kind, value in actions:
         if kind == "step":
             for _ in range(value):
                 session.step()
@@ -73,9 +71,9 @@ def test_whatever_is_done_is_done_again_to_the_last_bit(deeds, begun):
         elif kind == "reset":
             session.reset()
         elif kind == "rehearse":
-            begin_rehearsal(session, value, seed=1)
+            session.begin_calibration(session.calibration_postures(value, seed=1))
         else:
-            session.remember(None)
+            session.use_calibration(None)
     other = again(session)
     same(session.snapshot, other.snapshot)
     for _ in range(3):  # and they go on alike
@@ -134,9 +132,9 @@ def test_motions_in_a_row_are_said_in_one_word():
     session.run(40)
     session.step()  # at rest
     motions = session.snapshot.motion
-    assert session.script.deeds == (Stepped(motions), Stepped(2))
+    assert session.script.actions == (Steps(motions), Steps(2))
     session.scrub(2)
-    assert session.script.deeds == (Stepped(2),)
+    assert session.script.actions == (Steps(2),)
 
 
 def test_what_came_after_a_moment_that_is_changed_is_forgotten():
@@ -145,42 +143,42 @@ def test_what_came_after_a_moment_that_is_changed_is_forgotten():
         session.step()
     session.pose((0.5, -1.0))
     session.scrub(2)
-    assert session.script.deeds == (Stepped(2),)
+    assert session.script.actions == (Steps(2),)
     session.step()
     session.scrub(3)
-    assert session.script.deeds == (Stepped(3),)
+    assert session.script.actions == (Steps(3),)
 
 
 def test_what_no_script_can_say_is_said_to_be_unknown_until_it_is_undone():
     session = Session(Settings())
-    begin_rehearsal(session, 4, seed=1)
+    session.begin_calibration(session.calibration_postures(4, seed=1))
     for _ in range(4):
         session.step()
     other = Session(Settings())
     other.step()
-    other.remember(session.snapshot.body)
+    other.use_calibration(session.snapshot.calibration)
     with pytest.raises(ValueError, match="cannot be said"):
         _ = other.script
     other.reset()
     with pytest.raises(ValueError, match="cannot be said"):
         _ = other.script
-    other.remember(None)
+    other.use_calibration(None)
     other.reset()
-    assert other.script.deeds == ()
+    assert other.script.actions == ()
 
 
 def test_more_than_is_remembered_is_lost_and_no_memory_grows():
     log = Log(Script(Settings.paper()))
-    for k in range(MOST_DEEDS + 10):
-        log.note(k // 10, Posed((0.1 * (k % 10), -1.0)))
-    assert sum(map(len, log.deeds.values())) == MOST_DEEDS
-    assert len(log.script(3).deeds) == 43
+    for k in range(MAX_ACTIONS + 10):
+        log.note(k // 10, MoveDemonstrator((0.1 * (k % 10), -1.0)))
+    assert sum(map(len, log.actions.values())) == MAX_ACTIONS
+    assert len(log.script(3).actions) == 43
     with pytest.raises(ValueError, match="cannot be said"):
-        log.script(MOST_DEEDS)
+        log.script(MAX_ACTIONS)
 
 
 def test_a_script_that_cannot_be_played_says_why():
     with pytest.raises(ValueError, match="servo"):
-        do(Session(Settings.paper()), msgspec.convert(["c", {"servo": "magic"}], type=Deed))
+        Session(Settings.paper()).do(msgspec.convert(["c", {"servo": "magic"}], type=Action))
     with pytest.raises(ValueError, match="demonstrator"):
-        do(Session(Settings.paper()), Posed((9.0, 9.0)))
+        Session(Settings.paper()).do(MoveDemonstrator((9.0, 9.0)))

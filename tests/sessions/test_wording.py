@@ -13,10 +13,9 @@ from viewimit.app.control.presets import PRESETS
 from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
 from viewimit.commands.options import settings_from
-from viewimit.loop.rehearsal import begin_rehearsal
+from viewimit.loop.codegen import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, SAFETY, Settings
-from viewimit.loop.wording import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
 from viewimit.simulation.scene import load_scene
 
 SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.camera == "points"]
@@ -67,7 +66,7 @@ def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
 
 def test_a_rehearsal_is_said():
     session = Session(Settings())
-    begin_rehearsal(session, 5, seed=2)
+    session.begin_calibration(session.calibration_postures(5, seed=2))
     session.run(12)
     session.reset()
     session.run(3)

@@ -5,7 +5,7 @@ import pytest
 
 from viewimit.geometry.distortion import Radial
 from viewimit.geometry.rigid import look_rotation, rigid_transform, rotation_from_rpy
-from viewimit.simulation.camera import Camera, Cameras, Lens, StereoHead, triangulate, undistorted
+from viewimit.simulation.camera import Camera, Cameras, Lens, StereoHead, triangulate, undistort_points
 
 LENS = Lens((256, 256), (320, 120))
 OBLONG = Lens((241.5, 263.0), (310, 125))
@@ -52,7 +52,7 @@ def test_an_image_rid_of_its_distortion_is_that_of_the_ideal_lens():
         np.testing.assert_array_equal(Camera(640, 240, rid, T).project(points)[0], ideal)
         image, seen = Camera(640, 240, lens, T).project(points)
         seen &= visible
-        found = undistorted(image.T[seen], lens.focal, lens.centre, lens.distortion)
+        found = undistort_points(image.T[seen], lens.focal, lens.centre, lens.distortion)
         np.testing.assert_allclose(found, ideal.T[seen], atol=1e-7)
 
 
@@ -64,7 +64,7 @@ def test_what_is_undone_by_other_numbers_than_the_lenss_is_what_one_sees():
     image, visible = camera.project(points)
     raw, _ = Camera(640, 240, BARREL, camera.T_world_camera).project(points)
     np.testing.assert_allclose(
-        image.T[visible], undistorted(raw.T[visible], lens.focal, lens.centre, lens.undone), atol=1e-7
+        image.T[visible], undistort_points(raw.T[visible], lens.focal, lens.centre, lens.undone), atol=1e-7
     )
     along = camera.ray(image.T[visible])
     away = points.T[visible] - camera.T_world_camera[:3, 3]

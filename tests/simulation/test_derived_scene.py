@@ -10,8 +10,8 @@ from urdfs import LIMIT, arm, gripper, joint, link, write
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.autoscene.placing import image_jacobian, placed, resting, turning_range
-from viewimit.simulation.autoscene.scene import derive
+from viewimit.simulation.autoscene.placing import fit_to_view, image_jacobian, resting, turning_range
+from viewimit.simulation.autoscene.scene import make_scene
 from viewimit.simulation.autoscene.surface import Surface, parts_of, seen_from
 from viewimit.simulation.camera import Cameras
 from viewimit.simulation.robot import Robot, link_meshes
@@ -122,7 +122,7 @@ def test_posture_and_ranges_are_within_the_limits(urdf):
     scene, found = load_scene(urdf), load_robot(urdf)
     angles = np.radians(scene.posture_deg)
     assert ((found.lower - 1e-9 <= angles) & (angles <= found.upper + 1e-9)).all()
-    np.testing.assert_allclose(angles, found.coupled(angles), atol=1e-4)
+    np.testing.assert_allclose(angles, found.with_mimics(angles), atol=1e-4)
     low, high = np.transpose(scene.range_deg)
     assert ((high - low) >= 20).all() and ((high - low) <= 90).all()
     assert (low < scene.start_deg).all() and (scene.start_deg < high).all()
@@ -219,7 +219,7 @@ def test_the_image_jacobian_is_that_of_geometry(tmp_path):
     found = load_robot(path)
     surface = Surface(np.array([3, 2, 0]), np.array([[0.1, 0.0, 0.2], [0.0, 0.05, 0.3], [0.1, 0.1, 0.0]]), np.eye(3))
     places = surface.at(found.link_frames([0.2, 0.3, 0.4]))[0]
-    placing = placed(places, 0.0, 0.5)
+    placing = fit_to_view(places, 0.0, 0.5)
     camera, T = placing.cameras(1)[0], placing.base(1)
     J = image_jacobian(found, np.array([0.2, 0.3, 0.4]), surface, Cameras([camera]), T).reshape(3, 2, 3)
     frames = found.link_frames([0.2, 0.3, 0.4], T)
@@ -236,7 +236,7 @@ def test_the_image_jacobian_is_that_of_geometry(tmp_path):
 def test_a_place_behind_another_or_turned_away_is_not_seen():
     places = np.array([[0.0, 0, 0], [0.5, 0, 0], [0.0, 0.3, 0]])
     normals = np.array([[-1.0, 0, 0], [-1, 0, 0], [1, 0, 0]])
-    placing = placed(np.array([[0.0, -0.4, -0.4], [1.0, 0.4, 0.4]]), -1.0, 0.0)
+    placing = fit_to_view(np.array([[0.0, -0.4, -0.4], [1.0, 0.4, 0.4]]), -1.0, 0.0)
     eye = np.linalg.inv(placing.base(1)) @ np.append(placing.cameras(1)[0].T_world_camera[:3, 3], 1)
     behind = places[0] + 0.5 * (places[0] - eye[:3])  # on the same ray
     seen = seen_from([placing.cameras(1)[0]], placing.base(1), np.array([places[0], behind, places[2]]), normals)
@@ -304,9 +304,9 @@ def test_too_few_joints_and_those_that_cannot_move_are_named_with_what_to_do(tmp
 
 
 def test_what_slides_and_what_follows_is_said(tmp_path):
-    said = "\n".join(derive(Reference(write(tmp_path, *mobile()))).said)
+    said = "\n".join(make_scene(Reference(write(tmp_path, *mobile()))).choices)
     assert "torso slides, and is held at 0.08 m" in said and "1 yaw, 2 lift, 3 elbow" in said
-    assert "tilt follows elbow" in "\n".join(derive(Reference(write(tmp_path, *coupled()))).said)
+    assert "tilt follows elbow" in "\n".join(make_scene(Reference(write(tmp_path, *coupled()))).choices)
 
 
 @pytest.mark.parametrize(
@@ -321,15 +321,15 @@ def test_what_slides_and_what_follows_is_said(tmp_path):
 )
 def test_what_is_held_though_it_might_move_is_said(tmp_path, more, says):
     arm_on = [link("floor"), joint("perch", "floor", "base", **more), *arm()]
-    said = "\n".join(derive(Reference(write(tmp_path, *arm_on))).said)
+    said = "\n".join(make_scene(Reference(write(tmp_path, *arm_on))).choices)
     assert re.search(says, said) and "1 yaw, 2 lift, 3 elbow" in said
 
 
 def test_a_wrist_of_no_type_does_not_vanish_without_a_word(tmp_path):
     wrist = joint("roll", "lower", "hand", kind="", axis="0 0 1", xyz="0 0 0.3"), link("hand", "0.1 0.1 0.1")
-    said = "\n".join(derive(Reference(write(tmp_path, *arm(*wrist)))).said)
+    said = "\n".join(make_scene(Reference(write(tmp_path, *arm(*wrist)))).choices)
     assert "held, as type '' is none of" in said and said.endswith(": roll")
-    assert "held" not in "\n".join(derive(Reference(write(tmp_path, *arm()))).said)
+    assert "held" not in "\n".join(make_scene(Reference(write(tmp_path, *arm()))).choices)
 
 
 def test_an_edited_file_is_read_anew(tmp_path):

@@ -16,7 +16,7 @@ from viewimit.loop.settings import Settings  # noqa: E402
 from viewimit.simulation.camera import Camera, Lens  # noqa: E402
 from viewimit.simulation.markers import load_markers  # noqa: E402
 from viewimit.simulation.physics import Arm, connect, write_urdf  # noqa: E402
-from viewimit.simulation.rendering import LIGHT, SAMPLES, RenderedEyes, Studio, matrices  # noqa: E402
+from viewimit.simulation.rendering import LIGHT, SAMPLES, RenderedEyes, Studio, opengl_matrices  # noqa: E402
 from viewimit.simulation.scene import load_scene  # noqa: E402
 
 
@@ -44,7 +44,7 @@ def test_a_sphere_is_drawn_where_the_camera_projects_it(focal, centre):
     """Means over many: a picture's own grain is 0.05 px."""
     pose = rigid_transform(look_rotation([1.0, 0.3, -0.4]), [0.1, -0.2, 1.5])
     camera, client, rng = Camera(640, 240, Lens(focal, centre), pose), connect(), np.random.default_rng(3)
-    view, projection = matrices(camera, SAMPLES)
+    view, projection = opengl_matrices(camera, SAMPLES)
     shape = client.createVisualShape(client.GEOM_SPHERE, radius=0.03, rgbaColor=(1, 0, 0, 1))
     ball = client.createMultiBody(0, -1, shape)
     errors = []
@@ -64,7 +64,7 @@ def test_a_picture_is_the_mean_over_the_nearest_of_arms_and_room_along_each_ray(
     eyes.own_images(np.radians([25.0, -25.0]))
     studio.pose(eyes.theta["lr"], eyes.theta["LR"])
     camera = eyes.world.own_cameras[0]
-    view, projection = matrices(camera, SAMPLES)
+    view, projection = opengl_matrices(camera, SAMPLES)
     layers = []
     for client in (studio.arms, studio.room):
         how = {"renderer": client.ER_TINY_RENDERER, **LIGHT}
@@ -138,7 +138,7 @@ def test_what_is_missing_is_said(ask, monkeypatch, package, extra):
 
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == package else find(name))
-    monkeypatch.setattr("viewimit.simulation.eyes.has_wheel", lambda: True)
+    monkeypatch.setattr("viewimit.simulation.eyes.pybullet_has_wheel", lambda: True)
     status, _, err = ask("imitate", "--camera", "rendered")
     assert status == 2 and f"pip install 'viewimit[{extra}]'" in err
     assert Session(Settings()).snapshot.transfer is not None

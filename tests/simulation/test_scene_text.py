@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from viewimit.drawing.plots import described
+from viewimit.loop.codegen import as_command, as_python
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.loop.wording import as_command, as_python
 from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.scene import Scene, load_scene, scene_names
 from viewimit.simulation.scene_writing import scene_text
@@ -67,8 +67,8 @@ def test_settings_with_a_scene_in_full_repeat_those_with_its_file(tmp_path):
     assert names["session"].snapshot.theta.tobytes() == by_file.snapshot.theta.tobytes()
     with pytest.raises(ValueError, match="save the scene"):
         as_command(in_full.script)
-    in_full.rehearse(np.radians([[20, -60], [30, -70], [40, -80]]))
-    assert in_full.snapshot.body.scene == "Eyes <wider> a/part"
+    in_full.begin_calibration(np.radians([[20, -60], [30, -70], [40, -80]]))
+    assert in_full.snapshot.calibration.scene == "Eyes <wider> a/part"
 
 
 def test_it_is_called_by_its_title():

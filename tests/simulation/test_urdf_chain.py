@@ -7,7 +7,7 @@ import pytest
 from urdfs import arm, gripper, joint, link, write
 
 from viewimit.simulation.robot import BodyPoints, Robot
-from viewimit.simulation.urdf.chain import arm_of, carried_frames
+from viewimit.simulation.urdf.chain import carrier_frames, find_arm
 from viewimit.simulation.urdf.reference import is_reference, parse_reference
 from viewimit.simulation.urdf.tree import read_tree
 
@@ -103,7 +103,7 @@ def test_a_joint_without_limits_or_range_does_not_move_by_itself(tmp_path):
         joint("none", "two", "three", more=NO_LIMIT),
         joint("stiff", "three", "four", more=STIFF),
     )
-    assert Robot.from_urdf(path, tip="four").free == (1, 2)
+    assert Robot.from_urdf(path, tip="four").movable_joints == (1, 2)
 
 
 def test_who_follows_a_follower_follows_its_leader(tmp_path):
@@ -118,8 +118,8 @@ def test_who_follows_a_follower_follows_its_leader(tmp_path):
         joint("e", "four", "five", xyz="0.2 0 0", more=follows.format("e", 1, 0)),
     )
     robot = Robot.from_urdf(path, tip="five")
-    assert robot.free == (1, 4)
-    np.testing.assert_allclose(robot.coupled(np.array([0.4, 9.0, 9.0, -0.2])), [0.4, -0.5, -0.9, -0.2])
+    assert robot.movable_joints == (1, 4)
+    np.testing.assert_allclose(robot.with_mimics(np.array([0.4, 9.0, 9.0, -0.2])), [0.4, -0.5, -0.9, -0.2])
 
 
 def test_a_mimic_joint_follows_its_leader_alone_and_in_the_chain(tmp_path):
@@ -136,21 +136,23 @@ def test_a_mimic_joint_follows_its_leader_alone_and_in_the_chain(tmp_path):
         joint("c", "two", "three", axis="1 0 0", xyz="0.2 0 0"),
     )
     robot = Robot.from_urdf(path, tip="three")
-    assert robot.mimics and robot.free == (1, 3)
+    assert robot.has_mimics and robot.movable_joints == (1, 3)
     told = np.array([0.4, 99.0, -0.2])  # what is said of the follower is not heeded
-    np.testing.assert_array_equal(robot.link_frames(robot.coupled(told))[2], robot.link_frames([0.4, -0.5, -0.2])[2])
+    np.testing.assert_array_equal(
+        robot.link_frames(robot.with_mimics(told))[2], robot.link_frames([0.4, -0.5, -0.2])[2]
+    )
     body = BodyPoints(np.array([0, 1, 2, 3]), np.full((4, 3), 0.1))
     for moving in ([0, 2], [0], [2]):
-        chain, links = robot.held(np.array([0.4, 99.0, -0.2]), moving)
+        chain, links = robot.with_fixed_joints(np.array([0.4, 99.0, -0.2]), moving)
         points = links.points(body)
         theta = [told[k] + 0.3 for k in moving]
         whole = told.copy()
         whole[moving] = theta
-        for index, xyz in chain.place_points(chain.spread(theta), points):
-            T = robot.link_frames(robot.coupled(whole))[body.link[index]]
+        for index, xyz in chain.place_points(chain.expand_mimics(theta), points):
+            T = robot.link_frames(robot.with_mimics(whole))[body.link[index]]
             np.testing.assert_allclose(xyz.T, T[:, :3, 3] + 0.1 * T[:, :3, :3].sum(2), atol=1e-14)
-        carried = links.carried(chain.link_frames(chain.spread(theta)))
-        np.testing.assert_allclose(carried, robot.link_frames(robot.coupled(whole)), atol=1e-14)
+        carried = links.link_frames(chain.link_frames(chain.expand_mimics(theta)))
+        np.testing.assert_allclose(carried, robot.link_frames(robot.with_mimics(whole)), atol=1e-14)
 
 
 def test_all_links_are_carried_where_pybullet_has_them(tmp_path):
@@ -160,8 +162,8 @@ def test_all_links_are_carried_where_pybullet_has_them(tmp_path):
     other = joint("head", "base", "face", axis="0 0 1", xyz="0.1 0 0.5", more='<limit lower="0.4" upper="1"/>')
     path = write(tmp_path, link("rail"), lift, *arm(*gripper("lower"), other, link("face", "0.1 0.1 0.1")))
     tree = read_tree(path)
-    chain = arm_of(tree)
-    robot, frames = Robot.from_urdf(path), carried_frames(tree, chain)
+    chain = find_arm(tree)
+    robot, frames = Robot.from_urdf(path), carrier_frames(tree, chain)
     assert set(frames) == set(tree.links)
     client = p.connect(p.DIRECT)
     try:

@@ -100,6 +100,6 @@ def test_a_frozen_transfer_of_rectified_images_carries_points_over_and_comes_bac
     session = Session(TOED)
     last = session.run(40).last
     seen = last.views
-    again = decode(encode([last]))[0].frozen.recover(seen.demo_left, seen.demo_right)
-    np.testing.assert_array_equal(again, last.frozen.recover(seen.demo_left, seen.demo_right))
+    again = decode(encode([last]))[0].converged_transfer.recover(seen.demo_left, seen.demo_right)
+    np.testing.assert_array_equal(again, last.converged_transfer.recover(seen.demo_left, seen.demo_right))
     np.testing.assert_allclose(again, seen.own, atol=0.5)

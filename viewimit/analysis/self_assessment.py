@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
-from ..servo.images.surrogate import LEAST_NOISE, learn
 from ..servo.least_squares import Minimum, minimise
 from ..servo.observation import ScaledResiduals, Visit, in_units, unit_of
 from ..servo.trust_region.convergence import Certificate, certify
+from ..servo.trust_region.gaussian_process import MIN_NOISE_PX, GaussianProcessImages
 from ..servo.trust_region.local_model import Known, survey
 
 MAX_VISITS = 60  # used for the image model, evenly spaced over all motions
@@ -64,7 +64,7 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
     seen, residuals = in_units(seen, unit_px), ScaledResiduals(session.predicted_residuals(now), unit_px)
     kept = np.unique(np.linspace(0, cursor, MAX_VISITS).round().astype(int)).tolist()
     visits = tuple(_visit(session.history[k], unit_px) for k in kept)
-    model = learn(list(visits), len(visits) - 1, max(seen.noise_px, LEAST_NOISE))
+    model = GaussianProcessImages.fit(visits, len(visits) - 1, max(seen.noise_px, MIN_NOISE_PX))
     here = seen.displacement
     low, high = np.maximum(seen.lower, here - SEARCH_RADIUS_RAD), np.minimum(seen.upper, here + SEARCH_RADIUS_RAD)
     found = minimise(lambda theta: residuals(model.predict(theta)), here[None], low, high)

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.transfers import FittedTransfer
-from ..loop.looking import merged_look
 from ..loop.session import Session
 from ..loop.settings import Settings
+from ..loop.simulated_robot import average_frames
 from ..sensing.files import MEGABYTE, read_bytes
 from ..servo import Observation
-from ..servo.image_based import towards
-from ..servo.image_model import ImageModel
+from ..servo.image_jacobian import BroydenModel
 from ..simulation.scene import Scene
 from ..simulation.world import World, hand_jacobian, hand_position, pose_for_hand
 
@@ -184,12 +183,12 @@ def hand_points(session: Session) -> NDArray[np.bool_]:
     return link >= np.sort(link)[-MIN_HAND_POINTS]
 
 
-def learned_images(session: Session) -> ImageModel:
+def learned_images(session: Session) -> BroydenModel:
     """Fit the image model to all motions so far, whichever servo made them."""
     first, *later = session.history[: session.cursor + 1]
-    model = ImageModel.start(session.observation(first))
+    model = BroydenModel.start(session.observation(first))
     for moment in later:
-        model = model.learn(session.observation(moment))
+        model = model.update(session.observation(moment))
     return model
 
 
@@ -221,19 +220,19 @@ def follow(
     theta, sent = session.snapshot.theta, session.snapshot.commanded
 
     def look() -> Observation:
-        own, visible = merged_look(settings, eyes.own_images(theta), OWN_FRAMES, n_motions)
+        own, visible = average_frames(settings, eyes.own_images(theta), OWN_FRAMES, n_motions)
         return Observation(own, visible, np.nan, sent - start, low - start, high - start, n_motions, max_step=max_step)
 
     seen, frames = look(), []
     for frame, theta_demo in enumerate(motion.theta):
-        demo, visible = merged_look(settings, eyes.demo_images(theta_demo), DEMO_FRAMES, frame)
+        demo, visible = average_frames(settings, eyes.demo_images(theta_demo), DEMO_FRAMES, frame)
         target = transfer.recover(demo[:, :2], demo[:, 2:])
         for _ in range(1 if frame else MAX_APPROACH_STEPS):
-            step = towards(model, seen, target, followed & visible.all(-1))
+            step = model.step_towards(seen, target, followed & visible.all(-1))
             commanded = np.clip(sent + step, low, high)
             theta, sent, n_motions = eyes.drive(settings, theta, sent, commanded), commanded, n_motions + 1
             seen = look()
-            model = model.learn(seen)
+            model = model.update(seen)
             if np.max(np.abs(step)) < APPROACH_END_RAD:
                 break
         hands = [hand_position(world, posture, world.T_world_own) for posture in (theta, theta_demo)]

@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from .. import __version__
 from ..geometry import blas_threads as threads
-from ..sensing.files import printable
+from ..sensing.files import escape
 from . import BadInput
 
 BAD_INPUT = 2
@@ -52,7 +52,7 @@ def main(argv: list[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except BadInput as error:
-        print(f"viewimit {args.command}: {printable(str(error), keep=NEWLINE)}", file=sys.stderr)
+        print(f"viewimit {args.command}: {escape(str(error), keep=NEWLINE)}", file=sys.stderr)
         return BAD_INPUT
     except BrokenPipeError:
         _print_no_more()
@@ -73,8 +73,17 @@ def _print_no_more() -> None:
 class Parser(argparse.ArgumentParser):
     """That says what is wrong in one line, as all else does, without all options before it."""
 
+    def parse_args(self, args=None, namespace=None):
+        """Parse as argparse does, but name the command whose option is unknown."""
+        found, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            given = vars(found)
+            self.prog = " ".join(filter(None, (self.prog, given.get("command"), given.get("benchmark"))))
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return found
+
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {printable(message)}; see {self.prog} --help\n")
+        self.exit(BAD_INPUT, f"{self.prog}: {escape(message)}; see {self.prog} --help\n")
 
 
 def parser_of(chosen: str) -> argparse.ArgumentParser:
@@ -95,7 +104,12 @@ TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
 
 
 def attached(argv: list[str]) -> list[str]:
-    """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
+    """Write `--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option.
+
+    The words of `bench` are brought to today's form.
+    """
+    if argv[:1] == ["bench"]:
+        argv = ["bench", *importlib.import_module(".bench", __package__).current_words(argv[1:])]
     joined: list[str] = []
     for word in argv:
         if joined and joined[-1] in TAKE_NUMBERS and re.match(r"-[\d.]", word):

@@ -73,14 +73,14 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput(f"--out: {args.out}: its name must end in .csv")
     files = _by_view(args)
     names, detect = _balls(args) if args.aruco is None else _square_markers(args)
-    from ..sensing.detection import pictures  # loads OpenCV
+    from ..sensing.detection import read_pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
     told = {}
     for view, paths in files.items():
         rows[view], count = [], 0
         with naming(option(VIEW_NAMES[view])):
-            for picture in (picture for path in paths for picture in pictures(path)):
+            for picture in (picture for path in paths for picture in read_pictures(path)):
                 rows[view] += [(count, *found) for found in detect(picture)]
                 count += 1
         told[VIEW_NAMES[view]] = {"frames": count, "points_a_frame": len(rows[view]) / count}

@@ -21,10 +21,10 @@ from ..geometry.distortion import Radial
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
 from ..loop.suspects import rounding_of, suspects, telling
-from ..sensing.files import MOST_NAME, printable
+from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.point_checks import extents, why_degenerate
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from ..simulation.camera import undistorted
+from ..simulation.camera import undistort_points
 from . import BadInput, evaluate_report, evaluate_suspects, evaluate_transfers
 from .json_output import print_json
 from .options import (
@@ -83,10 +83,10 @@ def run(args: argparse.Namespace) -> int:
         with naming("--out"):
             evaluate_report.require_format(args.out)
     tracked = _read(args)
-    if lost := tracked.lost(args.min_confidence):
+    if lost := tracked.n_missing(args.min_confidence):
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
         print(f"viewimit evaluate: {says}", file=sys.stderr)
-    removed = tracked.removed(args.min_confidence)
+    removed = tracked.n_below_confidence(args.min_confidence)
     if removed:
         print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
     images = tracked.views(args.min_confidence)
@@ -211,7 +211,7 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
             )
 
     def pair(images: NDArray) -> NDArray:
-        halves = (undistorted(images[..., side], (fx, fy), tuple(centre), by) for side in (slice(2), slice(2, 4)))
+        halves = (undistort_points(images[..., side], (fx, fy), tuple(centre), by) for side in (slice(2), slice(2, 4)))
         return np.concatenate(list(halves), -1)
 
     return FourViews(pair(views.demo), pair(views.own), views.visible)
@@ -295,9 +295,9 @@ def _too_few(tracked: TrackedPoints, least_confidence: float) -> str:
 def _removed(tracked: TrackedPoints, removed: dict[str, int], least_confidence: float) -> str:
     """By number and name, those of which most is gone first."""
     most = sorted(removed, key=lambda name: -removed[name])
-    named = ", ".join(f"{printable(name, MOST_NAME)} ({removed[name]})" for name in most[:NAMED])
+    named = ", ".join(f"{escape(name, MAX_NAME_CHARS)} ({removed[name]})" for name in most[:NAMED])
     more = f" and {len(most) - NAMED} more names" if len(most) > NAMED else ""
-    whole = f"{sum(removed.values()):,} of {tracked.image_points():,} image points"
+    whole = f"{sum(removed.values()):,} of {tracked.n_image_points():,} image points"
     return f"--min-confidence {least_confidence:g} removed {whole}: {named}{more}"
 
 
@@ -343,6 +343,6 @@ def _report_suspects(result: dict) -> None:
     found = [evaluate_suspects.in_words(suspect, len(result["frames"])) for suspect in result["suspects"]]
     print("suspects" if found else "suspects: none")
     for named, what, score in found:
-        print(f"  {printable(named, 2 * MOST_NAME)}  {what}: {score}")
+        print(f"  {escape(named, 2 * MAX_NAME_CHARS)}  {what}: {score}")
     for why in result["undecided"]:
         print(f"  undecided: {why}")

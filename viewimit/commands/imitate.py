@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment, assess
-from ..loop.body_image import BodyImage
 from ..loop.history import MAX_HISTORY
-from ..loop.result import RunResult
+from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
 from ..loop.settings import Settings
-from ..sensing.files import MOST_NAME, printable
+from ..loop.snapshot import RunResult
+from ..sensing.files import MAX_NAME_CHARS, escape
 from ..servo import SERVOS
 from . import BadInput, history_file
 from .json_output import print_json
@@ -83,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
         expected = result["expected_error_deg"]
         reckoned = f"; it expects {_at_least(expected, 0.1, '.2g', '°')}" if np.isfinite(expected or np.inf) else ""
         print(f"joint error   {_at_least(result['error_deg'], 0.01, '.3g', '°')} at most{reckoned}")
-        untold = [printable(joint["name"], MOST_NAME) for joint in result["joints"] if joint["told"] is False]
+        untold = [escape(joint["name"], MAX_NAME_CHARS) for joint in result["joints"] if joint["told"] is False]
         if untold:
             print(f"not told      {', '.join(untold)}: what it has seen does not say where that is")
         if result["exchanged"]:
@@ -113,9 +113,9 @@ def _remember(session: Session, path: Path) -> None:
         able = ", ".join(name for name, found in SERVOS.items() if found.predicts)
         raise BadInput(f"--body: {servo} learns from its own motions alone; --servo {able} begins with a rehearsal")
     with naming("--body"):
-        body = BodyImage.load(path)
+        body = SelfCalibration.load(path)
         try:
-            session.remember(body)
+            session.use_calibration(body)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
 
@@ -143,6 +143,9 @@ def outcome(session: Session, ended: RunResult) -> dict:
     true; `travel_deg` sums the joint that moved most in each motion, or one joint's motions."""
     last, known = session.snapshot, assess(session)
     expected = None if known is None else known.certificate.expected
+    rehearsed = {}
+    if last.calibration is not None:
+        rehearsed = {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
     return {
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
@@ -162,7 +165,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
         "E": last.E,
         "motions": last.motion,
         "travel_deg": ended.travel_deg,
-        **({} if last.body is None else {"rehearsed": len(last.body), "rehearsal_holds": last.rehearsal_holds}),
+        **rehearsed,
         "converged": last.status.is_claim,
         "status": last.status,
         "history": [

@@ -14,14 +14,14 @@ import numpy as np
 from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS
 from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import Radial
-from ..loop.embodiment.motion_limits import within, workspace
+from ..loop.embodiment import within, workspace
 from ..loop.settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
-from ..sensing.files import MOST_NAME, printable
+from ..sensing.files import MAX_NAME_CHARS, escape
 from ..servo import SERVOS
 from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..simulation.eyes import require_eyes
 from ..simulation.robot import robot_names
-from ..simulation.scene import NoRobotThere, Scene, load_robot, load_scene, made_scene, scene_names
+from ..simulation.scene import RobotFileMissing, Scene, load_robot, load_scene, scene_for_urdf, scene_names
 from ..simulation.urdf.reference import (
     PARTS,
     description_path,
@@ -33,7 +33,7 @@ from ..simulation.urdf.reference import (
 from . import BadInput
 
 if TYPE_CHECKING:
-    from ..simulation.autoscene.scene import Derived  # it loads trimesh
+    from ..simulation.autoscene.scene import AutoScene  # it loads trimesh
 
 DONE, MISSED = 0, 1
 PAPER = Settings.paper()
@@ -177,7 +177,7 @@ def add_safety_options(parser: argparse.ArgumentParser) -> None:
 
 def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) -> None:
     for name, found in disturbances(kind).items():
-        parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.says} (0)")
+        parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.description} (0)")
 
 
 def option(name: str) -> str:
@@ -243,7 +243,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     with naming(asked):
         try:
             scene = load_scene(chosen)
-        except NoRobotThere:
+        except RobotFileMissing:
             if args.robot is None:
                 raise
     with naming("--robot"):
@@ -256,7 +256,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     with naming("--camera"):
         require_eyes(settings.camera, scene)
     if is_reference(chosen):
-        tell_choices(made_scene(chosen, freed), scene)
+        tell_choices(scene_for_urdf(chosen, freed), scene)
     points = layout(args, scene)
     postures = {name: vars(args).get(name) for name in ("demonstrator", "start")}
     for name, posture in postures.items():
@@ -295,18 +295,18 @@ def robot_reference(args: argparse.Namespace) -> str | None:
 
 def all_joints(robot: str) -> tuple[int, ...]:
     """Numbers of those that move by themselves."""
-    return load_robot(robot).free
+    return load_robot(robot).movable_joints
 
 
-def tell_choices(chosen: "Derived", scene: Scene) -> None:
+def tell_choices(chosen: "AutoScene", scene: Scene) -> None:
     """What was chosen for a URDF, which joints of the scene then move, and what of it is not drawn."""
     path, robot = parse_reference(scene.robot).path, load_robot(scene.robot)
     moving = [
-        f"{joint} ({printable(robot.joints[joint - 1].name, MOST_NAME)}) {low:g}° … {high:g}°"
+        f"{joint} ({escape(robot.joints[joint - 1].name, MAX_NAME_CHARS)}) {low:g}° … {high:g}°"
         for joint, (low, high) in zip(scene.moving_joints, scene.range_deg)
     ]
-    said, faults = (map(printable, lines) for lines in (chosen.said, chosen.faults))
-    for line in (*said, f"{printable(str(path))}: moving {', '.join(moving)}", *faults):
+    said, faults = (map(escape, lines) for lines in (chosen.choices, chosen.faults))
+    for line in (*said, f"{escape(str(path))}: moving {', '.join(moving)}", *faults):
         print(line, file=sys.stderr)
 
 

@@ -8,12 +8,11 @@ import msgspec
 import numpy as np
 
 from ..geometry.affine import MIN_POINTS
-from ..loop.body_image import FEWEST
-from ..loop.rehearsal import POSTURES, rehearse
+from ..loop.codegen import as_imitation
+from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES
 from ..loop.session import Session
 from ..loop.settings import Settings
-from ..loop.wording import as_imitation
-from ..sensing.files import printable
+from ..sensing.files import escape
 from ..simulation.disturbances import ImageDisturbance
 from . import BadInput
 from .json_output import print_json
@@ -43,9 +42,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_camera_option(parser)
     add_arm_options(parser)
     add_safety_options(parser)
-    number, reach = between(int, FEWEST, MOST_POSTURES), between(float, 1.0, 360.0)
+    number, reach = between(int, MIN_POSTURES, MOST_POSTURES), between(float, 1.0, 360.0)
     parser.add_argument(
-        "--postures", type=number, default=POSTURES, metavar="K", help="far from each other, by --seed (%(default)s)"
+        "--postures",
+        type=number,
+        default=DEFAULT_POSTURES,
+        metavar="K",
+        help="far from each other, by --seed (%(default)s)",
     )
     parser.add_argument("--within", type=reach, metavar="DEG", help="of the start, a joint (the whole workspace)")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="keep it there, as .npz")
@@ -62,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput(
             f"--postures: {joints} joints take {joints + ASIDE} or more to foretell from, got {args.postures}"
         )
-    body = rehearse(session, args.postures, settings.seed, args.within)
+    body = session.calibrate(args.postures, settings.seed, args.within)
     with naming("--out"):
         body.save(args.out)
     print(f"written to {args.out}", file=sys.stderr)
@@ -72,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
         told = {"rehearsed": len(body), "postures_deg": postures_deg, "points_seen": usable}
         print_json(args, told | {"noise_px": body.noise_px, "body": msgspec.to_builtins(body.body)}, settings)
     else:
-        of = printable(body.body.robot)
+        of = escape(body.body.robot)
         print(f"rehearsed     {len(body)} postures of {of}, {min(usable)} points or more seen in each")
         if max(usable) >= MIN_POINTS:
             print(f"imitate with  {as_imitation(settings, str(args.out))}")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from ..simulation.scene import SCENE_JOINTS, load_robot, load_scene, made_scene
+from ..simulation.scene import MAX_CHOSEN_JOINTS, load_robot, load_scene, scene_for_urdf
 from ..simulation.urdf.reference import is_reference, parse_reference
 from . import BadInput
 from .json_output import print_json
@@ -46,10 +46,10 @@ def run(args: argparse.Namespace) -> int:
             raise ValueError(
                 f"{name} is no .urdf file; the scenes of shipped robots are in the package's assets/scenes"
             )
-        chosen = made_scene(name)
+        chosen = scene_for_urdf(name)
     with naming("--joints"):
         moving = all_joints(name) if args.joints == ALL else args.joints
-        chosen = made_scene(name, moving) if moving and len(moving) <= SCENE_JOINTS else chosen
+        chosen = scene_for_urdf(name, moving) if moving and len(moving) <= MAX_CHOSEN_JOINTS else chosen
         scene = load_scene(name, joints=moving)
     tell_choices(chosen, scene)
     fields = msgspec.to_builtins(scene)

@@ -5,7 +5,7 @@ import os
 import sys
 from pathlib import Path
 
-from ..sensing.files import printable
+from ..sensing.files import escape
 from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
 
 STORE = "VIEWIMIT_STORE"  # environment variable, in place of --store
@@ -92,6 +92,6 @@ def run(args: argparse.Namespace) -> int:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)
     except RuntimeError as error:
-        print(f"viewimit: {printable(str(error))}", file=sys.stderr)
+        print(f"viewimit: {escape(str(error))}", file=sys.stderr)
         return MISSED
     return DONE

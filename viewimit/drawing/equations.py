@@ -11,7 +11,7 @@ from ..estimation.equations import HOLE, MARK, MISSING, Equation, matrix, number
 from ..estimation.transfers.rectified import RectifiedTransfer
 from ..geometry.rectification import Rectification
 from ..loop.snapshot import Snapshot
-from ..servo import Moment
+from ..servo import LastMotion
 from . import svg
 
 
@@ -100,7 +100,7 @@ def _fundamental(snapshot: Snapshot) -> tuple[NDArray, float]:
 
 def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
     """Of the servo that runs."""
-    moment = Moment(
+    moment = LastMotion(
         E=snapshot.E,
         seen=snapshot.views.visible[:, 2:],
         displacement=snapshot.commanded - snapshot.settings.start_rad,

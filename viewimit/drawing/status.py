@@ -116,8 +116,8 @@ def describe(
 ) -> Said:
     """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
     from 1 of those that move; advises: whether it says what to do next, which nobody can in a replay."""
-    if snapshot.to_rehearse is not None and snapshot.rehearses:
-        left = len(snapshot.to_rehearse)
+    if snapshot.pending_postures is not None and snapshot.is_rehearsing:
+        left = len(snapshot.pending_postures)
         sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
         return Said(ServoStatus.MOVING if playing else "paused", sentence)
     if snapshot.transfer is None:
@@ -245,7 +245,7 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 def _says(snapshot: Snapshot) -> str:
     """The servo's own words, "" without any."""
     state = snapshot.servo_state
-    return "" if state is None else snapshot.servo.says(state, snapshot.status)
+    return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)
 
 
 def _motions(count: int) -> str:

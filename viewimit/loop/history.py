@@ -54,6 +54,15 @@ class History(Sequence[Snapshot]):
         """The moment that the cursor is on."""
         return self._moments[self.cursor]
 
+    @property
+    def imitation_motions(self) -> int:
+        """The number of motions up to the present, without those of a rehearsal and before it."""
+        if self.present.pending_postures is None:
+            return self.present.motion
+        past = reversed(self._moments[: self.cursor + 1])
+        last = next((moment.motion + 1 for moment in past if moment.is_rehearsing), 0)
+        return max(self.present.motion - last, 0)
+
     def recent(self, count: int) -> list[Snapshot]:
         """The last moments up to the present, at most `count`, the present one last."""
         return self._moments[max(self.cursor + 1 - count, 0) : self.cursor + 1]

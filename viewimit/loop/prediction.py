@@ -134,7 +134,7 @@ class PredictedResiduals:
         self._now, self._drift, self._noise_px = now, drift, noise_px
         self._demo = now.views.demo + drift
         self._demo_seen = np.asarray(now.views.visible[:, :2].all(-1))
-        self._frozen = now.frozen if noise_px > 0 and drift.any() else None
+        self._frozen = now.converged_transfer if noise_px > 0 and drift.any() else None
         self._moments = moments
         self._answers = _Answers(now, () if drift.any() else moments)
         self._affine_weights: dict[Weights, NDArray] = {}

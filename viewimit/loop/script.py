@@ -17,84 +17,86 @@ Times = Annotated[int, msgspec.Meta(ge=1)]
 FIELDS: dict[str, Any] = {"frozen": True, "forbid_unknown_fields": True, "array_like": True}
 
 
-class Stepped(msgspec.Struct, tag="s", **FIELDS):
+class Steps(msgspec.Struct, tag="s", **FIELDS):
     """`Session.step()` so many times: motions, or none where the servo rested."""
 
     times: Times
 
 
-class Posed(msgspec.Struct, tag="p", **FIELDS):
+class MoveDemonstrator(msgspec.Struct, tag="p", **FIELDS):
     """The demonstrator was moved there, rad."""
 
     theta_demo: tuple[float, ...]
 
 
-class Changed(msgspec.Struct, tag="c", **FIELDS):
+class ChangeSettings(msgspec.Struct, tag="c", **FIELDS):
     """Fields of `Settings`, and what they became."""
 
     fields: dict[str, Any]
 
 
-class Rehearsed(msgspec.Struct, tag="r", **FIELDS):
+class Calibrate(msgspec.Struct, tag="r", **FIELDS):
     """Postures, rad, that were to be gone through with nobody to imitate."""
 
     postures: tuple[tuple[float, ...], ...]
 
 
-class Began(msgspec.Struct, tag="b", **FIELDS):
+class Begin(msgspec.Struct, tag="b", **FIELDS):
     """Anew with these settings, with what was rehearsed before."""
 
     settings: Settings
 
 
-class Forgot(msgspec.Struct, tag="f", **FIELDS):
+class ClearCalibration(msgspec.Struct, tag="f", **FIELDS):
     """What was rehearsed."""
 
 
-class Looked(msgspec.Struct, tag="l", **FIELDS):
+class Looks(msgspec.Struct, tag="l", **FIELDS):
     """`Session.look()` so many times."""
 
     times: Times
 
 
-Deed = Stepped | Posed | Changed | Rehearsed | Began | Forgot | Looked
-MOST_DEEDS = 4_000  # of a session that are remembered
+Action = Steps | MoveDemonstrator | ChangeSettings | Calibrate | Begin | ClearCalibration | Looks
+MAX_ACTIONS = 4_000  # of a session that are remembered
 
 
 class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """settings: complete; deeds: in their order."""
+    """settings: complete; actions: in their order."""
 
     settings: Settings
-    deeds: tuple[Deed, ...] = ()
+    actions: tuple[Action, ...] = msgspec.field(default=(), name="deeds")  # its name in links
 
     @property
     def steps(self) -> int:
         """How long it takes to play, in passes of the loop."""
-        return sum(deed.times for deed in self.deeds if isinstance(deed, Stepped | Looked))
+        return sum(action.times for action in self.actions if isinstance(action, Steps | Looks))
 
     @property
     def runs_own(self) -> bool:
         """Whether it needs a transfer or a servo that a session was given itself."""
         named: list[object] = [self.settings.transfer, self.settings.servo]
-        for deed in self.deeds:
-            if isinstance(deed, Began):
-                named += [deed.settings.transfer, deed.settings.servo]
-            elif isinstance(deed, Changed):
-                named += [deed.fields.get("transfer"), deed.fields.get("servo")]
+        for action in self.actions:
+            if isinstance(action, Begin):
+                named += [action.settings.transfer, action.settings.servo]
+            elif isinstance(action, ChangeSettings):
+                named += [action.fields.get("transfer"), action.fields.get("servo")]
         return OWN in named
 
     def renamed(self, told: Callable[[str], str]) -> Script:
         """With scenes and robots called as told has them: `file_name` for others, to whom folders are nothing."""
-        return Script(_settings_renamed(self.settings, told), tuple(_deed_renamed(deed, told) for deed in self.deeds))
+        return Script(
+            _settings_renamed(self.settings, told), tuple(_action_renamed(action, told) for action in self.actions)
+        )
 
 
-def _deed_renamed(deed: Deed, told: Callable[[str], str]) -> Deed:
-    if isinstance(deed, Began):
-        return Began(_settings_renamed(deed.settings, told))
-    if isinstance(deed, Changed):
-        files = {name: told(deed.fields[name]) for name in ("scene", "robot") if deed.fields.get(name) is not None}
-        return Changed({**deed.fields, **files})
-    return deed
+def _action_renamed(action: Action, told: Callable[[str], str]) -> Action:
+    if isinstance(action, Begin):
+        return Begin(_settings_renamed(action.settings, told))
+    if isinstance(action, ChangeSettings):
+        files = {name: told(action.fields[name]) for name in ("scene", "robot") if action.fields.get(name) is not None}
+        return ChangeSettings({**action.fields, **files})
+    return action
 
 
 def _settings_renamed(settings: Settings, told: Callable[[str], str]) -> Settings:
@@ -103,76 +105,83 @@ def _settings_renamed(settings: Settings, told: Callable[[str], str]) -> Setting
 
 
 class Log(msgspec.Struct, forbid_unknown_fields=True):
-    """What is done to a session, as it is done. before: what led to motion 0; deeds: by the motion at which they were
-    done, but for the step from each motion to the next; lost: the motion from which on it does not know all, or None;
-    glanced: the motions whose last look is part of the step to the next.
+    """The actions that a session has taken, recorded as they are taken.
+
+    before: the script that led to motion 0; actions: by the motion at which they were taken, except for the step from
+    each motion to the next; unknown_from: the first motion of which not all is known, or None; looked_at: the motions
+    whose last look is part of the step to the next.
     """
 
     before: Script
-    deeds: dict[int, list[Deed]] = {}
-    lost: int | None = None
-    glanced: set[int] = set()
+    actions: dict[int, list[Action]] = msgspec.field(default_factory=dict, name="deeds")  # its name in saved sessions
+    unknown_from: int | None = msgspec.field(default=None, name="lost")
+    looked_at: set[int] = msgspec.field(default_factory=set, name="glanced")
 
     @classmethod
     def unknown(cls) -> Log:
         """That knows of nothing."""
-        return cls(Script(Settings()), lost=0)
+        return cls(Script(Settings()), unknown_from=0)
 
-    def note(self, motion: int, deed: Deed) -> None:
+    def note(self, motion: int, action: Action) -> None:
         """At a motion, past which nothing is true any more."""
         self._drop_after(motion)
-        here = self.deeds.setdefault(motion, [])
-        if here and isinstance(deed, Stepped | Looked) and type(here[-1]) is type(deed):
-            here[-1] = type(deed)(here[-1].times + deed.times)
-        elif len(self.before.deeds) + sum(map(len, self.deeds.values())) < MOST_DEEDS:
-            here.append(deed)
+        here = self.actions.setdefault(motion, [])
+        if here and isinstance(action, Steps | Looks) and type(here[-1]) is type(action):
+            here[-1] = type(action)(here[-1].times + action.times)
+        elif len(self.before.actions) + sum(map(len, self.actions.values())) < MAX_ACTIONS:
+            here.append(action)
         else:
-            self.lose(motion)
+            self.invalidate(motion)
 
     def note_on(self, motion: int, looked: bool) -> None:
         """The step from a motion to the next, at the beginning of which was looked again, or not."""
         if looked:
-            self.note(motion, Looked(1))
-            self.glanced.add(motion)
+            self.note(motion, Looks(1))
+            self.looked_at.add(motion)
         else:
             self._drop_after(motion)
 
-    def lose(self, motion: int) -> None:
+    def invalidate(self, motion: int) -> None:
         """Something was done that no script can say."""
         self._drop_after(motion)
-        self.lost = motion if self.lost is None else self.lost
+        self.unknown_from = motion if self.unknown_from is None else self.unknown_from
 
     def script(self, motion: int) -> Script:
         """That leads to a motion. Raises ValueError where that is not known."""
-        if self.lost is not None and self.lost <= motion:
+        if self.unknown_from is not None and self.unknown_from <= motion:
             raise ValueError("it goes on from what cannot be said in a few words, as a rehearsal kept in a file")
-        deeds = list(self.before.deeds)
+        actions = list(self.before.actions)
         last = 0
-        for at in sorted(at for at in self.deeds if at <= motion):
-            here = self.deeds[at] if at == motion else self._left_for_next(at)
+        for at in sorted(at for at in self.actions if at <= motion):
+            here = self.actions[at] if at == motion else self._left_for_next(at)
             if here:
-                deeds += [Stepped(at - last)] * (at > last) + here
+                actions += [Steps(at - last)] * (at > last) + here
                 last = at
-        found = Script(self.before.settings, tuple(deeds + [Stepped(motion - last)] * (motion > last)))
+        found = Script(self.before.settings, tuple(actions + [Steps(motion - last)] * (motion > last)))
         if found.runs_own:
             raise ValueError("it runs a transfer or a servo of your own, which no script, link or file can hold")
         return found
 
     def copy(self) -> Log:
         """That does not follow any more."""
-        return Log(self.before, {at: list(deeds) for at, deeds in self.deeds.items()}, self.lost, set(self.glanced))
+        return Log(
+            self.before,
+            {at: list(actions) for at, actions in self.actions.items()},
+            self.unknown_from,
+            set(self.looked_at),
+        )
 
-    def _left_for_next(self, motion: int) -> list[Deed]:
+    def _left_for_next(self, motion: int) -> list[Action]:
         """What was done at a motion before the step to the next."""
-        if motion not in self.glanced:
-            return self.deeds[motion]
-        *before, look = self.deeds[motion]
-        assert isinstance(look, Looked)
-        return before + [Looked(look.times - 1)] * (look.times > 1)
+        if motion not in self.looked_at:
+            return self.actions[motion]
+        *before, look = self.actions[motion]
+        assert isinstance(look, Looks)
+        return before + [Looks(look.times - 1)] * (look.times > 1)
 
     def _drop_after(self, motion: int) -> None:
-        self.glanced = {at for at in self.glanced if at < motion}
-        if self.lost is not None and self.lost > motion:
-            self.lost = None
-        for later in [at for at in self.deeds if at > motion]:
-            del self.deeds[later]
+        self.looked_at = {at for at in self.looked_at if at < motion}
+        if self.unknown_from is not None and self.unknown_from > motion:
+            self.unknown_from = None
+        for later in [at for at in self.actions if at > motion]:
+            del self.actions[later]

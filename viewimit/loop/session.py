@@ -18,31 +18,41 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
-from ..servo import MinimalServo, Observation, Servo, completed_servo
+from ..servo import Observation, Servo, ServoMethod, servo_method
 from ..servo.observation import Visit
 from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
-from .body_image import FEWEST, BodyImage
 from .contradictions import believed
-from .embodiment import Arm, Embodiment, Eyes, InScene, Looks, Opener, OwnOpener, SceneOpener
-from .embodiment.in_scene import OpenEyes, degrees, told
-from .embodiment.motion_limits import waypoints, within
+from .embodiment import Arm, Embodiment, Eyes, Observer, Opener, degrees, round_to_degrees, waypoints, within
 from .history import MAX_HISTORY, RECENT, History
 from .prediction import DRIFT_MOMENTS, PredictedResiduals, demo_drift
+from .real_robot import RealRobotOpener
 from .rectifying import POOLED, rectification_for
-from .result import RunResult
-from .script import Began, Changed, Deed, Forgot, Log, Looked, Posed, Rehearsed, Script, Stepped
-from .settings import OWN, Settings, warn_of_radians
-from .snapshot import Snapshot, exchanged, given_own, probes, status_of
+from .script import (
+    Action,
+    Begin,
+    Calibrate,
+    ChangeSettings,
+    ClearCalibration,
+    Log,
+    Looks,
+    MoveDemonstrator,
+    Script,
+    Steps,
+)
+from .self_calibration import MIN_POSTURES, SelfCalibration, calibration_postures
+from .settings import OWN, Settings, convert_fields, warn_of_radians
+from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
+from .snapshot import RunResult, Snapshot, exchanged, given_own, probes, status_of
 
 BEGIN_ANEW = (  # what changes body or camera
     "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay", "workspace_deg",
 )  # fmt: skip
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 GivenTransfer = str | TransferMethod | TransferFunction
-GivenServo = str | Servo | MinimalServo
+GivenServo = str | ServoMethod | Servo
 NOTHING_SEEN = FourViews(np.empty((0, 4)), np.empty((0, 4)), np.empty((0, 4), bool))
 
 
@@ -51,14 +61,14 @@ class Session:
 
     settings: `Settings()`, the best method, if None. transfer, servo: in place of those of the settings, a name or one
     of your own, which settings then call OWN: a function of `FourViews` or a `TransferMethod`, and an object with
-    `start` and `step` (`MinimalServo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
+    `start` and `step` (`Servo`). No link or file holds them. open_eyes(camera, scene, points): what it looks
     with and moves by; dense: how many of the last motions its history keeps all of, None for all. workspace: the lowest
     and the highest angles that its arm may be sent to, (m,) rad each. Raises ValueError, with the session as it was,
     for settings that cannot be; TypeError for what is no transfer or no servo.
     """
 
     embodiment: Embodiment
-    observer: Looks
+    observer: Observer
     workspace: tuple[NDArray, NDArray]
     history: History
     log: Log
@@ -73,7 +83,7 @@ class Session:
     ):
         if not isinstance(settings, Settings | None):
             raise TypeError(f"settings must be Settings(…), got {settings!r}")
-        self._set_up(SceneOpener(open_eyes), settings or Settings(), dense, transfer, servo)
+        self._set_up(SimulatedRobotOpener(open_eyes), settings or Settings(), dense, transfer, servo)
 
     @classmethod
     def of(
@@ -97,7 +107,7 @@ class Session:
         for limits, postures and looks that are none; TypeError for an arm or eyes that lack a member.
         """
         session = cls.__new__(cls)
-        session._set_up(OwnOpener(arm, eyes, name), Settings.best(**changes), dense, transfer, servo)
+        session._set_up(RealRobotOpener(arm, eyes, name), Settings.best(**changes), dense, transfer, servo)
         return session
 
     def _set_up(
@@ -113,7 +123,7 @@ class Session:
         chosen = {name: one if isinstance(one, str) else OWN for name, one in named.items() if one is not None}
         self._own = OwnMethods(
             None if isinstance(transfer, str | None) else transfer_method(transfer),
-            None if isinstance(servo, str | None) else completed_servo(servo),
+            None if isinstance(servo, str | None) else servo_method(servo),
         )
         self.begin(msgspec.structs.replace(settings, **chosen))
 
@@ -139,7 +149,7 @@ class Session:
     @property
     def eyes(self) -> SimulatedEyes:
         """Of a learner in a scene. Raises ValueError for an arm and eyes of one's own."""
-        if not isinstance(self.embodiment, InScene):
+        if not isinstance(self.embodiment, SimulatedRobot):
             raise ValueError("an arm and eyes of your own have no scene, no world and no truth")
         return self.embodiment.eyes
 
@@ -179,16 +189,16 @@ class Session:
         A motion that is longer than the settings allow takes several passes; the servo is asked again after the last.
         From a moment in the past the later history is dropped.
         """
-        if self.snapshot.rehearses:
-            self._rehearse(self.snapshot)
+        if self.snapshot.is_rehearsing:
+            self._step_calibration(self.snapshot)
             return True
         held = self.snapshot.transfer is None and self.snapshot.target is None
         now = self._with_points() if held else self.snapshot
         if held and now.transfer is None and not self._knows_on(now):
-            self.log.note(now.motion, Stepped(1))
+            self.log.note(now.motion, Steps(1))
             return False
         if now.motion >= MAX_HISTORY:
-            self.log.note(now.motion, Stepped(1))
+            self.log.note(now.motion, Steps(1))
             self.history.replace(now.with_fields(status=ServoStatus.MAX_MOTIONS))
             return False
         if now.target is not None:
@@ -200,7 +210,7 @@ class Session:
         if exchanged(state) != exchanged(now.servo_state):
             now = self._observed(now.theta, now, servo_state=state)
         if not displacement.any():
-            self.log.note(now.motion, Stepped(1))
+            self.log.note(now.motion, Steps(1))
             self.history.replace(_resting(now, state))
             return False
         self.log.note_on(now.motion, looked=held)
@@ -225,7 +235,7 @@ class Session:
         look, before = changes.get("look", like.look), self.history.recent(POOLED)
         views = self.observer.four_views(settings, theta, demo, look)  # posture → four views
         views = views.with_exchanged(exchanged(changes.get("servo_state", like.servo_state)))
-        views = believed(views, before, self.observer.noise_at_rest(settings), look)
+        views = believed(views, before, self.observer.image_noise_std(settings), look)
         rectification = rectification_for(settings, before, views)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
@@ -238,7 +248,7 @@ class Session:
         now = self.snapshot
         after = self._followed(now, self._observed(now.theta, now, look=now.look + 1))
         moved = not _same_demonstrator(now, after)
-        self.log.note(now.motion, Looked(1))
+        self.log.note(now.motion, Looks(1))
         wakes = after.transfer is not None and (moved or now.transfer is None)
         self.history.replace(after.with_fields(status=_awake(after)) if wakes else after)
         return moved
@@ -246,8 +256,8 @@ class Session:
     def observation(self, now: Snapshot) -> Observation:
         """What a servo is told of a moment of the history."""
         start = now.settings.start_rad
-        known = now.body if now.body is not None and len(now.body) >= FEWEST else None
-        noise_px = self.observer.noise_at_rest(now.settings)
+        known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
+        noise_px = self.observer.image_noise_std(now.settings)
         return Observation(
             own=now.views.own,
             seen=now.views.visible[:, 2:],
@@ -268,7 +278,7 @@ class Session:
 
     def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
         """What a servo may ask at a moment, the present one, about images that it predicts."""
-        moments, noise_px = self.history.recent(RECENT), self.observer.noise_at_rest(now.settings)
+        moments, noise_px = self.history.recent(RECENT), self.observer.image_noise_std(now.settings)
         return PredictedResiduals(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
 
     def change(self, **fields) -> None:
@@ -283,11 +293,11 @@ class Session:
             self.begin(settings)
             return
         changed = {name: getattr(settings, name) for name in fields}
-        now = self.snapshot.with_fields(frozen=None)
+        now = self.snapshot.with_fields(converged_transfer=None)
         if settings.servo != now.settings.servo:
             now = now.with_fields(servo_state=None)
         warn_of_radians(settings)
-        self._pose(self.embodiment.demonstrator(settings), settings, now, Changed(changed))
+        self._pose(self.embodiment.demonstrator(settings), settings, now, ChangeSettings(changed))
 
     def pose(self, theta_demo: ArrayLike) -> None:
         """Move the demonstrator to theta_demo, (m,) rad, at any time; the learner looks again.
@@ -295,27 +305,53 @@ class Session:
         Raises ValueError, with the session as it was, for a posture out of its limits.
         """
         theta_demo = self.embodiment.require_posture(theta_demo, "demonstrator's")
-        self._pose(theta_demo, self.settings, self.snapshot, Posed(tuple(theta_demo.tolist())))
+        self._pose(theta_demo, self.settings, self.snapshot, MoveDemonstrator(tuple(theta_demo.tolist())))
 
-    def rehearse(self, postures: NDArray) -> None:
+    def begin_calibration(self, postures: NDArray) -> None:
         """Go through these, (K, m) rad, in the next steps, with nobody to imitate, and keep what is seen of the own
         body; then imitate. The servo begins afresh, and what was rehearsed before is forgotten.
 
-        Raises ValueError, with the session as it was, for a posture out of the limits or fewer than FEWEST.
+        Raises ValueError, with the session as it was, for a posture out of the limits or fewer than MIN_POSTURES.
         """
-        if len(postures) < FEWEST:
-            raise ValueError(f"needs {FEWEST} postures or more, got {len(postures)}")
+        if len(postures) < MIN_POSTURES:
+            raise ValueError(f"needs {MIN_POSTURES} postures or more, got {len(postures)}")
         possible = [self.embodiment.require_posture(theta, "the rehearsed") for theta in postures]
-        to_rehearse = np.array([within(theta, *self.workspace, "the rehearsed") for theta in possible])
+        pending_postures = np.array([within(theta, *self.workspace, "the rehearsed") for theta in possible])
         settings = self.settings
-        body = BodyImage(self.embodiment.body(settings), settings.scene_called, self.observer.noise_at_rest(settings))
-        now = self.snapshot.with_fields(
-            body=body, to_rehearse=to_rehearse, servo_state=None, status=ServoStatus.REHEARSING, target=None
+        body = SelfCalibration(
+            self.embodiment.body(settings), settings.scene_called, self.observer.image_noise_std(settings)
         )
-        self.log.note(now.motion, Rehearsed(tuple(map(tuple, to_rehearse.tolist()))))
+        now = self.snapshot.with_fields(
+            calibration=body,
+            pending_postures=pending_postures,
+            servo_state=None,
+            status=ServoStatus.REHEARSING,
+            target=None,
+        )
+        self.log.note(now.motion, Calibrate(tuple(map(tuple, pending_postures.tolist()))))
         self.history.replace(now)
 
-    def remember(self, body: BodyImage | None) -> None:
+    def calibrate(self, count: int, seed: int, within_deg: float | None = None) -> SelfCalibration:
+        """Go through `calibration_postures` now, with nobody to imitate, and return what was seen of the own body."""
+        self.begin_calibration(self.calibration_postures(count, seed, within_deg))
+        while self.snapshot.is_rehearsing:
+            self.step()
+        assert self.snapshot.calibration is not None
+        return self.snapshot.calibration
+
+    def calibration_postures(self, count: int, seed: int, within_deg: float | None = None) -> NDArray:
+        """Postures, (count, m) rad, for `begin_calibration`, drawn with a seed from the workspace.
+
+        within_deg: keep each joint within this distance of where the arm is now. Raises ValueError for fewer than
+        MIN_POSTURES.
+        """
+        low, high = self.workspace
+        if within_deg is not None:
+            here, reach = self.snapshot.commanded, np.radians(within_deg)
+            low, high = np.maximum(low, here - reach), np.minimum(high, here + reach)
+        return calibration_postures(low, high, count, np.random.default_rng(seed))
+
+    def use_calibration(self, body: SelfCalibration | None) -> None:
         """Imitate with what was rehearsed elsewhere, or None. The servo begins afresh.
 
         Raises ValueError, with the session as it was, for a rehearsal of another body, with what differs.
@@ -324,11 +360,33 @@ class Session:
             self.embodiment.body(self.settings).require(body.body)
         now = self.snapshot
         if body is None:
-            self.log.note(now.motion, Forgot())
+            self.log.note(now.motion, ClearCalibration())
         else:
-            self.log.lose(now.motion)
-        anew = {"to_rehearse": None, "servo_state": None, "status": _awake(now), "target": None}
-        self.history.replace(now.with_fields(body=body, **anew))
+            self.log.invalidate(now.motion)
+        anew = {"pending_postures": None, "servo_state": None, "status": _awake(now), "target": None}
+        self.history.replace(now.with_fields(calibration=body, **anew))
+
+    def play(self, script: Script) -> None:
+        """Begin anew with the script's settings and repeat its actions. Raises ValueError for an impossible one."""
+        self.begin(script.settings)
+        for action in script.actions:
+            self.do(action)
+
+    def do(self, action: Action) -> None:
+        """Repeat one recorded action. Raises ValueError for an impossible one."""
+        if isinstance(action, Steps | Looks):
+            for _ in range(action.times):
+                self.step() if isinstance(action, Steps) else self.look()
+        elif isinstance(action, MoveDemonstrator):
+            self.pose(action.theta_demo)
+        elif isinstance(action, ChangeSettings):
+            self.change(**convert_fields(action.fields))
+        elif isinstance(action, Calibrate):
+            self.begin_calibration(np.array(action.postures, float))
+        elif isinstance(action, Begin):
+            self.begin(action.settings)
+        else:
+            self.use_calibration(None)
 
     def undo(self) -> bool:
         """One motion back; the later ones stay until the next step. False at the start."""
@@ -352,7 +410,7 @@ class Session:
         Raises ValueError, with the session as it was, if its settings cannot be here.
         """
         shown = history[cursor]
-        self._begin(shown.settings, OwnMethods(shown.own_transfer, shown.own_servo))
+        self._begin(shown.settings, OwnMethods(shown.custom_transfer, shown.custom_servo))
         self.observer, sent = self.embodiment.looks(history[0].theta), self.snapshot.commanded
         self.history, self.log = self._history(history, cursor), Log.unknown() if log is None else log.copy()
         self.embodiment.revisit(self.settings, sent, self.snapshot.commanded)
@@ -374,7 +432,7 @@ class Session:
 
     def _begin(self, settings: Settings, own: "OwnMethods") -> None:
         own.require(settings)
-        kept, sent = (self.snapshot.body, self.snapshot.commanded) if hasattr(self, "history") else (None, None)
+        kept, sent = (self.snapshot.calibration, self.snapshot.commanded) if hasattr(self, "history") else (None, None)
         begun = self._open(settings, sent)
         settings, self.embodiment, self.workspace = begun.settings, begun.embodiment, begun.workspace
         theta = begun.theta
@@ -384,8 +442,8 @@ class Session:
         blank = Snapshot(
             settings=settings, motion=0, look=0, theta=theta, theta_demo=begun.theta_demo, views=NOTHING_SEEN,
             rectification=None, E=np.nan, commanded=begun.start, moved=np.zeros_like(begun.start), probe=False,
-            status=ServoStatus.READY, servo_state=None, lag=None, frozen=None, body=body,
-            own_transfer=own.transfer, own_servo=own.servo,
+            status=ServoStatus.READY, servo_state=None, lag=None, converged_transfer=None, calibration=body,
+            custom_transfer=own.transfer, custom_servo=own.servo,
         )  # fmt: skip
         self.history = self._history([blank], 0)
         self.history.replace(self._observed(theta, blank))
@@ -444,31 +502,31 @@ class Session:
         state = after.servo.retarget(after.servo_state, self.observation(after))
         return after.with_fields(servo_state=state, target=None)
 
-    def _rehearse(self, now: Snapshot) -> None:
+    def _step_calibration(self, now: Snapshot) -> None:
         """On to the next posture to watch itself in, and keep what is seen there."""
-        assert now.to_rehearse is not None and now.body is not None
-        target, left = now.to_rehearse[0], now.to_rehearse[1:]
-        after, body = self._moved(now, target, probe=True), now.body
+        assert now.pending_postures is not None and now.calibration is not None
+        target, left = now.pending_postures[0], now.pending_postures[1:]
+        after, body = self._moved(now, target, probe=True), now.calibration
         if after.target is None:
             visit = Visit.of(after.commanded - self.embodiment.lower, after.views.own, after.views.visible[:, 2:])
             body = body.with_visit(visit)
         else:
-            left = now.to_rehearse
+            left = now.pending_postures
         status = ServoStatus.REHEARSING if len(left) else _awake(after)
         self.log.note_on(now.motion, looked=False)
-        self.history.append(after.with_fields(body=body, to_rehearse=left, status=status))
+        self.history.append(after.with_fields(calibration=body, pending_postures=left, status=status))
 
-    def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot, deed: Deed) -> None:
+    def _pose(self, theta_demo: NDArray, settings: Settings, now: Snapshot, action: Action) -> None:
         """Go on from `now` with other settings and the demonstrator at theta_demo, (m,) rad, within its limits."""
         if np.isfinite(theta_demo).all():
-            theta_demo = told(theta_demo, self.embodiment.lower, self.embodiment.upper)
+            theta_demo = round_to_degrees(theta_demo, self.embodiment.lower, self.embodiment.upper)
             settings = msgspec.structs.replace(settings, demonstrator_deg=degrees(theta_demo))
         theta_demo = self.embodiment.pose(theta_demo)
         now = self._observed(now.theta, now, settings=settings, theta_demo=theta_demo, status=_awake(now), target=None)
         if now.servo_state is not None:
             state = now.servo.retarget(now.servo_state, self.observation(now))
             now = now.with_fields(servo_state=state)
-        self.log.note(now.motion, deed)
+        self.log.note(now.motion, action)
         self.history.replace(now)
 
 
@@ -493,15 +551,15 @@ def _log_anew(settings: Settings, before: Session | None) -> Log:
         script = before.script
     except ValueError:
         return Log.unknown()
-    return Log(Script(script.settings, (*script.deeds, Began(settings))))
+    return Log(Script(script.settings, (*script.actions, Begin(settings))))
 
 
 def _resting(now: Snapshot, state: Any) -> Snapshot:
     """The moment at which a servo, now in this state, wants no motion any more."""
     status = status_of(state, ServoStatus.SETTLED)
     status = ServoStatus.NO_PROGRESS if status == ServoStatus.MOVING else status
-    frozen = now.transfer if status.is_at_minimum else now.frozen
-    return now.with_fields(servo_state=state, status=status, frozen=frozen)
+    converged_transfer = now.transfer if status.is_at_minimum else now.converged_transfer
+    return now.with_fields(servo_state=state, status=status, converged_transfer=converged_transfer)
 
 
 def _same_demonstrator(now: Snapshot, after: Snapshot) -> bool:

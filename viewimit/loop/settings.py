@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import TRANSFERS
 from ..geometry.distortion import Radial
 from ..sensing.files import file_name, is_text, parse_toml
-from ..sensing.frames import MOST_LAG
+from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..servo import SERVOS
 from ..servo.observation import RESTARTS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
@@ -165,7 +165,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         _require_choice("camera", self.camera, CAMERAS)
         for name, disturbance in DISTURBANCES.items():
             _require_range(name, getattr(self, name), *disturbance.bounds)
-        _require_range("delay", self.delay, 0, MOST_LAG)
+        _require_range("delay", self.delay, 0, MAX_LATENCY_LOOKS)
         _require_range("frames", self.frames, 1, MOST_FRAMES)
         _require_range("seed", self.seed, 0, MOST_SEED)
         _require_range("restarts", self.restarts, 0, MOST_RESTARTS)
@@ -254,6 +254,15 @@ def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
     if angles_deg is None:
         raise ValueError("the posture is not given: the scene has one of its own")
     return angles_deg
+
+
+def convert_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert values as JSON has them to the types of these fields. Raises ValueError for another name or value."""
+    try:
+        whole = msgspec.convert(dict(fields), Settings)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from None
+    return {name: getattr(whole, name) for name in fields}
 
 
 def _require_choice(name: str, value: str, choices: Collection[str]) -> None:

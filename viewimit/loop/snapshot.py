@@ -11,8 +11,8 @@ from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod, re
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, Servo, ServoStatus
-from .body_image import BodyImage
+from ..servo import SERVOS, Certificate, ServoMethod, ServoStatus
+from .self_calibration import SelfCalibration
 from .settings import OWN, Settings
 
 OF_A_SERVO = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
@@ -30,11 +30,11 @@ class Snapshot:
     moved: (m,) rad, the motion that led here; probe: it was a probe;
     status: any; servo_state: None before the servo was asked;
     lag: looks that images come late, None until a motion has shown it;
-    frozen: the transfer as it was fitted at the last convergence, None before;
-    body: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
-    to_rehearse: (k, m) rad, postures still to watch itself in, None or (0, m) if there are none;
+    converged_transfer: the transfer as it was fitted at the last convergence, None before;
+    calibration: what was seen of the own body before there was anybody to imitate, None if that was never rehearsed;
+    pending_postures: (k, m) rad, postures still to watch itself in, None or (0, m) if there are none;
     target: (m,) rad, where the servo has sent the arm that is still on its way there, None if it is there;
-    own_transfer, own_servo: that the session was given itself, which settings call OWN; None if it was given none.
+    custom_transfer, custom_servo: given to the session itself, which settings call OWN; None if none was given.
     """
 
     settings: Settings
@@ -51,24 +51,24 @@ class Snapshot:
     status: ServoStatus
     servo_state: Any
     lag: int | None
-    frozen: FittedTransfer | None
-    body: BodyImage | None = None
-    to_rehearse: NDArray | None = None
+    converged_transfer: FittedTransfer | None
+    calibration: SelfCalibration | None = None
+    pending_postures: NDArray | None = None
     target: NDArray | None = None
-    own_transfer: TransferMethod | None = None
-    own_servo: Servo | None = None
+    custom_transfer: TransferMethod | None = None
+    custom_servo: ServoMethod | None = None
 
     @property
     def method(self) -> TransferMethod:
         """The transfer that the settings name. Raises ValueError for one that no session was given."""
         if self.settings.transfer != OWN:
             return TRANSFERS[self.settings.transfer]
-        return given_own("transfer", self.own_transfer)
+        return given_own("transfer", self.custom_transfer)
 
     @property
-    def servo(self) -> Servo:
+    def servo(self) -> ServoMethod:
         """The servo that the settings name. Raises ValueError for one that no session was given."""
-        return SERVOS[self.settings.servo] if self.settings.servo != OWN else given_own("servo", self.own_servo)
+        return SERVOS[self.settings.servo] if self.settings.servo != OWN else given_own("servo", self.custom_servo)
 
     @cached_property
     def usable(self) -> NDArray:
@@ -130,14 +130,14 @@ class Snapshot:
         return self.views.own - self.recovered
 
     @property
-    def rehearses(self) -> bool:
+    def is_rehearsing(self) -> bool:
         """Whether it is to watch itself before it imitates."""
-        return self.to_rehearse is not None and len(self.to_rehearse) > 0
+        return self.pending_postures is not None and len(self.pending_postures) > 0
 
     @property
-    def rehearsal_holds(self) -> bool | None:
+    def calibration_holds(self) -> bool | None:
         """Whether the servo still goes by what was rehearsed; None if nothing was, or none was asked yet."""
-        if self.body is None or self.servo_state is None:
+        if self.calibration is None or self.servo_state is None:
             return None
         return bool(getattr(self.servo_state, "rehearsed", ()))
 
@@ -255,3 +255,70 @@ FIELDS = frozenset(field.name for field in fields(Snapshot))
 @lru_cache(64)  # the demonstrator mostly stands still while the learner moves
 def _flatness(demo: bytes) -> float:
     return flatness(np.frombuffer(demo).reshape(-1, 4))
+
+
+WHY = {
+    ServoStatus.CONVERGED: "the learner claims to have arrived",
+    ServoStatus.SETTLED: "it rests, without evidence of having arrived",
+    ServoStatus.UNOBSERVABLE: "the points do not determine every joint",
+    ServoStatus.NO_PROGRESS: "no progress",
+    ServoStatus.TOO_FEW_POINTS: "too few points are seen in all four images",
+    ServoStatus.MAX_MOTIONS: "it made as many motions as it was allowed",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class RunResult:
+    """Why `Session.run` ended, and what it took.
+
+    motions: made in this run; joint_travel: (m,) rad, how far each joint went in them, back and forth; travel: rad, sum
+    over the motions of the joint that moved most in each; last: the moment at which it ended.
+    """
+
+    motions: int
+    travel: float
+    joint_travel: NDArray
+    last: Snapshot
+
+    def __repr__(self) -> str:
+        return f"RunResult(status={self.status.value!r}, motions={self.motions}, travel_deg={self.travel_deg:.4g})"
+
+    @property
+    def status(self) -> ServoStatus:
+        """Of the servo at rest; else too-few-points or max-motions."""
+        if self.last.status.is_at_rest:
+            return self.last.status
+        return ServoStatus.TOO_FEW_POINTS if self.last.transfer is None else ServoStatus.MAX_MOTIONS
+
+    @property
+    def success(self) -> bool:
+        """Whether the learner claims to have arrived."""
+        return self.status.is_claim
+
+    @property
+    def message(self) -> str:
+        """Why it ended, in a line."""
+        status, last = self.status, self.last
+        why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
+        says = last.servo.describe_status(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
+        return f"{why}: {says}" if says else why
+
+    @property
+    def travel_deg(self) -> float:
+        """`travel` in degrees."""
+        return float(np.degrees(self.travel))
+
+    @property
+    def joint_travel_deg(self) -> NDArray:
+        """(m,) degrees"""
+        return np.degrees(self.joint_travel)
+
+    @property
+    def theta(self) -> NDArray:
+        """(m,) rad, where the arm stands: the truth, for viewers only."""
+        return self.last.theta
+
+    @property
+    def E(self) -> float:
+        """px², at the end."""
+        return self.last.E

@@ -21,7 +21,7 @@ from ..geometry.affine import MIN_POINTS
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification, rectification_of
 from ..geometry.robust_fit import FEWEST, FEWEST_OF_F, Fit, contradicting, geometry_of, rows_of, spread
-from ..sensing.point_checks import rounding, why_degenerate
+from ..sensing.point_checks import rounding_std, why_degenerate
 from .rectifying import pooled
 
 POOLED, MATCHES = 200, 8000  # frames, evenly spaced, and matches of those, that tell the geometry
@@ -109,7 +109,7 @@ def telling(views: FourViews, seed: int = 0) -> NDArray:
 
 def rounding_of(views: FourViews) -> float:
     """Standard deviation of a coordinate, px, that rounding to whole pixels, or to another grid, has left."""
-    return rounding(np.concatenate([views.demo, views.own], -1), views.visible)
+    return rounding_std(np.concatenate([views.demo, views.own], -1), views.visible)
 
 
 def _geometry(matches: NDArray, rounding_px: float, rng: np.random.Generator) -> Fit | None:

@@ -1,6 +1,6 @@
-"""Points that cannot tell a transfer: all in one place, on one line or in one plane, or too few that differ.
+"""Find faults of image points: degenerate shapes, missing values, far outliers, and rounding to a grid.
 
-E of such points is nearly 0 whatever the postures are, so that it looks best where it says nothing.
+E of degenerate points is nearly 0 at any postures, so it looks best where it says nothing.
 """
 
 import numpy as np
@@ -9,89 +9,97 @@ from numpy.typing import NDArray
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, centred
 
-NONE = 1e-6  # of the largest extent: an extent that is not there
+RANK_TOL = 1e-6  # of the largest extent: smaller extents count as zero
 SHAPES = ("all points are in one place", "all points are on one line", "all points are in one plane")
+MISSING_PX = (0.0, -1.0)  # both coordinates of a missing point, as many trackers write it
+FAR = 100.0  # times the median distance from the median point of an image: no body reaches there
+GRID_PER_PX = 5040  # halves to tenths of a px are whole multiples of 1/5040, and so are sixteenths
+MIN_COORDINATES = 5  # different ones that show a grid: without one, 1 in 10⁸ seems to have a step above MIN_STEP_PX
+UNIT_SCALES, MAX_SCALED_PX = (
+    (1.0, 10.0, 100.0, 1000.0),
+    50.0,
+)  # coordinates in a smaller range may be in units of more px
+MIN_STEP_PX, MAX_STEP_PX = 0.1, 8.0  # finer steps are harmless; coarser ones are the spacing of the points themselves
 
 
-def extents(images: NDArray) -> NDArray:
-    """σ1 to σ4 px of centred points in two images, (..., N, 4) px → (..., 4)."""
+def extents(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the singular values [px] of the centred points in two images: (..., N, 4) px -> (..., 4)."""
     return np.linalg.svd(centred(images)[1], compute_uv=False)
 
 
-def dimensions(images: NDArray) -> NDArray:
-    """In how many directions points lie apart, (..., N, 4) px → (...): 0 in one place, 1 on one line, 2 in a plane."""
+def dimensions(images: NDArray[np.float64]) -> NDArray[np.int_]:
+    """Return the rank of the centred points: 0 in one place, 1 on a line, 2 in a plane. (..., N, 4) px -> (...)."""
     sigma, size = extents(images), np.abs(images).max((-2, -1))
-    return (sigma > NONE * np.maximum(sigma[..., :1], NONE * size[..., None])).sum(-1)
+    return (sigma > RANK_TOL * np.maximum(sigma[..., :1], RANK_TOL * size[..., None])).sum(-1)
 
 
 def why_degenerate(views: FourViews) -> list[str]:
-    """Of each of T frames, T x N points that are all seen: in one line why no transfer can be fitted, "" if one can."""
+    """Say for each of T frames, all of whose points are visible, why no transfer can be fitted; "" if one can.
+
+    Parameters
+    ----------
+    views : FourViews
+        T frames of N points, (T, N, 4) px.
+    """
     why = np.full(len(views.demo), "", object)
     for pair, images in (("[l, r]", views.demo), ("[L, R]", views.own)):
-        spread = dimensions(images)
+        rank = dimensions(images)
         for count, shape in enumerate(SHAPES):
-            why[(spread == count) & (why == "")] = f"{shape} in {pair}"
+            why[(rank == count) & (why == "")] = f"{shape} in {pair}"
     both = np.concatenate([views.demo, views.own], -1)
-    repeats = (np.diff(np.sort(both[..., 0], -1), axis=-1) == 0).any(-1)  # else all points differ
+    repeats = (np.diff(np.sort(both[..., 0], -1), axis=-1) == 0).any(-1)  # otherwise all points differ
     for k in np.flatnonzero(repeats & (why == "")):
         different = len(np.unique(both[k], axis=0))
         if different < MIN_POINTS:
             why[k] = f"only {different} points differ, at least {MIN_POINTS} must"
-    return [str(words) for words in why]
+    return [str(reason) for reason in why]
 
 
-# Points that a tracker has lost, as many write them: at (0, 0) or (-1, -1), or where no picture goes.
-# No point of a body is at such a place to the last digit. Taken for seen, one of them moves all that is fitted.
-
-PLACES = (0.0, -1.0)  # px, of both coordinates
-FAR = 100.0  # times the median distance from the median point of an image: no body reaches so far
+def is_missing_value(image: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which points are at (0, 0) or (-1, -1) exactly, as trackers mark missing ones: (..., 2) px -> (...)."""
+    return np.isin(image[..., 0], MISSING_PX) & (image[..., 0] == image[..., 1])
 
 
-def lost(image: NDArray) -> NDArray:
-    """(..., 2) px → (...) bool"""
-    return np.isin(image[..., 0], PLACES) & (image[..., 0] == image[..., 1])
+def is_far_outlier(image: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which visible points of one image are farther out than any body reaches: (N, 2) px -> (N,)."""
+    distance = np.linalg.norm(image - np.median(image, 0), axis=-1)
+    half = np.median(distance)
+    return np.asarray((distance > FAR * half) & (half > 0))
 
 
-def astray(image: NDArray) -> NDArray:
-    """(N, 2) px, points seen in one picture → (N,) bool: beyond where the others can be."""
-    away = np.linalg.norm(image - np.median(image, 0), axis=-1)
-    half = np.median(away)
-    return np.asarray((away > FAR * half) & (half > 0))
+def rounding_std(points: NDArray[np.float64], visible: NDArray[np.bool_]) -> float:
+    """Return the noise that rounding adds to a coordinate [px], step/√12 as root mean square; 0 without a grid.
 
+    Frames at rest do not show this noise, because they are rounded alike. Rows of parallel cameras even hide it.
 
-# Coordinates in whole pixels, halves, or steps of any grid: what rounding them has left of noise.
-# Images at rest do not show it: they are rounded alike. Rows of parallel cameras even hide it: most are equal to the
-# last bit, and the others one step off.
+    Parameters
+    ----------
+    points : (..., N, 2 v) array
+        Points in v views [px].
+    visible : (..., N, v) array
+        Whether a point is visible in a view.
 
-PARTS = 5040  # of a px: halves to tenths are whole numbers of them, and sixteenths, as of images scaled to 256 px
-FEWEST = 5  # different coordinates that tell a grid: of so many on none, one in 10⁸ has a step of FINEST_PX by chance
-SCALES, LARGEST_PX = (1.0, 10.0, 100.0, 1000.0), 50.0  # coordinates within less than that may be in such units of a px
-FINEST_PX, COARSEST_PX = 0.1, 8.0  # steps: finer ones are harmless; coarser ones are an order of the points themselves
-
-
-def rounding(points: NDArray, visible: NDArray) -> float:
-    """Standard deviation px of a coordinate, root mean square of all, step/√12 each; 0 of what lies on no grid.
-
-    points: (..., N, 2 v) px of v views; visible: (..., N, v). Each coordinate of each view has a grid of its own, from
-    anywhere: a view may be scaled, or begin at the middle of a pixel, and another may be tracked to fractions.
+    Notes
+    -----
+    Each coordinate of each view has its own grid with its own origin. A view may be scaled, or start at the middle of
+    a pixel, and another may be tracked to fractions of a pixel.
     """
     shown = np.repeat(visible, 2, -1)
-    each = [points[..., k][shown[..., k]] for k in range(points.shape[-1])]
-    largest = max((float(np.ptp(coordinates)) for coordinates in each if len(coordinates)), default=0.0)
-    for scale in SCALES:
-        steps = [_step(coordinates * scale) for coordinates in each]
-        told = [step for step in steps if step is not None]
-        if any(told) or not largest * scale < LARGEST_PX:
+    columns = [points[..., k][shown[..., k]] for k in range(points.shape[-1])]
+    largest = max((float(np.ptp(column)) for column in columns if len(column)), default=0.0)
+    for scale in UNIT_SCALES:
+        steps = [step for step in (_grid_step(column * scale) for column in columns) if step is not None]
+        if any(steps) or not largest * scale < MAX_SCALED_PX:
             break
-    return float(np.sqrt(np.mean(np.square(told)) / 12)) / scale if told else 0.0
+    return float(np.sqrt(np.mean(np.square(steps)) / 12)) / scale if steps else 0.0
 
 
-def _step(coordinates: NDArray) -> float | None:
-    """px: the largest one of which all distances are multiples, 0 if there is none; None where nothing is told."""
-    parts = np.unique(np.round(coordinates * PARTS).astype(np.int64))
-    if len(parts) < FEWEST:
+def _grid_step(coordinates: NDArray[np.float64]) -> float | None:
+    """Largest step [px] of which all distances are multiples; 0 if there is none, None if there are too few."""
+    parts = np.unique(np.round(coordinates * GRID_PER_PX).astype(np.int64))
+    if len(parts) < MIN_COORDINATES:
         return None
-    step = float(np.gcd.reduce(np.diff(parts))) / PARTS
-    if step > COARSEST_PX:
+    step = float(np.gcd.reduce(np.diff(parts))) / GRID_PER_PX
+    if step > MAX_STEP_PX:
         return None
-    return step if step > FINEST_PX else 0.0
+    return step if step > MIN_STEP_PX else 0.0

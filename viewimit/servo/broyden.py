@@ -1,10 +1,10 @@
-"""A servo that learns the image, not E: ŷ(θ) = y_c + J (θ - c), J by Broyden's updates.
+"""A trust-region servo on a linear image model, ŷ(θ) = y_c + J (θ - c), with Broyden's updates of J (Broyden 1965).
 
-The residual is a known function of images, so every candidate is judged on the images it is predicted to give.
-One probe a joint makes a first J; then the argmin of the predicted E inside a trust region is visited, the E then
-measured judges the region, and the motion itself improves J (Broyden 1965). The best posture visited is
-the centre c; the arm never drives back to it. It never claims to have converged: that the next step is small is no
-evidence.
+The servo learns the images, not E: the residual is a known function of images, so E can be predicted at any posture.
+One probe of each joint gives a first J. Then the arm goes to the minimum of the predicted E inside a trust region, and
+each motion improves J. The region is resized by the ratio of the actual to the predicted reduction of E (Nocedal and
+Wright, Algorithm 4.1). The best posture visited is its centre c; the arm never goes back to it. The servo never claims
+to have converged: that the next step is short is no evidence.
 """
 
 from dataclasses import dataclass, replace
@@ -12,152 +12,111 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.equations import Equation, angles, short
 from ..estimation.residuals import ResidualFunction, conflict
-from .image_model import ImageModel
+from .image_jacobian import MIN_STEP_RAD, BroydenModel
 from .least_squares import minimise
 from .observation import Observation, Visit, probe_of
-from .servo import Moment
 from .status import ServoStatus
 
-_LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
-FIRST_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
-DONE_STEP = np.radians(0.1)  # a motion shorter than this is not worth making
-GAIN_LEFT = 0.01  # share of E that a step cut short by the region must still promise to count as stalled
-SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted decrease
+INITIAL_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
+MIN_REDUCTION = 0.01  # share of E: if a step cut short by the region predicts more, the servo has made no progress
+SHRINK_BELOW, GROW_ABOVE = 0.25, 0.6  # ratios of actual to predicted reduction
 
 
 @dataclass(frozen=True)
 class BroydenState:
-    """model: of the own images; best: the visit with the smallest E; radius: rad; promised: decrease of E predicted
-    for the motion just made, None after a probe; judged: decreases of E promised and found, px², of the motion
-    judged last; best_E: px², None where it must be asked for; probes: joints still to probe."""
+    """State of `Broyden`."""
 
-    model: ImageModel
-    best: Visit
-    radius: float
-    probes: tuple[int, ...]
-    promised: float | None = None
-    best_E: float | None = None
+    model: BroydenModel  # of the own images
+    best: Visit  # with the smallest E
+    radius: float  # rad: of the trust region, per joint
+    joints_to_probe: tuple[int, ...]
+    predicted_reduction: float | None = None  # px²: of E by the last motion; None after a probe
+    best_E: float | None = None  # px²; None where it must be evaluated again
     status: ServoStatus = ServoStatus.MOVING
     probe: bool = False
-    judged: tuple[float, float] | None = None
+    reductions: tuple[float, float] | None = None  # px²: predicted and actual, of the motion judged last
 
 
-@dataclass(frozen=True)
 class Broyden:
-    """See the module. It has no constants to tune beyond the module's."""
+    """Trust-region servo on images with Broyden's updates."""
 
-    title = "Broyden on images"
-    assumes = "That the images follow the joints nearly linearly; what E would be is asked, not tried."
-    fails = "Flat valleys and missing points: it may stop degrees away, and does not know whether it has arrived."
-    slow = False
-    predicts = False
-    stored = (BroydenState, ImageModel, Visit)
+    def start(self, observation: Observation) -> BroydenState:
+        """Return the state before the first motion."""
+        model = BroydenModel.start(observation)
+        joints = tuple(range(len(observation.displacement)))
+        return BroydenState(model, model.last, float(INITIAL_RADIUS), joints)
 
-    def start(self, seen: Observation) -> BroydenState:
-        model = ImageModel.start(seen)
-        return BroydenState(model, model.last, float(FIRST_RADIUS), tuple(range(len(seen.displacement))))
+    def retarget(self, state: BroydenState, observation: Observation) -> BroydenState:
+        """Keep the image model; reset the region and the prediction, which were about another E."""
+        return replace(
+            state, radius=float(INITIAL_RADIUS), predicted_reduction=None, best_E=None, status=ServoStatus.MOVING
+        )
 
-    def retarget(self, state: BroydenState, seen: Observation) -> BroydenState:
-        """What was learned of the own images stays; the region and the promise were about another E."""
-        return replace(state, radius=float(FIRST_RADIUS), promised=None, best_E=None, status=ServoStatus.MOVING)
-
-    def step(self, state: BroydenState, seen: Observation, residuals: ResidualFunction) -> tuple[BroydenState, NDArray]:
-        state = _judge(_learn(state, seen), seen.E, residuals)
-        if state.probes:
-            return _probe(state, seen)
-        low = np.maximum(seen.lower, state.best.displacement - state.radius)
-        high = np.minimum(seen.upper, state.best.displacement + state.radius)
+    def step(
+        self, state: BroydenState, observation: Observation, residuals: ResidualFunction
+    ) -> tuple[BroydenState, NDArray[np.float64]]:
+        """Return the next state and the motion, (m,) rad."""
+        state = _update_region(_update_model(state, observation), observation.E, residuals)
+        if state.joints_to_probe:
+            return _probe(state, observation)
         centre = state.best.displacement
-
-        shape, told = state.best.own.shape, _told(state.model, state.best.own)
+        low = np.maximum(observation.lower, centre - state.radius)
+        high = np.minimum(observation.upper, centre + state.radius)
+        shape, at_centre = state.best.own.shape, _known_images(state.model, state.best.own)
         per_rad = state.model.jacobian.reshape(-1, len(centre)).T
 
-        def residual_at(theta: NDArray) -> NDArray:
-            return residuals(told + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
+        def predicted_residuals(theta: NDArray) -> NDArray:
+            return residuals(at_centre + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
 
-        found = minimise(residual_at, centre[None], low, high)
-        promised = found.E_first - found.E
-        step = found.theta - seen.displacement
-        if np.max(np.abs(step)) < DONE_STEP:
-            bounded = state.radius < 2 * DONE_STEP and promised > GAIN_LEFT * seen.E
-            # the region, not the model, made the step short
-            status = ServoStatus.NO_PROGRESS if bounded else ServoStatus.SETTLED
-            return replace(state, promised=None, status=status, probe=False), np.zeros_like(step)
-        return replace(state, promised=promised, status=ServoStatus.MOVING, probe=False), step
-
-    def equations(self, state: BroydenState | None, moment: Moment) -> tuple[Equation, ...]:
-        if state is None:
-            return (Equation("", "no motion yet", _LAW, wide=True),)
-        if state.probe:
-            note = f"This motion, ({angles(moment.moved)}), is a probe: it teaches a first column of J."
-        else:
-            note = f"D = {np.degrees(state.radius):.3g}°. {_outcome(state, moment)}"
-        return (Equation("", "servo: the images are learned, not E", _LAW, note=note),)
-
-    def says(self, state: BroydenState, status: ServoStatus) -> str:
-        if status == ServoStatus.MOVING:
-            return "a probe, to learn how the images move" if state.probe else ""
-        return f"next step under {np.degrees(DONE_STEP):g}°" if status == ServoStatus.SETTLED else ""
+        found = minimise(predicted_residuals, centre[None], low, high)
+        reduction = found.E_first - found.E
+        step = found.theta - observation.displacement
+        if np.max(np.abs(step)) < MIN_STEP_RAD:
+            # whether the region, and not the model, has made the step short
+            is_cut = state.radius < 2 * MIN_STEP_RAD and reduction > MIN_REDUCTION * observation.E
+            status = ServoStatus.NO_PROGRESS if is_cut else ServoStatus.SETTLED
+            return replace(state, predicted_reduction=None, status=status, probe=False), np.zeros_like(step)
+        return replace(state, predicted_reduction=reduction, status=ServoStatus.MOVING, probe=False), step
 
 
-def _outcome(state: BroydenState, moment: Moment) -> str:
-    """What the last motion has promised and brought; where points are missing, E at both ends is of others, and only
-    the motion before has been judged, on points known at both."""
-    if moment.status in (ServoStatus.SETTLED, ServoStatus.NO_PROGRESS):
-        return f"The next step would be below {np.degrees(DONE_STEP):g}°: the servo rests."
-    if state.promised is None or state.best_E is None or not np.isfinite(moment.E):
-        return ""
-    made = f"θ* − c = ({angles(moment.displacement - state.best.displacement)}). "
-    promised = f"E was to fall by <b>{short(state.promised)}</b>"
-    if not (moment.seen.all() and state.best.seen.all()):
-        before = "" if state.judged is None else _fell(*state.judged)
-        return f"{made}{promised} px².{before}"
-    return f"{made}{promised}, and fell by <b>{short(state.best_E - moment.E)}</b> px²."
-
-
-def _fell(promised: float, found: float) -> str:
-    return f" Before: to fall by <b>{short(promised)}</b>, fell by <b>{short(found)}</b> px²."
-
-
-def _learn(state: BroydenState, seen: Observation) -> BroydenState:
-    """From the last motion; what the best visit did not show is completed by what is seen now."""
-    model = state.model.learn(seen, 0.0) if state.probe else state.model.learn(seen)
+def _update_model(state: BroydenState, observation: Observation) -> BroydenState:
+    """Learn from the last motion, and predict the points that the best visit did not show."""
+    model = state.model.update(observation, 0.0) if state.probe else state.model.update(observation)
     best = state.best
     best = replace(best, own=np.where(np.isnan(best.own), model.predict(best.displacement), best.own))
     return replace(state, model=model, best=best)
 
 
-def _judge(state: BroydenState, E_here: float, residuals: ResidualFunction) -> BroydenState:
-    """Keep the better of the best and the last visit, and size the region by how true the promise was.
+def _update_region(state: BroydenState, E_here: float, residuals: ResidualFunction) -> BroydenState:
+    """Keep the better of the best and the last visit, and resize the region by the ratio of the reductions.
 
-    Where E changed by itself, or points are missing so that E is of others each time, both are judged anew on
-    their images.
+    If E has changed by itself, or points are hidden, E at both visits is evaluated again on the images: otherwise it
+    would be of different points.
     """
     here, E_best = state.model.last, state.best_E
     if E_best is None or not (here.seen.all() and state.best.seen.all()):
-        E_best, E_here = map(float, conflict(residuals(_told(state.model, np.stack([state.best.own, here.own])))))
-    radius, judged = state.radius, None
-    if state.promised is not None:
-        judged = state.promised, E_best - E_here
-        ratio = (E_best - E_here) / max(state.promised, 1e-12)
+        images = _known_images(state.model, np.stack([state.best.own, here.own]))
+        E_best, E_here = map(float, conflict(residuals(images)))
+    radius, reductions = state.radius, None
+    if state.predicted_reduction is not None:
+        reductions = state.predicted_reduction, E_best - E_here
+        ratio = (E_best - E_here) / max(state.predicted_reduction, 1e-12)
         step = np.max(np.abs(here.displacement - state.best.displacement))
         if ratio < SHRINK_BELOW:
             radius = max(0.4 * step, MIN_RADIUS)
         elif ratio > GROW_ABOVE and step > 0.8 * radius:
             radius = min(2 * radius, MAX_RADIUS)
     best, best_E = (here, E_here) if E_here <= E_best else (state.best, E_best)
-    return replace(state, best=best, best_E=best_E, radius=float(radius), judged=judged)
+    return replace(state, best=best, best_E=best_E, radius=float(radius), reductions=reductions)
 
 
-def _told(model: ImageModel, own: NDArray) -> NDArray:
-    """Images (..., N, 4) px, NaN for points of which the model knows too little."""
+def _known_images(model: BroydenModel, own: NDArray) -> NDArray:
+    """Images (..., N, 4) px, NaN for points of whose motion the model knows too little."""
     return np.where(model.rarely_seen[:, None], np.nan, own)
 
 
-def _probe(state: BroydenState, seen: Observation) -> tuple[BroydenState, NDArray]:
-    joint, *rest = state.probes
-    return replace(state, probes=tuple(rest), promised=None, status=ServoStatus.MOVING, probe=True), probe_of(
-        joint, seen
-    )
+def _probe(state: BroydenState, observation: Observation) -> tuple[BroydenState, NDArray]:
+    joint, *rest = state.joints_to_probe
+    state = replace(state, joints_to_probe=tuple(rest), predicted_reduction=None, status=ServoStatus.MOVING, probe=True)
+    return state, probe_of(joint, observation)

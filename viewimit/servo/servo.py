@@ -1,172 +1,89 @@
-"""What a servo is: from what the learner saw to its next displacement, and what is said of that.
+"""What a servo is: two methods, from what the learner sees to its next motion.
 
-A law needs `start` and `step` alone (`MinimalServo`); `completed_servo` gives all else a default.
+A servo sees image points and its own displacements, never a posture, a body or a camera. Its methods have no side
+effects. Everything that is said about a servo is in `registry`.
 """
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.equations import Equation
 from ..estimation.residuals import ResidualFunction
 from .observation import Observation
 from .status import ServoStatus
 
-NEEDED = {"start": "start(seen)", "step": "step(state, seen, residuals)"}  # of a servo, by name
+
+@runtime_checkable
+class Servo(Protocol):
+    """A servo: an object with `start` and `step`.
+
+    States are passed back unchanged, and may be any objects. If a state has the attributes of `ServoState`, they are
+    used. A servo may also have the method of `Retargetable`.
+    """
+
+    def start(self, observation: Observation) -> Any:
+        """Return the state before the first motion."""
+        ...
+
+    def step(
+        self, state: Any, observation: Observation, residuals: ResidualFunction
+    ) -> tuple[Any, NDArray[np.float64]]:
+        """Return the next state and the motion to make.
+
+        Parameters
+        ----------
+        state : any
+            Returned by `start`, or by the last call of `step`.
+        observation : Observation
+            What the learner sees now.
+        residuals : ResidualFunction
+            Computes the residuals of images that the servo predicts; that needs no motion.
+
+        Returns
+        -------
+        state : any
+            The next state.
+        displacement : (m,) array
+            Motion of each joint [rad]; all 0 to rest.
+        """
+        ...
+
+
+@runtime_checkable
+class Retargetable(Protocol):
+    """A servo that goes on from its state after E has changed by itself. Other servos start again."""
+
+    def retarget(self, state: Any, observation: Observation) -> Any:
+        """Return the state after E has changed by itself, as when the demonstrator moved."""
+        ...
 
 
 class ServoState(Protocol):
-    """What a servo remembers, a frozen dataclass. probe: the motion that it asked for last is to learn from, not to
-    arrive. It may have a `certificate` of the posture in which E is least, and what it takes to be `exchanged` of the
-    demonstrator's points, pairs of indices: what it is told and asks from then on has them exchanged back.
+    """Attributes of a servo's state that a session reads, if they exist.
 
-    status: moving, or one of those `ServoStatus` at which a servo is at rest, as a member or as its word; converged is
-    allowed by a certificate only.
+    A state may also have a `certificate` of the posture where E is smallest, and `exchanged`, pairs of indices of the
+    demonstrator's points that it takes for swapped; the session then swaps them back.
     """
 
     @property
-    def status(self) -> str: ...
+    def status(self) -> str:
+        """Moving, or a `ServoStatus` of a servo at rest, as a member or its value; converged needs a certificate."""
+        ...
 
     @property
-    def probe(self) -> bool: ...
+    def probe(self) -> bool:
+        """Whether the last motion was made to learn from it, and not to arrive."""
+        ...
 
 
 @dataclass(frozen=True)
-class Moment:
-    """What the equations of a law are shown for.
+class LastMotion:
+    """What the equations of a servo are shown for."""
 
-    E: px², NaN with too few points; seen: (N, 2) bool, own points in L, in R; displacement: (m,) rad, asked for since
-    the start; moved: (m,) rad, the last motion as it was made; status: as of the `Snapshot`.
-    """
-
-    E: float
-    seen: NDArray
-    displacement: NDArray
-    moved: NDArray
+    E: float  # px²; NaN with too few points
+    seen: NDArray[np.bool_]  # (N, 2): own points visible in L, in R
+    displacement: NDArray[np.float64]  # (m,) rad: commanded since the start
+    moved: NDArray[np.float64]  # (m,) rad: the last motion as it was made
     status: ServoStatus
-
-
-class Servo(Protocol):
-    """A law, with all that anybody says about it. Its methods have no side effects.
-
-    title: in dropdowns; assumes, fails: a sentence each; slow: whether it makes hundreds of motions or more;
-    predicts: whether it predicts its images from all that it has seen: it begins with what was `rehearsed`, if anything
-    was, and knows a way on from where too few of its own points are in sight.
-    stored: the dataclasses that its state is made of, nested ones too; they are stored by their fields, which are
-    arrays, scalars, strings, tuples or such dataclasses. States are its own alone: they are passed back as they were.
-    """
-
-    @property
-    def title(self) -> str: ...
-
-    @property
-    def assumes(self) -> str: ...
-
-    @property
-    def fails(self) -> str: ...
-
-    @property
-    def slow(self) -> bool: ...
-
-    @property
-    def predicts(self) -> bool: ...
-
-    @property
-    def stored(self) -> tuple[type, ...]: ...
-
-    def start(self, seen: Observation) -> Any:
-        """The state before the first motion."""
-        ...
-
-    def step(self, state: Any, seen: Observation, residuals: ResidualFunction) -> tuple[Any, NDArray]:
-        """The state after this look, and the motion to make: (m,) rad, all 0 to rest."""
-        ...
-
-    def retarget(self, state: Any, seen: Observation) -> Any:
-        """The state after E has changed by itself, because the demonstrator moved, say."""
-        ...
-
-    def equations(self, state: Any | None, moment: Moment) -> tuple[Equation, ...]:
-        """The law with the numbers of a moment. state: None before the first motion."""
-        ...
-
-    def says(self, state: Any, status: ServoStatus) -> str:
-        """What it does, or why it rests, in a few words; "" if there is nothing to add to the status."""
-        ...
-
-
-class MinimalServo(Protocol):
-    """What a servo of one's own must have. Other members of `Servo`, if it has them, replace the defaults.
-
-    A state may be any object; its `status` and `probe`, if it has them, are those of a `ServoState`.
-    """
-
-    def start(self, seen: Observation) -> Any:
-        """The state before the first motion."""
-        ...
-
-    def step(self, state: Any, seen: Observation, residuals: ResidualFunction) -> tuple[Any, NDArray]:
-        """The state after this look, and the motion to make: (m,) rad, all 0 to rest."""
-        ...
-
-
-def completed_servo(given: MinimalServo) -> Servo:
-    """A whole `Servo` as it is; of another, one with defaults. Raises TypeError for what lacks `start` or `step`."""
-    if isinstance(given, type):
-        raise TypeError(f"the servo {given.__name__} is a class; make one, {given.__name__}(…)")
-    missing = [said for name, said in NEEDED.items() if not callable(getattr(given, name, None))]
-    if missing:
-        raise TypeError(f"the servo {given!r} has no {' and no '.join(missing)}: see viewimit.servo.MinimalServo")
-    members = (name for name in vars(Servo) if not name.startswith("_"))
-    return given if all(hasattr(given, name) for name in members) else _CompletedServo(given)  # type: ignore[return-value]
-
-
-@dataclass(frozen=True)
-class _CompletedServo:
-    """law: with `start` and `step`, and whatever else it has."""
-
-    law: Any
-
-    @property
-    def title(self) -> str:
-        return getattr(self.law, "title", type(self.law).__name__)
-
-    @property
-    def assumes(self) -> str:
-        return getattr(self.law, "assumes", "")
-
-    @property
-    def fails(self) -> str:
-        return getattr(self.law, "fails", "")
-
-    @property
-    def slow(self) -> bool:
-        return getattr(self.law, "slow", False)
-
-    @property
-    def predicts(self) -> bool:
-        return getattr(self.law, "predicts", False)
-
-    @property
-    def stored(self) -> tuple[type, ...]:
-        return getattr(self.law, "stored", ())
-
-    def start(self, seen: Observation) -> Any:
-        return self.law.start(seen)
-
-    def step(self, state: Any, seen: Observation, residuals: ResidualFunction) -> tuple[Any, NDArray]:
-        return self.law.step(state, seen, residuals)
-
-    def retarget(self, state: Any, seen: Observation) -> Any:
-        """Start afresh by default: what it remembers of E is of another demonstrator."""
-        own = getattr(self.law, "retarget", None)
-        return self.law.start(seen) if own is None else own(state, seen)
-
-    def equations(self, state: Any | None, moment: Moment) -> tuple[Equation, ...]:
-        own = getattr(self.law, "equations", None)
-        return () if own is None else own(state, moment)
-
-    def says(self, state: Any, status: ServoStatus) -> str:
-        own = getattr(self.law, "says", None)
-        return "" if own is None else own(state, status)

@@ -124,7 +124,7 @@ _ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 _COMPASS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1)
 
 
-def reach(world: World, held: Sequence[NDArray] = ()) -> dict[str, NDArray]:
+def reachable_image_points(world: World, held: Sequence[NDArray] = ()) -> dict[str, NDArray]:
     """Where both arms' points can be: (k, 2) px by view.
 
     held: postures, (m,) rad. With more than two joints an arm reaches nearly everywhere, so that it is where the points
@@ -134,7 +134,7 @@ def reach(world: World, held: Sequence[NDArray] = ()) -> dict[str, NDArray]:
     return _by_view(world.demo_images(theta), world.own_images(theta))
 
 
-def places(world: World, snapshot: Moment) -> dict[str, NDArray]:
+def arm_image_points(world: World, snapshot: Moment) -> dict[str, NDArray]:
     """Where both arms' points are, as they would be seen without noise: (k, 2) px by view."""
     return _by_view(world.demo_images(snapshot.theta_demo), world.own_images(snapshot.theta))
 

@@ -24,7 +24,7 @@ class Lens:
     undone: Radial = Radial()
 
     @cached_property
-    def bends(self) -> bool:
+    def is_distorted(self) -> bool:
         """Whether images are not those of a pinhole."""
         return self.distortion != self.undone
 
@@ -41,7 +41,7 @@ class Lens:
     def direction(self, image: NDArray) -> NDArray:
         """image: (..., 2) px → (..., 2), where its ray meets the plane one focal length ahead."""
         on_plane = (image - self.centre) / self.focal
-        if not self.bends:
+        if not self.is_distorted:
             return on_plane
         squared = (on_plane * on_plane).sum(-1)
         factor = self.undone.stretch(squared)
@@ -53,7 +53,7 @@ class Lens:
         return bool((seen < min(self.distortion.rim, self.undone.reach)).all())
 
 
-def undistorted(points: NDArray, focal: tuple[float, float], centre: tuple[float, float], by: Radial) -> NDArray:
+def undistort_points(points: NDArray, focal: tuple[float, float], centre: tuple[float, float], by: Radial) -> NDArray:
     """(..., 2) px of a lens with that distortion → px of a pinhole."""
     return Lens(focal, centre, by).direction(points) * focal + centre
 
@@ -79,7 +79,7 @@ class Camera:
         lens = self.lens
         with np.errstate(divide="ignore", invalid="ignore"):
             image *= np.divide(lens.focal[0], depth, out=depth)
-            if lens.bends:
+            if lens.is_distorted:
                 image *= lens.stretch((image * image).sum(0) / lens.focal[0] ** 2)
         if lens.aspect != 1:
             image[1] *= lens.aspect
@@ -92,7 +92,7 @@ class Camera:
     def ray(self, image: ArrayLike) -> NDArray:
         """image: (..., 2) px → directions (..., 3) in the world, 1 long along the optical axis."""
         image = np.asarray(image, float)
-        if not self.lens.bends:
+        if not self.lens.is_distorted:
             along, straight = self._linear_ray
             return image @ along + straight
         R_world_camera = self.T_world_camera[:3, :3]
@@ -119,7 +119,7 @@ class Cameras:
         self._focal = np.array([[lens.focal[0]] for lens in lenses])
         self._centres = np.array([[lens.centre] for lens in lenses])
         self._aspects = np.array([lens.aspect for lens in lenses]) if any(lens.aspect != 1 for lens in lenses) else None
-        self._bends = any(lens.bends for lens in lenses)
+        self._bends = any(lens.is_distorted for lens in lenses)
         self._sizes = np.array([[(camera.width, camera.height)] for camera in cameras])
 
     def images(self, points: NDArray, nearest: float | None = None) -> tuple[NDArray, NDArray]:

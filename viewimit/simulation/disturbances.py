@@ -22,11 +22,11 @@ class Disturbance:
 
     bounds: tuple[float, float]
     unit: str
-    says: str
+    description: str
     caption: str
     label: str
-    reach: tuple[float, float, float]
-    per: float = 1.0
+    slider_range: tuple[float, float, float]
+    slider_scale: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,11 +36,11 @@ class SightDisturbance(Disturbance):
 
 @dataclass(frozen=True, kw_only=True)
 class ImageDisturbance(SightDisturbance):
-    """spoil: of an image's points (N, 4) px, which of them are seen (N, 2), an amount, and a generator, the first two.
+    """apply: of an image's points (N, 4) px, which of them are seen (N, 2), an amount, and a generator, the first two.
     It draws the same numbers whatever the amount: turned up it enlarges the same noise and loses the same points
     first."""
 
-    spoil: Callable[[NDArray, NDArray, float, np.random.Generator], tuple[NDArray, NDArray]]
+    apply: Callable[[NDArray, NDArray, float, np.random.Generator], tuple[NDArray, NDArray]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,59 +91,59 @@ def _to_steps(theta: NDArray, sent: NDArray, step_deg: float) -> NDArray:
 NOISE = ImageDisturbance(
     bounds=(0, 20),
     unit="px",
-    says="noise of every image coordinate, standard deviation",
+    description="noise of every image coordinate, standard deviation",
     caption="noise {:g} px",
     label="Noise px",
-    reach=(0.0, 2.0, 0.05),
-    spoil=_add_noise,
+    slider_range=(0.0, 2.0, 0.05),
+    apply=_add_noise,
 )
 MISSING = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    says="points that an image does not show",
+    description="points that an image does not show",
     caption="missing {:.0%}",
     label="Missing %",
-    reach=(0, 50, 1),
-    per=100,
-    spoil=_lose,
+    slider_range=(0, 50, 1),
+    slider_scale=100,
+    apply=_lose,
 )
 OUTLIERS = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    says="points that are found at a wrong place",
+    description="points that are found at a wrong place",
     caption="outliers {:.0%}",
     label="Wrong %",
-    reach=(0, 30, 1),
-    per=100,
-    spoil=_misplace,
+    slider_range=(0, 30, 1),
+    slider_scale=100,
+    apply=_misplace,
 )
 SWAPPED = MatchDisturbance(
     bounds=(0, 1),
     unit="share",
-    says="the demonstrator's points that are swapped, in pairs",
+    description="the demonstrator's points that are swapped, in pairs",
     caption="swapped {:.0%}",
     label="Swapped %",
-    reach=(0, 50, 1),
-    per=100,
+    slider_range=(0, 50, 1),
+    slider_scale=100,
     permute=_swap,
 )
 GAIN_ERROR = ArmDisturbance(
     bounds=(-0.5, 0.5),
     unit="share",
-    says="the arm moves by so much more than it is told",
+    description="the arm moves by so much more than it is told",
     caption="gain error {:.0%}",
     label="Gain err. %",
-    reach=(-20, 20, 1),
-    per=100,
+    slider_range=(-20, 20, 1),
+    slider_scale=100,
     drive=_overshoot,
 )
 QUANTUM = ArmDisturbance(
     bounds=(0, 5),
     unit="deg",
-    says="the arm moves to multiples of this only, or to a limit",
+    description="the arm moves to multiples of this only, or to a limit",
     caption="steps of {:g}°",
     label="Steps °",
-    reach=(0.0, 2.0, 0.1),
+    slider_range=(0.0, 2.0, 0.1),
     drive=_to_steps,
 )
 
@@ -165,30 +165,32 @@ class ActuatorSettings(Protocol):
         ...
 
 
-def any_of(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
+def any_active(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
     return any(amount for _, amount in amounts)
 
 
-def spoil(amounts: ImageAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
+def disturb(amounts: ImageAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
     """One image of points (N, 4) px, of which visible (N, 2) are seen → the same, spoilt. The seed's stream is drawn
     from in the order of the amounts."""
-    if not any_of(amounts):
+    if not any_active(amounts):
         return points, visible
     rng = np.random.default_rng(seed)
     for disturbance, amount in amounts:
-        points, visible = disturbance.spoil(points, visible, amount, rng)
+        points, visible = disturbance.apply(points, visible, amount, rng)
     return points, visible
 
 
-def spoil_frames(
+def disturbed_frames(
     amounts: ImageAmounts, points: NDArray, visible: NDArray, seed: Sequence[int], count: int
 ) -> tuple[NDArray, NDArray]:
     """Several images of the same: (count, N, 4) px, (count, N, 2)."""
-    looks = [spoil(amounts, points, visible, [*seed, k] if k else seed) for k in range(count)]
+    looks = [disturb(amounts, points, visible, [*seed, k] if k else seed) for k in range(count)]
     return np.array([points for points, _ in looks]), np.array([visible for _, visible in looks])
 
 
-def mismatch(amounts: MatchAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
+def mismatch_points(
+    amounts: MatchAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]
+) -> tuple[NDArray, NDArray]:
     """Images of the demonstrator's points (N, 4) px, of which visible (N, 2) are seen → the same, some taken for
     others."""
     rng = np.random.default_rng(seed)

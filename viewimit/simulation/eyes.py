@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .disturbances import ActuatorSettings, ArmDisturbance, any_of, drive
+from .disturbances import ActuatorSettings, ArmDisturbance, any_active, drive
 from .markers import marker_names
 from .robot import Angles
 from .scene import Scene
@@ -73,7 +73,7 @@ class ProjectedEyes:
 
     def drive(self, settings: ActuatorSettings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
         amounts, scene = settings.amounts(ArmDisturbance), self.world.scene
-        if not any_of(amounts):
+        if not any_active(amounts):
             return commanded
         return np.clip(drive(amounts, theta, theta + (commanded - sent)), scene.lower, scene.upper)
 
@@ -97,7 +97,7 @@ def require_eyes(camera: str, scene: Scene) -> None:
     if camera == "points":
         return
     missing = [package for package in NEEDS if importlib.util.find_spec(package) is None]
-    if "pybullet" in missing and not has_wheel():
+    if "pybullet" in missing and not pybullet_has_wheel():
         raise ValueError(f"camera images need PyBullet, which has wheels only for {WHEELS}")
     if missing:
         extras = ",".join(NEEDS[package] for package in missing)
@@ -105,11 +105,11 @@ def require_eyes(camera: str, scene: Scene) -> None:
     if scene.robot not in marker_names():
         raise ValueError(f"camera images need markers on the arm, which {' and '.join(marker_names())} have")
     head = scene.stereo_head()
-    if head.left.bends or head.right.bends:
+    if head.left.is_distorted or head.right.is_distorted:
         raise ValueError("camera images are rendered without distortion: leave it out of the scene's head")
 
 
-def has_wheel() -> bool:
+def pybullet_has_wheel() -> bool:
     """Whether PyBullet is installed here without a compiler, as pyproject.toml has it by default."""
     here = platform.python_implementation(), sys.platform, platform.machine()
     return here == ("CPython", "linux", "x86_64") and sys.version_info < (3, 12)

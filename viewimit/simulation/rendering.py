@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEWS
-from ..sensing.detection import Detections, as_large_in_both, detect
+from ..sensing.detection import Detections, detect, reject_partly_hidden
 from .camera import Camera
 from .disturbances import ActuatorSettings, ArmDisturbance, drive
 from .markers import load_markers
@@ -100,7 +100,7 @@ class Studio:
 
 def _render(client, camera: Camera) -> tuple[NDArray, NDArray]:
     """All samples: colours (…, …), the four bytes of each in one number, and depths (…, …) between 0 and 1."""
-    view, projection = matrices(camera, SAMPLES)
+    view, projection = opengl_matrices(camera, SAMPLES)
     width, height = SAMPLES * camera.width, SAMPLES * camera.height
     how = {"renderer": client.ER_TINY_RENDERER, "flags": client.ER_NO_SEGMENTATION_MASK, **LIGHT}
     _, _, colours, depth, _ = client.getCameraImage(width, height, view, projection, **how)
@@ -124,7 +124,7 @@ def _pixels(hit: NDArray) -> slice:
     return slice(int(where[0]) // SAMPLES, int(where[-1]) // SAMPLES + 1)
 
 
-def matrices(camera: Camera, samples: int) -> tuple[list[float], list[float]]:
+def opengl_matrices(camera: Camera, samples: int) -> tuple[list[float], list[float]]:
     """View and projection of OpenGL, column by column, for `samples` a pixel and axis.
 
     The renderer looks through the upper right corner of each of its samples where the pixel's middle is meant; half
@@ -195,7 +195,7 @@ class RenderedEyes:
         """Take both pictures of a pair of views, and detect in both the markers that nothing hides a part of in one."""
         for view in pair:
             self.look(view)
-        both = as_large_in_both(*(self.detections[view] for view in pair))
+        both = reject_partly_hidden(*(self.detections[view] for view in pair))
         self.detections.update(zip(pair, both))
 
     def truth(self, view: str) -> tuple[NDArray, NDArray]:

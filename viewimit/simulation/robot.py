@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..assets import ROOT
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from .meshes import Mesh, read_glb
-from .urdf.chain import arm_of, turning_of
+from .urdf.chain import find_arm, turning_joints
 from .urdf.reference import is_reference, parse_reference, require_urdf
-from .urdf.tree import MARGIN, Tree, read_tree
+from .urdf.tree import REST_MARGIN, Tree, read_tree
 
 IDENTITY = np.eye(4)
 BodyPoint = tuple[int, float, float, float]  # link (0 = base), and x, y, z in its frame [m]
@@ -61,7 +61,7 @@ class BodyFrames:
     link: NDArray
     T_chain_link: NDArray
 
-    def carried(self, T_world_chain: NDArray) -> NDArray:
+    def link_frames(self, T_world_chain: NDArray) -> NDArray:
         """T_world_link of all of them, (n + 1, 4, 4). T_world_chain: of the chain's links."""
         return T_world_chain[self.link] @ self.T_chain_link
 
@@ -90,18 +90,18 @@ class Robot:
         return np.array([joint.upper for joint in self.joints])
 
     @property
-    def free(self) -> tuple[int, ...]:
+    def movable_joints(self) -> tuple[int, ...]:
         """Numbers, from 1, of the joints that move by themselves, and at all."""
         return tuple(k for k, joint in enumerate(self.joints, 1) if joint.leader is None and joint.lower < joint.upper)
 
     @cached_property
-    def mimics(self) -> bool:
+    def has_mimics(self) -> bool:
         """Whether some joint follows another one."""
         return any(joint.leader is not None for joint in self.joints)
 
-    def coupled(self, angles: Angles) -> Angles:
+    def with_mimics(self, angles: Angles) -> Angles:
         """angles: one a joint, rad → the same, with those of joints that follow others in place of what is there."""
-        if not self.mimics:
+        if not self.has_mimics:
             return angles
         found = list(angles)
         for k, joint in enumerate(self.joints):
@@ -109,12 +109,12 @@ class Robot:
                 found[k] = joint.leader.multiplier * np.asarray(angles[joint.leader.joint]) + joint.leader.offset
         return found
 
-    def spread(self, angles: Angles) -> Angles:
+    def expand_mimics(self, angles: Angles) -> Angles:
         """angles: one for each joint that follows no other, rad → one a joint."""
-        if not self.mimics:
+        if not self.has_mimics:
             return angles
         given = iter(angles)
-        return self.coupled([next(given) if joint.leader is None else 0.0 for joint in self.joints])
+        return self.with_mimics([next(given) if joint.leader is None else 0.0 for joint in self.joints])
 
     def link_frames(self, angles: ArrayLike, T_world_base: NDArray = IDENTITY) -> NDArray:
         """T_world_link of every link for one posture. angles: (n,) rad → (n + 1, 4, 4)."""
@@ -138,14 +138,14 @@ class Robot:
             parts[:, k] = joint.T_parent_joint @ parts[:, k]
         return parts
 
-    def held(self, angles: NDArray, moving: Sequence[int] | NDArray) -> tuple["Robot", BodyFrames]:
+    def with_fixed_joints(self, angles: NDArray, moving: Sequence[int] | NDArray) -> tuple["Robot", BodyFrames]:
         """The arm with all joints but `moving` (from 0) held at `angles` (n,) rad: a shorter chain, and where on that
         all links are."""
         joints: list[Joint] = []
         T_kept_link = np.eye(4)  # of the link at hand, in the frame of the last link that still moves
         owner, offset = [0], [T_kept_link]
         kept = [i for i, joint in enumerate(self.joints) if (joint.leader.joint if joint.leader else i) in moving]
-        for i, (joint, angle) in enumerate(zip(self.joints, self.coupled(angles), strict=True)):
+        for i, (joint, angle) in enumerate(zip(self.joints, self.with_mimics(angles), strict=True)):
             T_kept_joint = T_kept_link @ joint.T_parent_joint
             if i in kept:
                 leader = joint.leader and replace(joint.leader, joint=kept.index(joint.leader.joint))
@@ -196,13 +196,13 @@ class Robot:
 
 @lru_cache(8)  # every run of a study begins with it
 def _chained(tree: Tree, tip: str | None, base: str | None) -> Robot:
-    chain = arm_of(tree, base, tip)
-    turning = turning_of(chain)
+    chain = find_arm(tree, base, tip)
+    turning = turning_joints(chain)
     number = {joint.name: k for k, joint in enumerate(turning)}
     merged, T = [], np.eye(4)
     for joint in chain.joints:
         if joint.name not in number:
-            T = T @ joint.at(tree.rest(joint, MARGIN))
+            T = T @ joint.at(tree.rest(joint, REST_MARGIN))
             continue
         leader = None
         if joint.mimic is not None:
@@ -266,7 +266,7 @@ def require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
             raise ValueError(
                 f"joint {joint}, {one.name}, follows joint {leader + 1}, {robot.joints[leader].name}: move that one"
             )
-        if joint not in robot.free:
+        if joint not in robot.movable_joints:
             raise ValueError(
                 f"joint {joint}, {one.name}, is held by its limits at {np.degrees(one.lower):.4g}°: give it a "
                 '<limit lower=… upper=…> in the URDF, or type="continuous", or move another'

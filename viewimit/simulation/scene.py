@@ -19,18 +19,18 @@ from .robot import BodyPoint, BodyPoints, load_robot, require_joints, robot_name
 from .urdf.reference import is_reference, parse_reference, require_urdf
 
 if TYPE_CHECKING:
-    from .autoscene.scene import Derived
+    from .autoscene.scene import AutoScene
 
 Vector = tuple[float, float, float]
 Limits = tuple[tuple[float, float], ...]
 ROUNDING_DEG = 0.01  # URDFs round π
 MOST_TOE_IN_DEG = 45.0
-SCENE_JOINTS = 2  # for as many, a scene is made about those that move
+MAX_CHOSEN_JOINTS = 2  # for as many, a scene is made about those that move
 LEAST_LENGTH = 1e-6  # m, px: what is less is nothing
 MOST_IMAGE_PX = 10_000  # an edge
 
 
-class NoRobotThere(ValueError):
+class RobotFileMissing(ValueError):
     """A scene file names a URDF that is not there."""
 
 
@@ -162,7 +162,7 @@ def load_scene(
     joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
     robot's limits and start at rest. undistort: (k1, k2) in place of the head's. body_points: the only layout, in place
     of the scene's.
-    Raises ValueError that names the file and the field, or the joints that were asked for; NoRobotThere where the
+    Raises ValueError that names the file and the field, or the joints that were asked for; RobotFileMissing where the
     scene's URDF is missing.
     """
     place, read = _source(name, joints)
@@ -177,8 +177,8 @@ def load_scene(
         if body_points is not None:
             scene = msgspec.structs.replace(scene, points={str(len(body_points)): tuple(body_points)})
         _require_possible(scene)
-    except NoRobotThere as error:
-        raise NoRobotThere(f"{place}: {error}") from None
+    except RobotFileMissing as error:
+        raise RobotFileMissing(f"{place}: {error}") from None
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{place}: {error}") from None
     return scene if joints is None else _freed(scene, joints)
@@ -190,7 +190,7 @@ def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Pat
         return "the scene", lambda: read_text(str(name))
     require_urdf(name)
     if is_reference(name):
-        made = made_scene(name, joints)
+        made = scene_for_urdf(name, joints)
         return parse_reference(name).path, lambda: made.fields
     path = Path(name) if str(name).lower().endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
     if not path.is_file():
@@ -207,16 +207,16 @@ def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
     return scene
 
 
-def made_scene(name: str | Path, joints: tuple[int, ...] | None = None) -> "Derived":
+def scene_for_urdf(name: str | Path, joints: tuple[int, ...] | None = None) -> "AutoScene":
     """What is chosen for the URDF of a reference. joints: that move, if they are few enough to choose all else by them.
 
     Raises ValueError as `load_scene`.
     """
-    from .autoscene.scene import derive  # loads trimesh
+    from .autoscene.scene import make_scene  # loads trimesh
 
     if joints is not None:
         require_joints(load_robot(name), joints)
-    return derive(parse_reference(name), joints if joints and len(joints) <= SCENE_JOINTS else None)
+    return make_scene(parse_reference(name), joints if joints and len(joints) <= MAX_CHOSEN_JOINTS else None)
 
 
 def _converted(fields: dict) -> Scene:
@@ -228,7 +228,7 @@ def _converted(fields: dict) -> Scene:
 
 def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
     """The scene's own, a URDF from the scene's file, or `robot` in its place: a URDF of the same name is taken from the
-    same base to the same tip. path: of the file, None for a scene without one. Raises NoRobotThere."""
+    same base to the same tip. path: of the file, None for a scene without one. Raises RobotFileMissing."""
     own = parse_reference(scene.robot) if is_reference(scene.robot) else None
     if robot is not None:
         found = parse_reference(robot) if is_reference(robot) else None
@@ -239,7 +239,7 @@ def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
         return scene.robot
     beside = path.parent / own.path
     if not beside.is_file():
-        raise NoRobotThere(f"its robot, {beside}, is not there: put it there, or name it by --robot")
+        raise RobotFileMissing(f"its robot, {beside}, is not there: put it there, or name it by --robot")
     return str(replace(own, path=beside))
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ..sensing.files import MOST_NAME, printable
+from ..sensing.files import MAX_NAME_CHARS, escape
 from .robot import Robot, robot_names
 from .scene import Eye, Scene, load_robot, load_scene, scene_names
 from .urdf.reference import is_reference, parse_reference
@@ -87,11 +87,11 @@ def _joints(robot: Robot) -> Iterator[str]:
             what = f"follows {joint.leader.joint + 1}"
         else:
             what = "{:.5g}° … {:.5g}°".format(*np.degrees((joint.lower, joint.upper)))
-        yield f"#   {number} {printable(joint.name, MOST_NAME)}: {what}"
+        yield f"#   {number} {escape(joint.name, MAX_NAME_CHARS)}: {what}"
 
 
 def _link(robot: Robot, number: int) -> str:
-    return f"moved by {printable(robot.joints[number - 1].name, MOST_NAME)}" if number else "base"
+    return f"moved by {escape(robot.joints[number - 1].name, MAX_NAME_CHARS)}" if number else "base"
 
 
 def toml(value: Any) -> str:

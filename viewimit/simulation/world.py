@@ -26,7 +26,7 @@ class World:
         self.scene = scene
         self.robot = robot or load_robot(scene.robot)
         self.body: BodyPoints = scene.body_points(points) if body is None else body
-        self._chain, self._links = self.robot.held(np.radians(scene.posture_deg), scene.moving)
+        self._chain, self._links = self.robot.with_fixed_joints(np.radians(scene.posture_deg), scene.moving)
         self._chain_body = self._links.points(self.body)
         self._rest = np.radians(scene.posture_deg).tolist()
         head = scene.stereo_head()
@@ -44,7 +44,7 @@ class World:
         angles = list(self._rest)
         for joint, angle in zip(self.scene.moving, theta, strict=True):
             angles[joint] = angle
-        return list(self.robot.coupled(angles))
+        return list(self.robot.with_mimics(angles))
 
     def demo_images(self, theta) -> tuple[NDArray, NDArray]:
         """The demonstrator in [l], [r] → points (..., N, 4) px, visible (..., N, 2)."""
@@ -62,7 +62,7 @@ class World:
 
     def link_frames(self, theta, T_world_base: NDArray) -> NDArray:
         """T_world_link of every link of an arm in one posture: (n + 1, 4, 4)."""
-        return self._links.carried(self._chain_frames(theta, T_world_base))
+        return self._links.link_frames(self._chain_frames(theta, T_world_base))
 
     def points_world(self, theta, T_world_base: NDArray) -> NDArray:
         """Body points of an arm in one posture: (N, 3) m, not to be written into."""
@@ -73,7 +73,7 @@ class World:
 
     def _chain_frames(self, theta, T_world_base: NDArray) -> NDArray:
         """T_world_link of what moves of an arm in one posture, and of its base, not to be written into."""
-        angles = np.array(self._chain.spread(theta), float)
+        angles = np.array(self._chain.expand_mimics(theta), float)
         key = angles.tobytes(), T_world_base.tobytes()
         last = self._last_frames
         if last is None or last[0] != key:  # a posture is looked at first, and then shown
@@ -87,7 +87,7 @@ class World:
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
         points = np.empty((4, len(self.body)) + shape)  # components first: long batches stay contiguous
         visible = np.empty((2, len(self.body)) + shape, bool)
-        placed = self._chain.place_points(self._chain.spread(theta), self._chain_body)
+        placed = self._chain.place_points(self._chain.expand_mimics(theta), self._chain_body)
         together = np.concatenate([xyz.reshape(3, -1) for _, xyz in placed], 1)
         for side, camera in enumerate(pair.cameras):
             images, seen = camera.project(together, T_world_base)

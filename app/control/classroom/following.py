@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from functools import lru_cache
 
-from viewimit.loop.script import Deed, Script, Stepped
+from viewimit.loop.script import Action, Script, Steps
 from viewimit.loop.settings import Settings
 
 from ...sessions.link import Linked, read
@@ -16,11 +16,11 @@ def linked_of(text: str, begun: Settings) -> Linked:
     return cached_read(text, begun)
 
 
-def rest(done: Script, wanted: Script) -> tuple[Deed, ...] | None:
+def rest(done: Script, wanted: Script) -> tuple[Action, ...] | None:
     """What leads from one to the other; None if that is not the way on."""
     if done.settings != wanted.settings:
         return None
-    before, after = _merged(done.deeds), _merged(wanted.deeds)
+    before, after = _merged(done.actions), _merged(wanted.actions)
     if not before:
         return tuple(after)
     last = len(before) - 1
@@ -29,21 +29,21 @@ def rest(done: Script, wanted: Script) -> tuple[Deed, ...] | None:
     if before[last] == after[last]:
         return tuple(after[last + 1 :])
     here, there = before[last], after[last]
-    if isinstance(here, Stepped) and isinstance(there, Stepped) and here.times < there.times:
-        return Stepped(there.times - here.times), *after[last + 1 :]
+    if isinstance(here, Steps) and isinstance(there, Steps) and here.times < there.times:
+        return Steps(there.times - here.times), *after[last + 1 :]
     return None
 
 
-def only_steps(deeds: Iterable[Deed]) -> bool:
-    return all(isinstance(deed, Stepped) for deed in deeds)
+def only_steps(actions: Iterable[Action]) -> bool:
+    return all(isinstance(action, Steps) for action in actions)
 
 
-def _merged(deeds: Iterable[Deed]) -> list[Deed]:
+def _merged(actions: Iterable[Action]) -> list[Action]:
     """Steps after steps as one."""
-    merged: list[Deed] = []
-    for deed in deeds:
-        if merged and isinstance(deed, Stepped) and isinstance(merged[-1], Stepped):
-            merged[-1] = Stepped(merged[-1].times + deed.times)
+    merged: list[Action] = []
+    for action in actions:
+        if merged and isinstance(action, Steps) and isinstance(merged[-1], Steps):
+            merged[-1] = Steps(merged[-1].times + action.times)
         else:
-            merged.append(deed)
+            merged.append(action)
     return merged

@@ -151,8 +151,8 @@ class Student(Role):
             return False
         onwards, back = rest(done, linked.script), rest(linked.script, done)
         if onwards is not None:
-            for deed in onwards:
-                model.undoable.do_along(deed, linked.speed, now)
+            for action in onwards:
+                model.undoable.do_along(action, linked.speed, now)
         elif back is not None and only_steps(back):
             model.player.scrub(lead.motion, now)
         if rest(model.session.script, linked.script) != ():

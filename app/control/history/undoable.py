@@ -8,11 +8,10 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.loop.rehearsal import POSTURES, begin_rehearsal
-from viewimit.loop.script import Changed, Deed, Posed, Script, Stepped
-from viewimit.loop.script_player import converted, do, play
+from viewimit.loop.script import Action, ChangeSettings, MoveDemonstrator, Script, Steps
+from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
-from viewimit.loop.settings import BodyPoint, Settings
+from viewimit.loop.settings import BodyPoint, Settings, convert_fields
 
 from ...jobs.camera_images import CameraProcess
 from ...jobs.session_eyes import SessionEyes
@@ -66,14 +65,15 @@ class UndoableSession:
         where its servo would make no use of that."""
         require_use(self.session.settings.servo)
         with self.past.kept():
-            begin_rehearsal(self.session, POSTURES, self.session.settings.seed)
-            self.duel.rehearse(POSTURES)
+            postures = self.session.calibration_postures(DEFAULT_POSTURES, self.session.settings.seed)
+            self.session.begin_calibration(postures)
+            self.duel.rehearse(DEFAULT_POSTURES)
         self.player.play()
 
     def forget_rehearsal(self) -> None:
         """What the learner has seen of itself, or what is left to be watched."""
         with self.past.kept():
-            self.session.remember(None)
+            self.session.use_calibration(None)
             self.duel.remember_alike()
         self.player.wake()
 
@@ -124,22 +124,22 @@ class UndoableSession:
         before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
         try:
             with self._kept(keep, whole=True):
-                play(script, self.session)
+                self.session.play(script)
         except ValueError:
             self.session.resume(*before)
             raise
 
-    def do_along(self, deed: Deed, speed: float, now: float) -> None:
+    def do_along(self, action: Action, speed: float, now: float) -> None:
         """What was done to another session, which Undo does not count as this one's past. speed: motions a second
         there. Raises ValueError for what cannot be."""
-        if isinstance(deed, Stepped):
-            self.player.follow(deed.times, speed, now)
-        elif isinstance(deed, Posed):
-            self.pose(np.array(deed.theta_demo), keep=False)
-        elif isinstance(deed, Changed):
-            self._change(converted(deed.fields), keep=False)
+        if isinstance(action, Steps):
+            self.player.follow(action.times, speed, now)
+        elif isinstance(action, MoveDemonstrator):
+            self.pose(np.array(action.theta_demo), keep=False)
+        elif isinstance(action, ChangeSettings):
+            self._change(convert_fields(action.fields), keep=False)
         else:
-            do(self.session, deed)
+            self.session.do(action)
             self.player.wake()
 
     def begin_anew(self) -> None:

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 from viewimit.drawing.export.citation import motions
-from viewimit.loop.body_image import FEWEST
-from viewimit.loop.rehearsal import motions_of_imitation
+from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.servo import SERVOS
 
@@ -25,7 +24,7 @@ class Rehearsal:
     @property
     def held(self) -> bool:
         """Whether there is something to forget."""
-        return self.to_go > 0 or self.seen >= FEWEST
+        return self.to_go > 0 or self.seen >= MIN_POSTURES
 
     @property
     def offered(self) -> bool:
@@ -52,10 +51,10 @@ class Rehearsal:
 def rehearsal_of(session: Session) -> Rehearsal:
     """At the moment that is shown."""
     now = session.snapshot
-    seen = 0 if now.body is None else len(now.body)
-    to_go = 0 if now.to_rehearse is None else len(now.to_rehearse)
-    made, rests = motions_of_imitation(session), now.status.is_at_rest
-    return Rehearsal(seen, to_go, now.settings.servo, now.rehearsal_holds, made, rests)
+    seen = 0 if now.calibration is None else len(now.calibration)
+    to_go = 0 if now.pending_postures is None else len(now.pending_postures)
+    made, rests = session.history.imitation_motions, now.status.is_at_rest
+    return Rehearsal(seen, to_go, now.settings.servo, now.calibration_holds, made, rests)
 
 
 def require_use(servo: str) -> None:

@@ -3,7 +3,7 @@
 import html
 from typing import Any
 
-from viewimit.loop.wording import as_command, as_python
+from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
 
 from ...control.commands.display import ToggleShare

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from ... import __version__
 from ...estimation.transfers import TRANSFERS
+from ...loop.codegen import as_command, as_python, as_reproduction
 from ...loop.session import Session
 from ...loop.settings import Settings
-from ...loop.wording import as_command, as_python, as_reproduction
 from ...sensing.files import file_name
 from ...servo import SERVOS
 from ..plots import described

@@ -12,7 +12,7 @@ from ...analysis.self_assessment import assess
 from ...loop.session import Session
 from ...loop.settings import disturbances
 from ...loop.snapshot import Snapshot
-from ...simulation.appearance import Bodies, Silhouettes, places, reach
+from ...simulation.appearance import Bodies, Silhouettes, arm_image_points, reachable_image_points
 from ...simulation.disturbances import ArmDisturbance
 from ...simulation.robot import link_meshes
 from ...simulation.world import World
@@ -45,13 +45,13 @@ class Appearance:
         self._world = world
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, world)
         self._held = [first.theta, first.theta_demo]
-        self._windows = image_windows(reach(world, self._held), world.scene.head.image)
+        self._windows = image_windows(reachable_image_points(world, self._held), world.scene.head.image)
 
     def of(self, moment: Snapshot) -> tuple[Bodies, Windows]:
         """With many joints an arm may leave the windows, which then widen."""
-        if len(moment.theta) > 2 and not holds(self._windows, places(self._world, moment)):
+        if len(moment.theta) > 2 and not holds(self._windows, arm_image_points(self._world, moment)):
             self._held += [moment.theta, moment.theta_demo]
-            self._windows = image_windows(reach(self._world, self._held), self._world.scene.head.image)
+            self._windows = image_windows(reachable_image_points(self._world, self._held), self._world.scene.head.image)
         return self._silhouettes.bodies(moment), self._windows
 
 

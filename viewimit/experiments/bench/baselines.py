@@ -137,7 +137,7 @@ def _project(camera: Camera, points: NDArray[np.float64]) -> NDArray[np.float64]
     """points: (..., 3) m in the world → (..., 2) px."""
     in_camera = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, :3]
     on_plane = in_camera[..., :2] / in_camera[..., 2:]
-    if camera.lens.bends:
+    if camera.lens.is_distorted:
         on_plane = on_plane * camera.lens.stretch((on_plane**2).sum(-1, keepdims=True))
     return camera.lens.focal * on_plane + camera.lens.centre
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.transfers import TRANSFERS
-from ...loop.body_image import FEWEST
 from ...loop.history import MAX_HISTORY
-from ...loop.settings import MOST_SEED, Settings
+from ...loop.self_calibration import MIN_POSTURES
+from ...loop.settings import MOST_SEED, USUAL_POINTS, Settings
 from ...loop.snapshot import Snapshot
 from ...servo import SERVOS
 from ...simulation.scene import Scene, load_scene
@@ -66,7 +66,7 @@ Rehearsed = Annotated[
     int,
     Option(
         "postures in which a servo that can use it calibrates itself first; those motions do not count",
-        FEWEST,
+        MIN_POSTURES,
         MAX_REHEARSED,
     ),
 ]
@@ -98,12 +98,12 @@ class SceneOptions(Benchmark):
     """Options of benchmarks in one scene."""
 
     scene: Annotated[str, Option("by name or path", metavar="SCENE")] = Settings().scene
-    points: Annotated[int | None, Option("layout of the scene")] = None
+    points: Annotated[int | None, Option(f"layout of the scene ({USUAL_POINTS}, or the nearest)")] = None
 
     def load(self) -> tuple[Scene, int]:
         """Load the scene, and return the number of points of its layout, by default the usual one."""
         scene = load_scene(self.scene)
-        return scene, scene.layout_near(Settings().points) if self.points is None else self.points
+        return scene, scene.layout_near(USUAL_POINTS) if self.points is None else self.points
 
 
 @dataclass(frozen=True, kw_only=True)

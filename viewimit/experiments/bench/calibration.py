@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ...loop.rehearsal import rehearse
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...servo.status import ServoStatus
@@ -187,7 +186,7 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
         if session.snapshot.transfer is not None:
             break
     if rehearsed:
-        rehearse(session, rehearsed, seed[-1])
+        session.calibrate(rehearsed, seed[-1])
         session.reset()
     last = session.run(MAX_MOTIONS, PATIENCE).last
     ended = last.motion < MAX_MOTIONS

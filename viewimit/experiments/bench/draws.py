@@ -22,9 +22,7 @@ from numpy.typing import NDArray
 
 from ...simulation.camera import Camera
 from ...simulation.eyes import ProjectedEyes, SimulatedEyes, open_eyes
-from ...simulation.link_meshes import link_meshes
-from ...simulation.robot import Angles, BodyPoints
-from ...simulation.robots import load_robot
+from ...simulation.robot import Angles, BodyPoints, link_meshes, load_robot
 from ...simulation.scene import Eye, Head, Scene, load_scene
 from ...simulation.world import World
 

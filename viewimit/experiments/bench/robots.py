@@ -11,7 +11,7 @@ import numpy as np
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.scene import Scene, load_scene
-from ...simulation.urdf.chain import arm_of
+from ...simulation.urdf.chain import find_arm
 from ...simulation.urdf.reference import parse_reference
 from ...simulation.urdf.tree import read_tree
 from .benchmark import WITHIN_DEG, Context, MaxMotions, MethodOptions, Option, RunOptions, as_json, error_deg, option
@@ -90,7 +90,7 @@ def run_robot(settings: Settings, path: Path, runs: int, seed: int, max_motions:
     """Run from the scene's own start to its demonstrator, and from runs - 1 random pairs over its ranges."""
     try:
         scene = load_scene(path)
-        arm = arm_of(read_tree(parse_reference(path).path))
+        arm = find_arm(read_tree(parse_reference(path).path))
     except ValueError as error:
         return Found(str(path), str(error).removeprefix(f"{path}: "))
     errors, motions, claimed = [], [], 0

@@ -13,7 +13,6 @@ import numpy as np
 
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import VIEWS
-from ...loop.rehearsal import rehearse
 from ...loop.session import Session
 from ...loop.settings import CAMERAS, Settings
 from ...simulation.eyes import require_eyes
@@ -142,7 +141,7 @@ def run_once(settings: Settings, case: Case, seed: list[int], max_motions: int) 
         rest_deg = tuple(np.array(session.scene.posture_deg)[session.scene.moving].tolist())
         session.begin(msgspec.structs.replace(settings, start_deg=rest_deg))
         reach_deg = None if case.offset_deg is None else DEMO_DEG + case.offset_deg
-        rehearse(session, case.rehearsed, noise_seed, reach_deg)
+        session.calibrate(case.rehearsed, noise_seed, reach_deg)
     session.begin(msgspec.structs.replace(settings, seed=noise_seed, **postures))
     last = session.run(max_motions, PATIENCE).last
     return error_deg(last), expected_deg(last, 0.0), last.motion, last.status.is_claim
@@ -221,7 +220,7 @@ class PicturesBenchmark(SceneOptions, RunOptions, MethodOptions):
 
 def run_detection(scene: str, pairs: int, seed: int = 0, progress: Progress = no_progress) -> Detection:
     """Detect markers in four pictures for each pair of random postures, of demonstrator and learner."""
-    from ...simulation.eyes.rendered import RenderedEyes  # loads pybullet and OpenCV
+    from ...simulation.rendering import RenderedEyes  # loads pybullet and OpenCV
 
     eyes, rng = RenderedEyes(load_scene(scene)), np.random.default_rng(seed)
     low, high = eyes.world.scene.lower, eyes.world.scene.upper

@@ -160,7 +160,7 @@ def run_once(settings: Settings, size: float, max_motions: int) -> Run:
     """Run once, with a learner of this size, and compute both bounds."""
     session = Session(settings, partial(open_resized, size=size))
     last = session.run(max_motions, PATIENCE).last
-    bound_of = partial(bound, session.world, last.theta_demo, session.observer.noise_at_rest(settings))
+    bound_of = partial(bound, session.world, last.theta_demo, session.observer.image_noise_std(settings))
     granted = bound_of()
     as_seen = bound_of([moment.theta for moment in session.history]) if settings.noise_px else granted
     error = np.degrees(np.abs(last.theta - last.theta_demo))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over
 from ...estimation.transfers import TRANSFERS
-from ...loop.rehearsal import rehearse
 from ...loop.session import Session
 from ...loop.settings import PAPER_FIELDS, Settings
 from ...servo import SERVOS
@@ -177,7 +176,7 @@ def run_pair(
     """Run each servo from the settings' start to their demonstrator. seed: of the postures of a rehearsal."""
     session = Session(msgspec.structs.replace(settings, servo=servos[0]), open_eyes=shared_eyes)
     if rehearsed:
-        rehearse(session, rehearsed, seed)
+        session.calibrate(rehearsed, seed)
     targets = dict(zip(TARGETS, (own_minimum(session), session.snapshot.theta_demo)))
     bias = _error_deg(*targets.values())
     runs = []

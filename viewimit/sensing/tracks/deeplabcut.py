@@ -1,5 +1,15 @@
-"""DeepLabCut's tables, as CSV: rows of headings, scorer, individuals where there are several, bodyparts, coords, then a
-row a frame, by its number or the path of its picture. Predictions have x, y, likelihood, CollectedData x and y."""
+"""Read DeepLabCut's tables, as CSV and as pandas keeps them in HDF5.
+
+The headings are scorer, individuals (if there are several), bodyparts and coords. Each further row is a frame, with
+its number or the path of its picture. Predictions have x, y and likelihood; CollectedData has x and y.
+
+pandas has two layouts in HDF5:
+
+table    rows (index, values_block_0 …); the headings of each block are a pickled list in the attribute
+         values_block_0_kind. Only lists, tuples, strings and numbers are unpickled.
+fixed    block0_values (rows, columns); headings as levels and labels, block0_items_level0 …, and rows as axis1 or, if
+         they have several levels, as axis1_level0 …
+"""
 
 import io
 import pickle
@@ -13,18 +23,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import text
-from .arrays import values as values_of
-from .text import MOST_FRAME, Table
-from .track import CERTAIN, Track
+from .arrays import as_text, read_dataset
+from .text import MAX_FRAME, Table
+from .track import CERTAIN, Track, choose_individual
 
 LEVELS = (("scorer", "bodyparts", "coords"), ("scorer", "individuals", "bodyparts", "coords"))
-Heading = tuple[str, str, str]  # individual, body part, coordinate; individual "" where there is one
-SINGLE = "single"  # DeepLabCut's name of what belongs to no individual
+Heading = tuple[str, str, str]  # individual ("" if there is one), body part, coordinate
+SINGLE = "single"  # DeepLabCut's individual for points that belong to none
+EXPORT_CSV = "export it as CSV: pandas.read_hdf(…).to_csv(…), or deeplabcut.analyze_videos(…, save_as_csv=True)"
 
 
 def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
-    """Raises ValueError that names the file, and the line and column of what is wrong; OSError."""
+    """Read a CSV file. Raises ValueError that names the file, line and column, and OSError."""
     table = Table(path)
     lines = table.lines()
     head = list(islice(lines, 3))
@@ -37,7 +47,9 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
     line, parts = head[-2]
     for other, cells in head:
         table.require_count(other, cells, len(parts))
-    first = next((k for k, name in enumerate(parts[1:], 1) if name), len(parts))  # before it stands which frame it is
+    first = next(
+        (k for k, name in enumerate(parts[1:], 1) if name), len(parts)
+    )  # the columns before say which frame it is
     several = head[1][1] if len(levels) == 4 else [""] * len(parts)
     headings = list(zip(several[first:], parts[first:], head[-1][1][first:]))
     frames, numbers = [], []
@@ -55,10 +67,10 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
 
 
 def track_of(
-    where: str, headings: Sequence[Heading], frames: NDArray, values: NDArray, individual: str | None
+    where: str, headings: Sequence[Heading], frames: NDArray[Any], values: NDArray[Any], individual: str | None
 ) -> Track:
-    """values: (T, columns). Raises ValueError that names the file and the column."""
-    chosen = choose(where, list(dict.fromkeys(one for one, _, _ in headings if one != SINGLE)), individual)
+    """Make a track of values, (T, columns). Raises ValueError that names the file and the column."""
+    chosen = choose_individual(where, list(dict.fromkeys(one for one, _, _ in headings if one != SINGLE)), individual)
     several = [heading for heading, count in Counter(headings).items() if count > 1 and heading[0] == chosen]
     if several:
         _, part, name = several[0]
@@ -71,8 +83,10 @@ def track_of(
     if not parts:
         raise ValueError(f"{where}: no body part")
     image = np.stack([values[:, [columns[part, "x"], columns[part, "y"]]] for part in parts], 1)
-    sure = [values[:, columns[part, "likelihood"]] if (part, "likelihood") in columns else None for part in parts]
-    likelihood = np.stack([np.full(len(values), CERTAIN) if one is None else one for one in sure], 1)
+    likelihoods = [
+        values[:, columns[part, "likelihood"]] if (part, "likelihood") in columns else None for part in parts
+    ]
+    likelihood = np.stack([np.full(len(values), CERTAIN) if one is None else one for one in likelihoods], 1)
     order = np.argsort(frames, kind="stable")
     twice = np.flatnonzero(np.diff(frames[order]) == 0)
     if len(twice):
@@ -81,93 +95,72 @@ def track_of(
     return Track(frames[order], tuple(parts), image[order], confidence[order])
 
 
-def choose(where: str, individuals: Sequence[str], wanted: str | None) -> str:
-    """The individual wanted, or the only one. Raises ValueError that names those there are."""
-    if wanted is None and len(individuals) <= 1:
-        return individuals[0] if individuals else ""
-    if wanted is not None and (wanted in individuals or list(individuals) in ([], [""])):
-        return wanted if wanted in individuals else ""
-    named = ", ".join(individuals)
-    if wanted is None:
-        raise ValueError(f"{where}: it has {named}: say who is whom by --demonstrator NAME and --learner NAME")
-    raise ValueError(f"{where}: nobody is named {wanted!r}; it has {named}")
-
-
 def frame_of(where: str, cells: Sequence[str]) -> int:
-    """Its number, or the last number in the name of its picture. Raises ValueError."""
+    """Return the number of a frame, or the last number in the name of its picture. Raises ValueError."""
     text = cells[-1].strip().replace("\\", "/")
-    if text.isdecimal() and int(text) <= MOST_FRAME:
+    if text.isdecimal() and int(text) <= MAX_FRAME:
         return int(text)
     digits = re.findall(r"\d+", PurePosixPath(text).stem)
-    if not digits or not PurePosixPath(text).suffix or int(digits[-1]) > MOST_FRAME:
+    if not digits or not PurePosixPath(text).suffix or int(digits[-1]) > MAX_FRAME:
         raise ValueError(
             f"{where}: {text!r} is neither a whole number from 0 nor a picture named with one, img0003.png"
         )
     return int(digits[-1])
 
 
-# DeepLabCut's tables, as pandas keeps them in HDF5 by PyTables, in its two layouts, "table" and "fixed".
-# table    rows (index, values_block_0 …); the headings of each block are a pickled list in the attribute
-# values_block_0_kind. Nothing but lists, tuples and strings is unpickled.
-# fixed    block0_values (rows, columns); headings as levels and labels, block0_items_level0 …, rows as axis1 or, of
-# several levels, axis1_level0 …
-
-CSV = "export it as CSV: pandas.read_hdf(…).to_csv(…), or deeplabcut.analyze_videos(…, save_as_csv=True)"
-
-
 def find_table(file: Any) -> Any | None:
-    """The group of the first table that pandas has written, None if there is none."""
+    """Return the group of the first table that pandas has written, None if there is none."""
     return next((group for group in file.values() if "pandas_type" in group.attrs), None)
 
 
 def read_deeplabcut_h5(path: Path, group: Any, individual: str | None) -> Track:
-    """group: a table. Raises ValueError that names the file, KeyError for what is missing."""
-    kind = text(group.attrs["pandas_type"])
+    """Read a table in HDF5. Raises ValueError that names the file, and KeyError for a missing part."""
+    kind = as_text(group.attrs["pandas_type"])
     if kind not in ("frame_table", "frame"):
-        raise ValueError(f"{path}: a table of kind {kind!r}, not a frame; {CSV}")
-    index, headings, values = _of_table(path, group) if kind == "frame_table" else _of_fixed(path, group)
+        raise ValueError(f"{path}: a table of kind {kind!r}, not a frame; {EXPORT_CSV}")
+    index, headings, values = _read_table(path, group) if kind == "frame_table" else _read_fixed(path, group)
     frames = np.array([_frame(path, k, one) for k, one in enumerate(index)], int)
     return track_of(str(path), [_heading(path, one) for one in headings], frames, values, individual)
 
 
-def _of_table(path: Path, group: Any) -> tuple[list, list, NDArray]:
+def _read_table(path: Path, group: Any) -> tuple[list, list, NDArray[Any]]:
     table = group["table"]
     blocks = sorted((name for name in table.dtype.names if name.startswith("values_block_")), key=lambda n: int(n[13:]))
     headings = [one for block in blocks for one in _unpickled(path, table.attrs[f"{block}_kind"])]
-    rows = values_of(table)
+    rows = read_dataset(table)
     values = np.concatenate([_numbers(path, rows[block]).reshape(len(rows), -1) for block in blocks], 1)
     return rows["index"].tolist(), headings, values
 
 
-def _of_fixed(path: Path, group: Any) -> tuple[list, list, NDArray]:
+def _read_fixed(path: Path, group: Any) -> tuple[list, list, NDArray[Any]]:
     headings, values = [], []
     for block in range(int(group.attrs["nblocks"])):
         headings += _levels(group, f"block{block}_items")
-        values.append(_numbers(path, values_of(group[f"block{block}_values"])))
-    regular = text(group.attrs["axis1_variety"]) == "regular"
-    index = values_of(group["axis1"]).tolist() if regular else _levels(group, "axis1")
+        values.append(_numbers(path, read_dataset(group[f"block{block}_values"])))
+    regular = as_text(group.attrs["axis1_variety"]) == "regular"
+    index = read_dataset(group["axis1"]).tolist() if regular else _levels(group, "axis1")
     return index, headings, np.concatenate(values, 1)
 
 
 def _levels(group: Any, of: str) -> list[tuple]:
-    """A MultiIndex."""
+    """The rows of a MultiIndex."""
     columns = []
     for level in range(int(group.attrs[f"{of}_nlevels"])):
-        names, labels = values_of(group[f"{of}_level{level}"]), values_of(group[f"{of}_label{level}"])
+        names, labels = read_dataset(group[f"{of}_level{level}"]), read_dataset(group[f"{of}_label{level}"])
         columns.append([names[label] for label in labels])
     return list(zip(*columns))
 
 
-def _numbers(path: Path, values: Any) -> NDArray:
+def _numbers(path: Path, values: Any) -> NDArray[Any]:
     if not np.issubdtype(values.dtype, np.number):
-        raise ValueError(f"{path}: its values are kept as {values.dtype}, not as numbers; {CSV}")
+        raise ValueError(f"{path}: its values are kept as {values.dtype}, not as numbers; {EXPORT_CSV}")
     return values.astype(float)
 
 
 def _heading(path: Path, one: Sequence) -> Heading:
     if not all(isinstance(name, (str, bytes, int, float, np.generic)) for name in one):
-        raise ValueError(f"{path}: its headings are no names; {CSV}")
-    names = [text(name) for name in one]
+        raise ValueError(f"{path}: its headings are no names; {EXPORT_CSV}")
+    names = [as_text(name) for name in one]
     if len(names) not in (3, 4):
         raise ValueError(
             f"{path}: headings of {len(names)} levels; DeepLabCut's are scorer, (individuals,) bodyparts, coords"
@@ -177,29 +170,25 @@ def _heading(path: Path, one: Sequence) -> Heading:
 
 def _frame(path: Path, row: int, index: Any) -> int:
     cells = index if isinstance(index, tuple) else (index,)
-    return frame_of(f"{path}: row {row + 1}", [text(cell) for cell in cells])
+    return frame_of(f"{path}: row {row + 1}", [as_text(cell) for cell in cells])
 
 
-class _Plain(pickle.Unpickler):
-    """Of lists, tuples, strings and numbers alone: nothing is imported, so nothing can be run."""
+PICKLE_ERRORS = (
+    pickle.UnpicklingError, EOFError, ValueError, IndexError, KeyError, AttributeError, TypeError, OverflowError,
+)  # fmt: skip
+
+
+class _PlainUnpickler(pickle.Unpickler):
+    """Unpickles lists, tuples, strings and numbers only: it imports nothing, so it runs nothing."""
 
     def find_class(self, module: str, name: str) -> Any:
         raise pickle.UnpicklingError(f"it asks for {module}.{name}")
 
 
 def _unpickled(path: Path, value: Any) -> list:
-    content = value if isinstance(value, bytes) else text(value).encode("latin-1")
+    content = value if isinstance(value, bytes) else as_text(value).encode("latin-1")
     try:
-        found = _Plain(io.BytesIO(content)).load()
-    except (
-        pickle.UnpicklingError,
-        EOFError,
-        ValueError,
-        IndexError,
-        KeyError,
-        AttributeError,
-        TypeError,
-        OverflowError,
-    ) as error:
-        raise ValueError(f"{path}: its headings cannot be read: {error}; {CSV}") from None
+        found = _PlainUnpickler(io.BytesIO(content)).load()
+    except PICKLE_ERRORS as error:
+        raise ValueError(f"{path}: its headings cannot be read: {error}; {EXPORT_CSV}") from None
     return list(found)

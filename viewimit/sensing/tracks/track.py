@@ -1,4 +1,4 @@
-"""What all readers make of their files: the track of one view, and those of all four together."""
+"""Tracked points: the track of one view, the tracks of all four views together, and the rows of a table."""
 
 import math
 from array import array
@@ -10,131 +10,146 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.views import VIEWS, FourViews
-from ..point_checks import lost
+from ..point_checks import is_missing_value
 
-MOST_PX = 1e6  # beyond which no picture goes
-MOST_CELLS = 5_000_000  # frames times points
-CERTAIN = 1.0  # where no confidence is given
-MOST_CONFIDENCE = 2.0  # some trackers' peaks are a little above 1; visible is 2 in COCO's files
-BODIES = (VIEWS[:2], VIEWS[2:])  # the views of each
+MAX_PX = 1e6  # of a coordinate: no picture is larger
+MAX_CELLS = 5_000_000  # frames times points
+CERTAIN = 1.0  # confidence where a file gives none
+MAX_CONFIDENCE = 2.0  # some trackers' peaks are a little above 1; COCO writes 2 for visible
+BODIES = (VIEWS[:2], VIEWS[2:])  # the views of each body
 Row = tuple[int, str, float, float, float]  # frame, point, x, y, confidence
 
 
 @dataclass(frozen=True)
 class Track:
-    """One view. frames: (T,) numbers, ascending; points: N names; image: (T, N, 2) px, NaN where not seen;
-    confidence: (T, N)."""
+    """N points in T frames of one view."""
 
-    frames: NDArray
-    points: tuple[str, ...]
-    image: NDArray
-    confidence: NDArray
+    frames: NDArray[np.int_]  # (T,) numbers, ascending
+    points: tuple[str, ...]  # N names
+    image: NDArray[np.float64]  # (T, N, 2) px, NaN if not visible
+    confidence: NDArray[np.float64]  # (T, N)
 
     def require_pixels(self, where: str) -> "Track":
-        """Itself. Raises ValueError for no points at all, the same name twice, or numbers that are no pixels."""
+        """Return the track. Raises ValueError for no points, a repeated name, or values that are no pixels."""
         twice = [name for name, count in Counter(self.points).items() if count > 1]
         if twice:
             raise ValueError(f"{where}: two points are named {twice[0]!r}: they are matched by name, so rename one")
         if not np.isfinite(self.image).all(-1).any():
             raise ValueError(f"{where}: no point in any frame")
-        wrong = np.isinf(self.image) | (np.abs(self.image) > MOST_PX)
+        wrong = np.isinf(self.image) | (np.abs(self.image) > MAX_PX)
         if wrong.any():
             t, n, axis = np.argwhere(wrong)[0]
             value = self.image[t, n, axis]
-            what = f"is no pixel: beyond {MOST_PX:g}" if math.isfinite(value) else "is not a finite number"
-            raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}, {'xy'[axis]}: {value:g} {what}")
+            fault = f"is no pixel: beyond {MAX_PX:g}" if math.isfinite(value) else "is not a finite number"
+            raise ValueError(
+                f"{where}: frame {self.frames[t]}, point {self.points[n]}, {'xy'[axis]}: {value:g} {fault}"
+            )
         return self.require_units(where)
 
     def require_units(self, where: str) -> "Track":
-        """Itself. Raises ValueError for a confidence that is none, and for shares of the picture instead of px."""
-        wrong = self.confidence > MOST_CONFIDENCE
+        """Return the track. Raises ValueError for a confidence above 1, and for fractions of the picture."""
+        wrong = self.confidence > MAX_CONFIDENCE
         if wrong.any():
             t, n = np.argwhere(wrong)[0]
-            sure = f"confidence {self.confidence[t, n]:g} is not in 0 … 1: divide percentages by 100"
-            raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}: {sure}")
-        there = self.image[np.isfinite(self.image).all(-1) & ~lost(self.image)]
+            fault = f"confidence {self.confidence[t, n]:g} is not in 0 … 1: divide percentages by 100"
+            raise ValueError(f"{where}: frame {self.frames[t]}, point {self.points[n]}: {fault}")
+        there = self.image[np.isfinite(self.image).all(-1) & ~is_missing_value(self.image)]
         if there.size and (there >= 0).all() and (there <= 1).all():
             raise ValueError(
                 f"{where}: all x and y are in 0 … 1, shares of the picture: multiply by its width and height, px"
             )
         return self
 
-    def sure(self, least_confidence: float) -> NDArray:
-        """(T, N, 2) px: points of less confidence were not seen."""
-        return np.where((self.confidence >= least_confidence)[..., None], self.image, np.nan)
+    def above_confidence(self, min_confidence: float) -> NDArray[np.float64]:
+        """Return the points, (T, N, 2) px, with NaN for those of less confidence."""
+        return np.where((self.confidence >= min_confidence)[..., None], self.image, np.nan)
 
-    def seen(self) -> "Track":
-        """Of the frames that show a point only."""
+    def non_empty_frames(self) -> "Track":
+        """Return the track without frames that show no point."""
         shows = np.isfinite(self.image).all(-1).any(-1)
         return Track(self.frames[shows], self.points, self.image[shows], self.confidence[shows])
 
 
 @dataclass(frozen=True)
 class TrackedPoints:
-    """T frames of N points. frames: (T,) numbers; points: N names; image: by view (T, N, 2) px, NaN where not seen;
-    confidence: by view (T, N)."""
+    """N points in T frames of all four views."""
 
-    frames: tuple[int, ...]
-    points: tuple[str, ...]
-    image: dict[str, NDArray]
-    confidence: dict[str, NDArray]
+    frames: tuple[int, ...]  # T numbers
+    points: tuple[str, ...]  # N names
+    image: dict[str, NDArray[np.float64]]  # by view, (T, N, 2) px, NaN if not visible
+    confidence: dict[str, NDArray[np.float64]]  # by view, (T, N)
 
-    def views(self, least_confidence: float = 0.0) -> FourViews:
-        """All frames: (T, N, …). Points of less confidence, and where a tracker writes what it has lost, were not
-        seen."""
-        return FourViews.from_arrays(*(self._seen(view, least_confidence) for view in VIEWS))
+    def views(self, min_confidence: float = 0.0) -> FourViews:
+        """Return all frames, (T, N, …). Points of less confidence, and missing values, count as not visible."""
+        visible = {view: self._confident(view, min_confidence) & ~is_missing_value(self.image[view]) for view in VIEWS}
+        return FourViews.from_arrays(*(np.where(visible[v][..., None], self.image[v], np.nan) for v in VIEWS))
 
-    def lost(self, least_confidence: float = 0.0) -> int:
-        """How many points of as much confidence are where a tracker writes what it has lost."""
-        return sum(int((lost(self.image[view]) & self._sure(view, least_confidence)).sum()) for view in VIEWS)
+    def n_missing(self, min_confidence: float = 0.0) -> int:
+        """Count the points of sufficient confidence that a tracker marks as missing by their place."""
+        found = (is_missing_value(self.image[view]) & self._confident(view, min_confidence) for view in VIEWS)
+        return sum(int(one.sum()) for one in found)
 
-    def removed(self, least_confidence: float) -> dict[str, int]:
-        """How many image points have less confidence, by name of the points that have such."""
-        count = sum((self._there(view) & ~self._sure(view, least_confidence)).sum(0) for view in VIEWS)
+    def n_below_confidence(self, min_confidence: float) -> dict[str, int]:
+        """Count the image points of less confidence, by the name of the point, without zeros."""
+        count = sum((self._present(view) & ~self._confident(view, min_confidence)).sum(0) for view in VIEWS)
         return {name: int(number) for name, number in zip(self.points, np.asarray(count)) if number}
 
-    def image_points(self) -> int:
-        """How many there are in all frames and views, of any confidence, without those that a tracker has lost."""
-        return sum(int(self._there(view).sum()) for view in VIEWS)
+    def n_image_points(self) -> int:
+        """Count the points of any confidence in all frames and views, without missing values."""
+        return sum(int(self._present(view).sum()) for view in VIEWS)
 
-    def _there(self, view: str) -> NDArray:
-        return np.asarray(np.isfinite(self.image[view]).all(-1) & ~lost(self.image[view]))
+    def _present(self, view: str) -> NDArray[np.bool_]:
+        return np.asarray(np.isfinite(self.image[view]).all(-1) & ~is_missing_value(self.image[view]))
 
-    def _seen(self, view: str, least_confidence: float) -> NDArray:
-        seen = self._sure(view, least_confidence) & ~lost(self.image[view])
-        return np.where(seen[..., None], self.image[view], np.nan)
-
-    def _sure(self, view: str, least_confidence: float) -> NDArray:
-        return self.confidence[view] >= least_confidence
+    def _confident(self, view: str, min_confidence: float) -> NDArray[np.bool_]:
+        return self.confidence[view] >= min_confidence
 
 
 def require_cells(where: str, frames: int, points: int) -> None:
-    """Raises ValueError for more than are kept in memory."""
-    if frames * points > MOST_CELLS:
+    """Raise ValueError for more frames and points than are kept in memory."""
+    if frames * points > MAX_CELLS:
         raise ValueError(
-            f"{where}: {frames:,} frames times {points:,} points are more than {MOST_CELLS:,}: take fewer of either"
+            f"{where}: {frames:,} frames times {points:,} points are more than {MAX_CELLS:,}: take fewer of either"
         )
 
 
+def choose_individual(where: str, individuals: Sequence[str], wanted: str | None) -> str:
+    """Return the individual wanted, or the only one. Raises ValueError that lists the individuals."""
+    if wanted is None and len(individuals) <= 1:
+        return individuals[0] if individuals else ""
+    if wanted is not None and (wanted in individuals or list(individuals) in ([], [""])):
+        return wanted if wanted in individuals else ""
+    named = ", ".join(individuals)
+    if wanted is None:
+        raise ValueError(f"{where}: it has {named}: say who is whom by --demonstrator NAME and --learner NAME")
+    raise ValueError(f"{where}: nobody is named {wanted!r}; it has {named}")
+
+
 class Rows:
-    """The rows of one view as they are read, a few bytes each."""
+    """The rows of one view while they are read, in a few bytes each.
+
+    Parameters
+    ----------
+    points : dict, optional
+        Columns by the name of the point. Views that share it share their columns.
+    """
 
     def __init__(self, points: dict[str, int] | None = None):
-        self._points = {} if points is None else points  # of all views: names to columns
+        self._points = {} if points is None else points
         self.frame, self.point, self.line = array("q"), array("l"), array("l")
-        self.xy, self.sure = array("d"), array("d")
+        self.xy, self.confidence = array("d"), array("d")
 
-    def add(self, line: int, frame: int, point: str, x: float, y: float, sure: float) -> None:
+    def add(self, line: int, frame: int, point: str, x: float, y: float, confidence: float) -> None:
         self.frame.append(frame)
         self.point.append(self._points.setdefault(point, len(self._points)))
         self.line.append(line)
         self.xy.extend((x, y))
-        self.sure.append(sure)
+        self.confidence.append(confidence)
 
     def require_once(self, where: str, view: str = "") -> None:
-        """Raises ValueError for two rows of the same frame and point, of `view`, that names their lines."""
+        """Raise ValueError with the lines of two rows of the same frame and point."""
         frame, point = np.array(self.frame), np.array(self.point)
-        order = np.lexsort((point, frame))  # stable: of equal ones the earlier line comes first
+        order = np.lexsort((point, frame))  # stable: of equal rows the earlier line comes first
         same = (np.diff(frame[order]) == 0) & (np.diff(point[order]) == 0)
         if not same.any():
             return
@@ -148,22 +163,26 @@ class Rows:
         )
 
     def track(self, where: str) -> Track:
-        """Raises ValueError for more frames and points than are kept in memory."""
+        """Return all rows as a track. Raises ValueError as `require_cells`."""
         frames, at = np.unique(np.array(self.frame), return_inverse=True)
         require_cells(where, len(frames), len(self._points))
         image = np.full((len(frames), len(self._points), 2), np.nan)
         confidence = np.zeros(image.shape[:2])
         cells = at, np.array(self.point)
-        image[cells], confidence[cells] = np.array(self.xy).reshape(-1, 2), np.array(self.sure)
+        image[cells], confidence[cells] = np.array(self.xy).reshape(-1, 2), np.array(self.confidence)
         return Track(frames, tuple(self._points), image, confidence)
 
 
-def together(tracks: Mapping[str, Track]) -> TrackedPoints:
-    """Of all views, points matched by name. A body that is shown in a single frame by both of its views, such as a
-    demonstrator that stands still, holds for all frames."""
+def combine_views(tracks: Mapping[str, Track]) -> TrackedPoints:
+    """Match the points of all views by name.
+
+    If both views of a body have a single frame, such as a demonstrator that stands still, it is used for all frames.
+    """
     several = [view for pair in BODIES for view in pair if any(len(tracks[of].frames) > 1 for of in pair)]
     frames = np.unique(np.concatenate([tracks[view].frames for view in several or VIEWS[:1]]))
-    names = _ordered(list(dict.fromkeys(name for view in VIEWS for name in tracks[view].points)))
+    names = list(dict.fromkeys(name for view in VIEWS for name in tracks[view].points))
+    if all(name.isdecimal() for name in names):
+        names = sorted(names, key=int)
     require_cells("all views together", len(frames), len(names))
     column = {name: k for k, name in enumerate(names)}
     image = {view: np.full((len(frames), len(names), 2), np.nan) for view in VIEWS}
@@ -174,8 +193,3 @@ def together(tracks: Mapping[str, Track]) -> TrackedPoints:
         where = np.array([column[name] for name in track.points], int)
         image[view][at, where], confidence[view][at, where] = track.image, track.confidence
     return TrackedPoints(tuple(frames.tolist()), tuple(names), image, confidence)
-
-
-def _ordered(names: Sequence[str]) -> list[str]:
-    """Numbers by number, names as they come."""
-    return sorted(names, key=int) if all(name.isdecimal() for name in names) else list(names)

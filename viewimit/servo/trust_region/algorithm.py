@@ -28,15 +28,15 @@ from ...estimation.residuals import ResidualFunction, noise_conflict
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ...geometry.kinematics.model import ProjectiveKinematics, StereoFrame
 from ...geometry.rectification import Rectification
-from ..images.innovation import holds
-from ..images.learned import Learned
 from ..observation import Observation, ScaledResiduals, Visit, in_units, unit_of
-from ..servo import Moment
+from ..servo import LastMotion
 from ..status import ServoStatus
 from .convergence import CHECK, Certificate, curvature_directions
 from .correspondences import likely_exchange, with_exchanged
 from .explanation import equations, says
+from .image_models import ImageData
 from .local_model import freedom_of
+from .localisation import is_consistent
 from .motions import DONE_STEP, along, anywhere, aside, check, farthest, move, nearest, probe, towards
 from .state import (
     CERTAIN,
@@ -99,7 +99,11 @@ class TrustRegion:
         state, seen = arrived(state, in_units(seen, state.unit_px))
         residuals = ScaledResiduals(residuals, state.unit_px)
         residuals = residuals.with_partially_visible() if state.lines else residuals
-        if state.rehearsed and state.kinematics is None and not holds(state.rehearsed, state.visits, seen.noise_px):
+        if (
+            state.rehearsed
+            and state.kinematics is None
+            and not is_consistent(state.rehearsed, state.visits, seen.noise_px)
+        ):
             state = without_rehearsal(state)
         if state.probes:
             return probe(state, seen)
@@ -111,7 +115,7 @@ class TrustRegion:
         self, state: TrustState, seen: Observation, residuals: ResidualFunction, chasing: bool
     ) -> tuple[TrustState, NDArray]:
         by = PHASES[state.phase][0]
-        learned = Learned(state.known, seen.noise_px, state.kinematics)
+        learned = ImageData(state.known, seen.noise_px, state.kinematics)
         measured = measure(learned, residuals, by, state.needed)
         state = _judge(state, measured.E, noise_E(seen, int(measured.count[measured.best])))
         ahead = look_out(learned, measured, state.reach, seen, residuals, by)
@@ -134,7 +138,7 @@ class TrustRegion:
             return self._step(*_otherwise(state, seen, residuals), chasing=False)
         return settled
 
-    def equations(self, state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
+    def equations(self, state: TrustState | None, moment: LastMotion) -> tuple[Equation, ...]:
         return equations(state, moment)
 
     def says(self, state: TrustState, status: ServoStatus) -> str:
@@ -168,9 +172,9 @@ def _puzzled(state: TrustState, seen: Observation, ahead: Outlook, weighted: boo
     return bool(np.isfinite(E) and min(E, foreseen) > _small(seen))
 
 
-def _identified(state: TrustState, seen: Observation, learned: Learned, residuals: ResidualFunction) -> TrustState:
+def _identified(state: TrustState, seen: Observation, learned: ImageData, residuals: ResidualFunction) -> TrustState:
     """With what seems to be exchanged of the demonstrator's points, if anything does."""
-    pairs = likely_exchange(learned.about().predict, residuals, seen.lower, seen.upper, _small(seen))
+    pairs = likely_exchange(learned.fit().predict, residuals, seen.lower, seen.upper, _small(seen))
     state = replace(state, asked=_turn(state) + 1)
     if not pairs:
         return state

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...estimation.equations import Equation, angles, short
-from ..servo import Moment
+from ..servo import LastMotion
 from ..status import ServoStatus
 from .state import CERTAIN, PHASES, TrustState
 
@@ -18,7 +18,7 @@ _BY_KINEMATICS = (
 SENT_TO_LIMIT = "a joint was sent to its limit: if the arm moves less than it is told, begin nearer"
 
 
-def equations(state: TrustState | None, moment: Moment) -> tuple[Equation, ...]:
+def equations(state: TrustState | None, moment: LastMotion) -> tuple[Equation, ...]:
     """As `Servo.equations`."""
     if state is None:
         return (Equation("", "no motion yet", _LAW, wide=True),)
@@ -63,7 +63,7 @@ def says(state: TrustState, status: ServoStatus) -> str:
     return f"asks the {other} transfer for a way on" if other else ""
 
 
-def _outcome(state: TrustState, moment: Moment) -> str:
+def _outcome(state: TrustState, moment: LastMotion) -> str:
     """What the last motion was for, or why there is none."""
     made = f"This motion, ({angles(moment.moved)}), "
     if state.probe:

@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import conflict
-from ..images.learned import Images
-from ..images.own_noise import own_noise
 from ..least_squares import DIFFERENCE, Minimum, aside
 from ..observation import Observation, Visit
+from .image_models import ImageModel, estimate_own_noise
 
 UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
 LEARNED = 1.0 / UNTOLD  # px/rad: slopes as uncertain as this tell a joint that nothing tells
@@ -81,7 +80,7 @@ class Known:
     best: int
     E: float
     points: NDArray
-    model: Images
+    model: ImageModel
     seen: Observation
     residual_of: Callable[[NDArray], NDArray]
     measured: NDArray | None = None
@@ -96,7 +95,7 @@ class Known:
 
 def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     """About a place, (m,) rad. found: the smallest E that is predicted."""
-    learned = known.model.unlearned_slopes(place) < LEARNED
+    learned = known.model.jacobian_std(place) < LEARNED
     hessian, foreseen, points = found.hessian, found.hessian, found.points
     if not learned[known.points].all():
         hessian, points = _hessian_by(known, known.points & learned, place)
@@ -107,10 +106,10 @@ def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
     gradients = by_slopes = np.zeros((1, len(place)))
     if known.seen.noise_px > 0:
         freedom, residual_of = freedom_of(points, len(place)), _of_points(known, known.residual_of, learned, place)
-        noise = own_noise(known.model, residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
-        hessian, hessians = noise.taken_off(hessian), noise.taken_off(hessians)
-        whole = noise.taken_off(whole)
-        gradients, by_slopes = noise.gradients, noise.by_slopes
+        noise = estimate_own_noise(known.model, residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
+        hessian, hessians = noise.debias_hessian(hessian), noise.debias_hessian(hessians)
+        whole = noise.debias_hessian(whole)
+        gradients, by_slopes = noise.grad_samples_images, noise.grad_samples_jacobian
     return Surroundings(
         hessian=hessian,
         foreseen=foreseen * found.points / points,
@@ -139,7 +138,7 @@ def _hessian_by(known: Known, points: NDArray, place: NDArray) -> tuple[NDArray,
     return (_hessian(e) if np.isfinite(e).all() else np.zeros((len(place),) * 2)), max(e.shape[-2], 1)
 
 
-def _images_about(model: Images, place: NDArray) -> NDArray:
+def _images_about(model: ImageModel, place: NDArray) -> NDArray:
     """(1 + m, N, 4) px, predicted at a place and a little aside by each joint."""
     return model.predict(place + DIFFERENCE * aside(len(place)))
 
@@ -205,12 +204,12 @@ def _really_seen(known: Known, points: int) -> int:
 
 def _visited(known: Known) -> NDArray:
     """(n, N, 4) px"""
-    return known.model.completed(np.array([visit.own for visit in known.visits]))
+    return known.model.impute(np.array([visit.own for visit in known.visits]))
 
 
-def _image_slopes(model: Images, place: NDArray) -> NDArray:
+def _image_slopes(model: ImageModel, place: NDArray) -> NDArray:
     """(m, m) px²/rad², as `Surroundings.slopes`, of the points that the model knows."""
-    slopes = model.slopes(place)[:, np.isfinite(model.at_centre).all(-1)]
+    slopes = model.jacobian(place)[:, np.isfinite(model.at_centre).all(-1)]
     points = max(slopes.shape[1], 1)
     slopes = slopes.reshape(len(place), -1)
     return slopes @ slopes.T / points

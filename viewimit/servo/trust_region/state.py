@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from ...estimation.views import Pairs
 from ...geometry.kinematics.adjustment import fit_kinematics
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ..images.learned import seen_at
-from ..images.standing import contradicts, standing
 from ..observation import Observation, Visit
 from ..status import ServoStatus
 from .convergence import Certificate
+from .image_models import observations_of
+from .localisation import contradicts_command, localise
 
 FIRST_RADIUS, LAST_RADIUS = np.radians((25.0, 12.0))
 CERTAIN = np.radians(0.3)  # a displacement that E may leave room for where a servo claims to have arrived
@@ -102,7 +102,7 @@ def arrived(state: TrustState, seen: Observation) -> tuple[TrustState, Observati
     if again and len(after.visits) > 1:
         return after, seen
     after = _with_kinematics(after, seen)
-    if not again and after.kinematics is None and contradicts(state.known, here, seen.noise_px):
+    if not again and after.kinematics is None and contradicts_command(state.known, here, seen.noise_px):
         return _disobeyed(state, here), seen
     return after, seen
 
@@ -112,7 +112,7 @@ def _with_kinematics(state: TrustState, seen: Observation) -> TrustState:
     since = len(state.visits) - (0 if state.rehearsed else len(seen.displacement))
     if state.kinematics is None and since not in ASKED:
         return state
-    found = fit_kinematics(seen_at(state.known), seen.noise_px, seen.rectification, state.kinematics)
+    found = fit_kinematics(observations_of(state.known), seen.noise_px, seen.rectification, state.kinematics)
     return replace(state, kinematics=found)
 
 
@@ -132,7 +132,7 @@ def _by_images(state: TrustState, seen: Observation, strayed: NDArray) -> tuple[
     if np.abs(sent.displacement - last).max() < CLOSE:
         here, been = replace(sent, displacement=last), False
     else:
-        here, been = standing(state.known, sent, seen.noise_px)
+        here, been = localise(state.known, sent, seen.noise_px)
     still = been and np.array_equal(here.displacement, last)
     if been and state.promised is not None:
         barred = still and np.abs(sent.displacement - last).max() > ALL_OF * state.radius

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
-from ..images.learned import Images, Learned
 from ..least_squares import Minimum, minimise
 from ..observation import Observation
 from .convergence import Certificate, certify
+from .image_models import ImageData, ImageModel
 from .local_model import UNTOLD, Known, enough_points, fitted_points, survey
 
 GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
@@ -41,7 +41,7 @@ class Outlook:
     points are foretold for any E."""
 
     E: float
-    model: Images
+    model: ImageModel
     found: Minimum
     certify: Callable[[NDArray], Certificate] | None
 
@@ -61,7 +61,7 @@ class Outlook:
         return doubt(self.found.E, self.found)
 
 
-def measure(learned: Learned, residuals: ResidualFunction, transfer: str | None, needed: int = 0) -> Measured:
+def measure(learned: ImageData, residuals: ResidualFunction, transfer: str | None, needed: int = 0) -> Measured:
     """E at all postures visited, noise averaged over them. transfer: another than the chosen one; needed: points that
     must tell E at the best of them, if any has so many.
 
@@ -77,7 +77,7 @@ def measure(learned: Learned, residuals: ResidualFunction, transfer: str | None,
 
 
 def _measure_by(
-    most: float, learned: Learned, residuals: ResidualFunction, transfer: str | None, needed: int
+    most: float, learned: ImageData, residuals: ResidualFunction, transfer: str | None, needed: int
 ) -> Measured:
     """As `measure`; most: px, standard deviation up to which a point that is not seen is as good as one that is."""
     own, known = _completed(learned, most)
@@ -91,7 +91,7 @@ def _measure_by(
     )
 
 
-def _own_share(learned: Learned, best: int) -> float:
+def _own_share(learned: ImageData, best: int) -> float:
     """The variance of the own images that are compared, as a share of that of a single image.
 
     Kinematics average the noise of many visits. Without them, and where a point that rests has the same image to the
@@ -100,7 +100,7 @@ def _own_share(learned: Learned, best: int) -> float:
     return 1.0 if learned.kinematics is None or _repeats(learned, best) else OWN_SHARE
 
 
-def _repeats(learned: Learned, best: int) -> bool:
+def _repeats(learned: ImageData, best: int) -> bool:
     """Whether some point has the very image of one visit at another posture."""
     here, others = learned.visits[best], [visit for k, visit in enumerate(learned.visits) if k != best]
     apart = (visit for visit in others if (visit.displacement != here.displacement).any())
@@ -108,7 +108,7 @@ def _repeats(learned: Learned, best: int) -> bool:
 
 
 def look_out(
-    learned: Learned,
+    learned: ImageData,
     measured: Measured,
     radius: float,
     seen: Observation,
@@ -117,8 +117,8 @@ def look_out(
 ) -> Outlook:
     """Within so many rad of the best posture visited. seen: at the last visit."""
     best, noise_reference = measured.best, measured.noise_reference
-    model = learned.about(best)
-    asked = model.only(measured.points[best])
+    model = learned.fit(best)
+    asked = model.restrict(measured.points[best])
     found = _search(model, radius, seen, lambda theta: residuals(asked.predict(theta), transfer, noise_reference))
     E = float(measured.E[best])
     if transfer is not None or not np.isfinite(found.E):
@@ -144,7 +144,7 @@ def doubt(E: float, found: Minimum) -> float:
     return float(np.sqrt(2 * E / max(told[0] if len(told) else curvatures[0], 1e-12)))
 
 
-def _completed(learned: Learned, most: float) -> tuple[NDArray, NDArray]:
+def _completed(learned: ImageData, most: float) -> tuple[NDArray, NDArray]:
     """Of all visits, as they tell of each other: images (n, N, 4) px, their noise averaged, points not seen completed;
     and which points are known there, (n, N) bool: that were seen, or are told well, to `most` px."""
     visits, noise_px = learned.visits, learned.noise_px
@@ -153,10 +153,10 @@ def _completed(learned: Learned, most: float) -> tuple[NDArray, NDArray]:
     unseen = np.isnan(own)
     if noise_px == 0 and not unseen.any():
         return own, seen
-    model = learned.about()
+    model = learned.fit()
     displacement = np.array([visit.displacement for visit in visits])
     told = model.predict(displacement)
-    known = seen if seen.all() else seen | (model.spread(displacement) < most)
+    known = seen if seen.all() else seen | (model.prediction_std(displacement) < most)
     return (told if noise_px > 0 else np.where(unseen, told, own)), known
 
 
@@ -187,7 +187,7 @@ def last_least(E: NDArray) -> int:
     return int(np.flatnonzero(E <= E.min() * (1 + EQUAL))[-1])
 
 
-def _search(model: Images, radius: float, seen: Observation, residual_at) -> Minimum:
+def _search(model: ImageModel, radius: float, seen: Observation, residual_at) -> Minimum:
     """argmin of the predicted E within the region and the limits: the best of many candidates, refined."""
     low, high = np.maximum(seen.lower, model.centre - radius), np.minimum(seen.upper, model.centre + radius)
     m = len(low)

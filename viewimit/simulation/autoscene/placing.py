@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...geometry.rigid import rigid_transform, rotation_about_axis
 from ..camera import Camera, Cameras, Lens, StereoHead
 from ..robot import Robot
-from ..urdf.tree import MARGIN
+from ..urdf.tree import REST_MARGIN
 from .surface import Surface
 
 IMAGE, FOCAL, CENTRE = (640, 240), 256.0, (320.0, 120.0)  # px
@@ -83,7 +83,7 @@ class Placing:
         return True
 
 
-def placed(places: NDArray, lowest: float, yaw: float) -> Placing:
+def fit_to_view(places: NDArray, lowest: float, yaw: float) -> Placing:
     """The nearest at which all places are seen. places: (..., 3) m in the base frame, wherever they come."""
     flat = places.reshape(-1, 3)
     centre = (flat.min(0) + flat.max(0)) / 2
@@ -95,7 +95,7 @@ def placed(places: NDArray, lowest: float, yaw: float) -> Placing:
     return found
 
 
-def parted(placing: Placing, body: NDArray) -> Placing:
+def separate_robots(placing: Placing, body: NDArray) -> Placing:
     """As large as that or larger, up to MOST_APART, so that the robots do not stand in each other; as it is where they
     would all the same, as on a rail that is longer than any room. body: as of `bodies_meet`."""
     for size in _sizes(placing.size):
@@ -121,14 +121,14 @@ ROUND_DEG = 10.0  # ranges wider than that end at whole degrees
 def movable(robot: Robot) -> list[int]:
     """Numbers, from 1, of the joints that can imitate."""
     spans = np.degrees(robot.upper - robot.lower)
-    return [joint for joint in robot.free if spans[joint - 1] >= LEAST_DEG]
+    return [joint for joint in robot.movable_joints if spans[joint - 1] >= LEAST_DEG]
 
 
 def resting(robot: Robot) -> NDArray:
     """(n,) rad: each joint as near to 0 as it can be and well within its limits."""
-    inside = MARGIN * (robot.upper - robot.lower)
+    inside = REST_MARGIN * (robot.upper - robot.lower)
     rest = np.clip(0.0, robot.lower + inside, robot.upper - inside)
-    return np.array(robot.coupled(rest), float)
+    return np.array(robot.with_mimics(rest), float)
 
 
 def turning_range(robot: Robot, joint: int, rest: NDArray) -> tuple[float, float]:

@@ -13,20 +13,20 @@ from numpy.typing import NDArray
 
 from ..camera import Cameras
 from ..robot import Robot
-from ..urdf.chain import Chain, arm_of
+from ..urdf.chain import Chain, find_arm
 from ..urdf.reference import Reference
 from ..urdf.shapes import Shapes, shapes_of
-from ..urdf.tree import FREE, KINDS, MARGIN, SLIDING, Tree, read_tree
+from ..urdf.tree import FREE, KINDS, REST_MARGIN, SLIDING, Tree, read_tree
 from .placing import (
     CENTRE,
     FOCAL,
     IMAGE,
     Placing,
+    fit_to_view,
     image_jacobian,
     movable,
-    parted,
-    placed,
     resting,
+    separate_robots,
     turning_range,
     two_that_move_most,
 )
@@ -40,16 +40,16 @@ START = 0.2, 0.8, 0.35  # of the moving joints' ranges, where the learner starts
 
 
 @dataclass(frozen=True)
-class Derived:
+class AutoScene:
     """fields: as `msgspec` makes a Scene of them; said: lines about what was chosen; faults: about what is not
     drawn."""
 
     fields: dict
-    said: tuple[str, ...]
+    choices: tuple[str, ...]
     faults: tuple[str, ...]
 
 
-def derive(reference: Reference, joints: Sequence[int] | None = None) -> Derived:
+def make_scene(reference: Reference, joints: Sequence[int] | None = None) -> AutoScene:
     """joints: numbers, from 1, of those that move, one or two; None takes the two that move the image most.
 
     Raises ValueError that names the file, and the joint, for what cannot be.
@@ -60,8 +60,8 @@ def derive(reference: Reference, joints: Sequence[int] | None = None) -> Derived
 
 
 @lru_cache(16)
-def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int, ...] | None) -> Derived:
-    arm = arm_of(tree, reference.base, reference.tip)
+def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int, ...] | None) -> AutoScene:
+    arm = find_arm(tree, reference.base, reference.tip)
     robot = Robot.from_urdf(reference.path, reference.tip, reference.base)
     among = movable(robot)
     _require_movable(tree, arm, robot, among, joints)
@@ -71,23 +71,23 @@ def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int
     yaw, moving = _best_view(robot, rest, surface, lowest, among if joints is None else joints, joints is not None)
     ranges = [turning_range(robot, joint, rest) for joint in moving]
     rest[np.array(moving) - 1] = np.radians(np.mean(ranges, axis=1))
-    rest = np.array(robot.coupled(rest), float)
+    rest = np.array(robot.with_mimics(rest), float)
     postures = _over(robot, rest, moving, ranges)
     sides = [surface.at(robot.link_frames(posture)) for posture in postures]
-    rough = placed(np.array([places for places, _ in sides]), lowest, yaw)
+    rough = fit_to_view(np.array([places for places, _ in sides]), lowest, yaw)
     seen = _seen(rough, sides)
     part = parts_of(surface.link, moving)
     places = surface.at(robot.link_frames(rest))[0]
     layouts = {count: chosen for count in LAYOUTS if len(chosen := layout(surface, places, seen, part, count)) == count}
     used = np.unique(np.concatenate(list(layouts.values())))
-    placing = placed(np.array([places[used] for places, _ in sides]), lowest, yaw)
-    placing = parted(placing, whole(shapes.meshes, robot, rest))
+    placing = fit_to_view(np.array([places[used] for places, _ in sides]), lowest, yaw)
+    placing = separate_robots(placing, whole(shapes.meshes, robot, rest))
     fields = _fields(tree, reference, robot, moving, ranges, rest, placing)
     fields["points"] = {
         str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]
         for count, chosen in layouts.items()
     }
-    return Derived(fields, tuple(_said(tree, arm, robot)), shapes.faults)
+    return AutoScene(fields, tuple(_said(tree, arm, robot)), shapes.faults)
 
 
 def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joints: tuple[int, ...] | None) -> None:
@@ -129,7 +129,7 @@ def _best_view(
     places, _ = surface.at(robot.link_frames(rest))
     best: tuple[float, float, list[int]] = (-1.0, 0.0, [])
     for yaw in np.radians(YAWS_DEG):
-        placing = placed(places, lowest, yaw)
+        placing = fit_to_view(places, lowest, yaw)
         J = np.concatenate(
             [
                 image_jacobian(robot, rest, surface, Cameras(placing.cameras(side)), placing.base(side))
@@ -153,7 +153,7 @@ def _over(robot: Robot, rest: NDArray, moving: Sequence[int], ranges: Sequence[t
     for angles in np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(moving)):
         posture = rest.copy()
         posture[np.array(moving) - 1] = angles
-        found.append(np.array(robot.coupled(posture), float))
+        found.append(np.array(robot.with_mimics(posture), float))
     return found
 
 
@@ -216,7 +216,7 @@ def _said(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
     lines = [f"{tree.path}: {arm.base} to {arm.tip}, {len(robot.joints)} joints: {_numbered(robot)}"]
     for joint in arm.joints:
         if joint.kind in SLIDING:
-            lines.append(f"{tree.path}: {joint.name} slides, and is held at {tree.rest(joint, MARGIN):.4g} m")
+            lines.append(f"{tree.path}: {joint.name} slides, and is held at {tree.rest(joint, REST_MARGIN):.4g} m")
     for one in robot.joints:
         if one.leader is not None:
             lines.append(f"{tree.path}: {one.name} follows {robot.joints[one.leader.joint].name}")

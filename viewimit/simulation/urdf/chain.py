@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .tree import MARGIN, SLIDING, TURNING, Tree, TreeJoint
+from .tree import REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
 
 FINGER = re.compile(r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE)  # in the name of a joint, or of what it moves
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # in the name of a joint; a link of that name may be the whole hand
@@ -23,7 +23,7 @@ class Chain:
     joints: tuple[TreeJoint, ...]
 
 
-def arm_of(tree: Tree, base: str | None = None, tip: str | None = None) -> Chain:
+def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Chain:
     """Raises ValueError that names the file for a link that is not there, a loop, or a chain in which nothing turns.
 
     Without a tip the chain with most joints that turn by themselves, and of those the longest in metres. Fingers are
@@ -57,7 +57,7 @@ def arm_of(tree: Tree, base: str | None = None, tip: str | None = None) -> Chain
     return Chain(arm[0].parent, tip or arm[-1].child, arm)
 
 
-def turning_of(arm: Chain) -> list[TreeJoint]:
+def turning_joints(arm: Chain) -> list[TreeJoint]:
     """The joints of an arm that turn, by themselves or with another one of it: those of `Robot`, in its order."""
     leaders = {joint.name for joint in arm.joints if joint.turns and joint.mimic is None}
     return [joint for joint in arm.joints if joint.turns and (joint.mimic is None or joint.mimic.of in leaders)]
@@ -137,12 +137,12 @@ def _reach(tree: Tree, joint: TreeJoint) -> float:
 # Which joint of the arm carries each link of a URDF, and where it then is.
 
 
-def carried_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray]]:
+def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray]]:
     """By link: the number of the arm's joint that carries it rigidly, 0 = base, and T_carrier_link (4, 4).
 
     Numbers are those of `Robot.joints`; all that is no joint of the arm is at rest.
     """
-    number = {joint.name: k for k, joint in enumerate(turning_of(arm), 1)}
+    number = {joint.name: k for k, joint in enumerate(turning_joints(arm), 1)}
     on_the_way = {joint.name for joint in arm.joints}
     hanging: dict[str, list[TreeJoint]] = {}
     for joint in tree.joints:
@@ -157,7 +157,7 @@ def carried_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray]]:
             if joint.name in number:
                 frames[joint.child] = number[joint.name], np.eye(4)
             else:
-                margin = MARGIN if joint.name in on_the_way else 0.0
+                margin = REST_MARGIN if joint.name in on_the_way else 0.0
                 frames[joint.child] = carrier, T_carrier_link @ joint.at(tree.rest(joint, margin))
             waiting.append(joint.child)
     return frames

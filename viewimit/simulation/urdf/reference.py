@@ -25,7 +25,7 @@ QUOTED = str.maketrans({letter: f"%{ord(letter):02X}" for letter in "%&#"})
 
 @dataclass(frozen=True)
 class Reference:
-    """base, tip: links between which the arm is; None leaves that to `chain.arm_of`."""
+    """base, tip: links between which the arm is; None leaves that to `chain.find_arm`."""
 
     path: Path
     base: str | None = None

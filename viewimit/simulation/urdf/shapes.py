@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...sensing.files import MEGABYTE, read_bytes, read_npz
 from ..meshes import Mesh
-from .chain import Chain, arm_of, carried_frames
+from .chain import Chain, carrier_frames, find_arm
 from .mesh_files import MOST_BYTES, MOST_CARRIED, NotFound, creased, load_mesh, mesh_path, simplified
 from .reference import Reference
 from .tree import Shape, Tree, read_tree
@@ -36,9 +36,9 @@ class Shapes:
 
 
 def shapes_of(reference: Reference) -> Shapes:
-    """Raises ValueError as `read_tree` and `arm_of`; a mesh that cannot be had is a fault and a rod."""
+    """Raises ValueError as `read_tree` and `find_arm`; a mesh that cannot be had is a fault and a rod."""
     tree = read_tree(reference.path)
-    return shapes_in(tree, arm_of(tree, reference.base, reference.tip).base, reference)
+    return shapes_in(tree, find_arm(tree, reference.base, reference.tip).base, reference)
 
 
 @lru_cache(8)
@@ -58,8 +58,8 @@ def shapes_in(tree: Tree, base: str, reference: Reference) -> Shapes:
 
 def _made(tree: Tree, reference: Reference) -> tuple[dict[int, Mesh], list[str]]:
     """Meshes by link number, and what could not be had for them, each once."""
-    arm = arm_of(tree, reference.base, reference.tip)
-    frames = carried_frames(tree, arm)
+    arm = find_arm(tree, reference.base, reference.tip)
+    frames = carrier_frames(tree, arm)
     parts: dict[int, list[trimesh.Trimesh]] = {}
     missing: dict[str, None] = {}
     bare: set[int] = set()  # links of which something is not drawn

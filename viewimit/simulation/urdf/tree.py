@@ -28,7 +28,7 @@ MOST_LENGTH = 1e6  # m or rad, and all other numbers but limits
 MOST_LIMIT = 1e18  # where some exporters put the limits of joints that have none
 LEAST_AXIS = 1e-9  # its length
 MOST_QUOTED = 80  # characters of what is wrong
-MARGIN = 0.2  # of its range, that a joint of the arm at rest stays away from its limits
+REST_MARGIN = 0.2  # of its range, that a joint of the arm at rest stays away from its limits
 
 
 @dataclass(frozen=True)

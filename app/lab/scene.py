@@ -1,0 +1,83 @@
+"""A scene as numbers for the lab's engine, to the last digit."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.drawing.svg import joint_symbol
+from viewimit.simulation.camera import Camera
+from viewimit.simulation.scene import Scene
+from viewimit.simulation.world import World
+
+MOVING_JOINTS = 2  # the map of E has as many axes
+
+
+def require_scene(scene: Scene) -> None:
+    """Raise ValueError for a scene that the engine cannot compute."""
+    count = len(scene.moving_joints)
+    if count != MOVING_JOINTS:
+        raise ValueError(f"the lab needs {MOVING_JOINTS} moving joints, this scene has {count}: choose --joints")
+    head = scene.stereo_head()
+    if head.left.bends or head.right.bends:
+        raise ValueError("the lab has pinhole cameras: this scene's lenses distort their images")
+
+
+def engine_scene(scene: Scene) -> dict[str, Any]:
+    """Return a scene as app/lab/engine/world.js documents it.
+
+    Raises
+    ------
+    ValueError
+        For a scene of other than two moving joints, or with lenses that distort.
+    """
+    require_scene(scene)
+    world = World(scene, min(map(int, scene.points)))
+    chain, links = world.robot.held(np.radians(scene.posture_deg), scene.moving)
+    free = [k for k, joint in enumerate(chain.joints) if joint.leader is None]
+    joints = []
+    for k, joint in enumerate(chain.joints):
+        leader = joint.leader
+        joints.append(
+            {
+                "T": _rows(joint.T_parent_joint),
+                "axis": (joint.axis / np.linalg.norm(joint.axis)).tolist(),
+                "joint": free.index(k if leader is None else leader.joint),
+                "multiplier": 1.0 if leader is None else leader.multiplier,
+                "offset": 0.0 if leader is None else leader.offset,
+            }
+        )
+    layouts = {}
+    for count in sorted(map(int, scene.points)):
+        body = links.points(scene.body_points(count))
+        layouts[str(count)] = [{"on": int(on), "at": at.tolist()} for on, at in zip(body.link, body.local)]
+    return {
+        "title": scene.title,
+        "joints": [joint_symbol(joint) for joint in scene.moving_joints],
+        "lower": scene.lower.tolist(),
+        "upper": scene.upper.tolist(),
+        "demonstrator": np.radians(scene.posture_deg)[scene.moving].tolist(),
+        "start": np.radians(scene.start_deg).tolist(),
+        "chain": joints,
+        "links": [{"on": int(on), "T": _rows(T)} for on, T in zip(links.link, links.T_chain_link)],
+        "bases": {"demonstrator": _rows(world.T_world_demo), "learner": _rows(world.T_world_own)},
+        "cameras": [_camera(camera) for camera in (*world.demo_cameras, *world.own_cameras)],
+        "layouts": layouts,
+    }
+
+
+def _camera(camera: Camera) -> dict[str, Any]:
+    T = camera.T_world_camera
+    return {
+        "rotation": T[:3, :3].ravel().tolist(),
+        "centre": T[:3, 3].tolist(),
+        "focal": list(map(float, camera.lens.focal)),
+        "principal": list(map(float, camera.lens.centre)),
+        "width": camera.width,
+        "height": camera.height,
+    }
+
+
+def _rows(T: NDArray[np.float64]) -> list[float]:
+    """(4, 4) → its first three rows, one after the other."""
+    return np.asarray(T, float)[:3].ravel().tolist()

@@ -1,0 +1,278 @@
+"""The servos by name, and what is said about each: title, prose, LaTeX and storage.
+
+The mathematics of a servo is in its own module. Only `servo` is required of an entry; all other fields have defaults.
+"""
+
+import warnings
+from collections import UserDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
+from ..estimation.residuals import ResidualFunction
+from .broyden import Broyden, BroydenState
+from .gradient import RETUNED, Gradient, GradientOptions, GradientState
+from .image_jacobian import MIN_STEP_RAD, BroydenModel, RecursiveJacobian
+from .observation import Observation, Visit
+from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, KalmanState, RecursiveState
+from .servo import LastMotion, Retargetable, Servo
+from .status import ServoStatus
+from .trust_region.algorithm import TrustRegion
+
+SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
+DESCRIPTIONS = {  # attributes by which servos of earlier versions described themselves → fields of `ServoMethod`
+    "title": "title",
+    "assumes": "assumes",
+    "fails": "limitations",
+    "slow": "slow",
+    "predicts": "predicts",
+    "stored": "stored",
+    "equations": "equations",
+    "says": "describe_status",
+}
+
+
+@dataclass(kw_only=True)
+class ServoMethod:
+    """A servo with everything that is said about it."""
+
+    servo: Servo
+    title: str = ""  # in dropdowns; by default the name of its class
+    assumes: str = ""  # one sentence: when it works
+    limitations: str = ""  # one sentence: where it fails
+    slow: bool = False  # whether it makes hundreds of motions
+    predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
+    stored: tuple[type, ...] = ()  # dataclasses of its state, nested ones too, of arrays, scalars, strings and tuples
+    equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
+    describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
+
+    def __post_init__(self) -> None:
+        self.title = self.title or type(self.servo).__name__
+
+    @property
+    def fails(self) -> str:
+        """As `limitations`."""
+        return self.limitations
+
+    def start(self, observation: Observation) -> Any:
+        """Return the state before the first motion."""
+        return self.servo.start(observation)
+
+    def step(
+        self, state: Any, observation: Observation, residuals: ResidualFunction
+    ) -> tuple[Any, NDArray[np.float64]]:
+        """Return the next state and the motion to make, (m,) rad."""
+        return self.servo.step(state, observation, residuals)
+
+    def retarget(self, state: Any, observation: Observation) -> Any:
+        """Return the state after E has changed by itself; by default start again."""
+        if isinstance(self.servo, Retargetable):
+            return self.servo.retarget(state, observation)
+        return self.servo.start(observation)
+
+
+def servo_method(given: ServoMethod | Servo) -> ServoMethod:
+    """Return a `ServoMethod` unchanged, or make one of an object with `start` and `step`.
+
+    Raises
+    ------
+    TypeError
+        For a class, or an object without these methods.
+    """
+    if isinstance(given, ServoMethod):
+        return given
+    if isinstance(given, type):
+        raise TypeError(f"the servo {given.__name__} is a class; make one, {given.__name__}(…)")
+    missing = [said for name, said in SIGNATURES.items() if not callable(getattr(given, name, None))]
+    if missing:
+        raise TypeError(f"the servo {given!r} has no {' and no '.join(missing)}: see viewimit.servo.Servo")
+    described: dict[str, Any] = {
+        field: getattr(given, name) for name, field in DESCRIPTIONS.items() if hasattr(given, name)
+    }
+    if described:
+        words = f"give {', '.join(described)} to ServoMethod(servo=…), not to the servo itself"
+        warnings.warn(words, DeprecationWarning, stacklevel=3)
+    return ServoMethod(servo=given, **described)
+
+
+class Servos(UserDict[str, ServoMethod]):
+    """Servos by name. Assign a `ServoMethod`, or an object with `start` and `step`; TypeError for anything else."""
+
+    def __setitem__(self, name: str, given: ServoMethod | Servo) -> None:
+        super().__setitem__(name, servo_method(given))
+
+
+_GRADIENT_LAW = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
+_BROYDEN_LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
+_KALMAN_LAW, _KALMAN_FILTER = r"𝐮=-g\,\hat{𝐉}_e^{+}𝐞", r"𝐤=\frac{𝐏𝐡}{r+𝐡^{\top}𝐏𝐡}"
+_GAUSS_NEWTON_LAW = r"𝐮=-(\hat{𝐉}_e^{\top}\hat{𝐉}_e+\mu 𝐃)^{-1}\hat{𝐉}_e^{\top}𝐞"
+_WEIGHTED_LEAST_SQUARES = r"\hat{𝐉}=\mathrm{arg\,min}\sum_i\lambda^{k-i}\,|Δ𝐲_i-𝐉𝐡_i|^2"
+
+
+def _gradient_equations(
+    options: GradientOptions, state: GradientState | None, motion: LastMotion
+) -> tuple[Equation, ...]:
+    if state is None:
+        first = tuple(number(value) for value in options.jacobian)
+        return (Equation("(13), (14)", "no motion yet", rf"{_GRADIENT_LAW},\quad\hat{{𝐉}}_0={row(len(first))}", first),)
+    u = -options.gain * state.jacobian * state.E
+    m = len(u)
+    note = "Ĵ learned from own motions, px² a degree; K fixed."
+    if np.any(np.abs(np.degrees(motion.moved) - u) > 0.005):
+        bound = f"bound {options.max_step_deg:g}°" if np.isfinite(options.max_step_deg) else "limits"
+        note = f"Ĵ learned, K fixed. Made ({angles(motion.moved)}): {bound}{', dither' if options.dither_deg else ''}."
+    latex = rf"{_GRADIENT_LAW}=-{HOLE}\cdot{column(m)}\cdot{HOLE}={column(m)}"
+    requested = (angle + "°" for angle in each(u, 2))
+    numbers = (f"{options.gain:g}", *each(state.jacobian, 2), short(state.E), *requested)
+    return (Equation("(13)", "this motion", latex, numbers, note, wide=True),)
+
+
+def _describe_gradient(state: GradientState, status: ServoStatus) -> str:
+    return f"not lower for {state.n_since_best} motions" if status == ServoStatus.NO_PROGRESS else ""
+
+
+def _broyden_equations(state: BroydenState | None, motion: LastMotion) -> tuple[Equation, ...]:
+    if state is None:
+        return (Equation("", "no motion yet", _BROYDEN_LAW, wide=True),)
+    if state.probe:
+        note = f"This motion, ({angles(motion.moved)}), is a probe: it teaches a first column of J."
+    else:
+        note = f"D = {np.degrees(state.radius):.3g}°. {_broyden_outcome(state, motion)}"
+    return (Equation("", "servo: the images are learned, not E", _BROYDEN_LAW, note=note),)
+
+
+def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
+    """Predicted and actual reduction of the last motion.
+
+    If points are hidden, E at its ends is of different points. Then the motion before is shown, which has been judged
+    on points known at both ends.
+    """
+    if motion.status in (ServoStatus.SETTLED, ServoStatus.NO_PROGRESS):
+        return f"The next step would be below {np.degrees(MIN_STEP_RAD):g}°: the servo rests."
+    if state.predicted_reduction is None or state.best_E is None or not np.isfinite(motion.E):
+        return ""
+    made = f"θ* − c = ({angles(motion.displacement - state.best.displacement)}). "
+    predicted = f"E was to fall by <b>{short(state.predicted_reduction)}</b>"
+    if motion.seen.all() and state.best.seen.all():
+        return f"{made}{predicted}, and fell by <b>{short(state.best_E - motion.E)}</b> px²."
+    if state.reductions is None:
+        return f"{made}{predicted} px²."
+    before = " Before: to fall by <b>{}</b>, fell by <b>{}</b> px²."
+    return f"{made}{predicted} px².{before.format(*map(short, state.reductions))}"
+
+
+def _describe_broyden(state: BroydenState, status: ServoStatus) -> str:
+    if status == ServoStatus.MOVING:
+        return "a probe, to learn how the images move" if state.probe else ""
+    return f"next step under {np.degrees(MIN_STEP_RAD):g}°" if status == ServoStatus.SETTLED else ""
+
+
+def _probe_note(motion: LastMotion) -> str:
+    return f"This motion, ({angles(motion.moved)}), is a probe: it teaches a first column of Ĵ."
+
+
+def _kalman_equations(state: KalmanState | None, motion: LastMotion) -> tuple[Equation, ...]:
+    if state is None:
+        return (
+            Equation("", "no motion yet", _KALMAN_LAW),
+            Equation("", "filter of the image Jacobian", _KALMAN_FILTER),
+        )
+    latex, numbers = rf"𝐡^{{\top}}𝐤={HOLE},\quad {_KALMAN_FILTER}", (number(state.model.mean_gain, 2),)
+    share = Equation("", "filter: share believed of what was seen", latex, numbers)
+    title = "servo: a share of the residual a motion"
+    if state.probe:
+        return (Equation("", title, _KALMAN_LAW, note=_probe_note(motion)), share)
+    latex = rf"{_KALMAN_LAW}={column(len(state.requested))},\quad g={HOLE}"
+    requested = tuple(angle + "°" for angle in each(np.degrees(state.requested), 2))
+    return (Equation("", title, latex, (*requested, f"{KALMAN_GAIN:g}"), wide=True), share)
+
+
+def _gauss_newton_equations(state: GaussNewtonState | None, motion: LastMotion) -> tuple[Equation, ...]:
+    fit = Equation("", "Jacobian: least squares with forgetting", _WEIGHTED_LEAST_SQUARES, wide=True)
+    title = "servo: damped Gauss-Newton"
+    if state is None:
+        return (Equation("", "no motion yet", _GAUSS_NEWTON_LAW, wide=True), fit)
+    if state.probe:
+        return (Equation("", title, _GAUSS_NEWTON_LAW, note=_probe_note(motion), wide=True), fit)
+    requested = tuple(angle + "°" for angle in each(np.degrees(state.requested), 2))
+    latex = rf"{_GAUSS_NEWTON_LAW}={column(len(requested))},\quad\mu={HOLE}"
+    return (Equation("", title, latex, (*requested, number(state.damping, 4)), wide=True), fit)
+
+
+def _describe_recursive(state: RecursiveState, status: ServoStatus) -> str:
+    if status == ServoStatus.NO_PROGRESS:
+        return "no way on from here" if state.has_patience else f"not lower for {state.n_since_best} motions"
+    if status == ServoStatus.SETTLED:
+        return f"next step under {np.degrees(MIN_STEP_RAD):g}°"
+    return "a probe, to learn how the images move" if state.probe and status == ServoStatus.MOVING else ""
+
+
+def _gradient_method(servo: Gradient, **described: str) -> ServoMethod:
+    return ServoMethod(
+        servo=servo,
+        slow=True,
+        stored=(GradientState,),
+        equations=lambda state, motion: _gradient_equations(servo.options, state, motion),
+        describe_status=_describe_gradient,
+        **described,  # type: ignore[arg-type]
+    )
+
+
+TRUST_REGION = TrustRegion()
+SERVOS = Servos(
+    {
+        "gradient": _gradient_method(
+            Gradient(),
+            title="Gradient (paper)",
+            assumes="That E is convex, and that a gradient learned on the way stays true.",
+            limitations="The input fades with E and the gradient goes stale: thousands of motions, mostly in vain.",
+        ),
+        "gradient-retuned": _gradient_method(
+            Gradient(RETUNED),
+            title="Gradient, retuned",
+            assumes="The same, with a larger gain, bounded steps and a dither that keeps the gradient fresh.",
+            limitations="Hundreds of motions; it never stands still, so it never says that it has arrived.",
+        ),
+        "broyden": ServoMethod(
+            servo=Broyden(),
+            title="Broyden on images",
+            assumes="That the images follow the joints nearly linearly; E is predicted, not tried.",
+            limitations="Flat valleys and missing points: it may stop degrees away, and cannot tell if it arrived.",
+            stored=(BroydenState, BroydenModel, Visit),
+            equations=_broyden_equations,
+            describe_status=_describe_broyden,
+        ),
+        "kalman": ServoMethod(
+            servo=Kalman(),
+            title="Kalman filter",
+            assumes="That the image Jacobian changes little from motion to motion, and e is small enough to be linear.",
+            limitations="Far from the goal: long motions change the Jacobian more than its filter allows, unchecked.",
+            stored=(KalmanState, RecursiveJacobian, Visit),
+            equations=_kalman_equations,
+            describe_status=_describe_recursive,
+        ),
+        "gauss-newton": ServoMethod(
+            servo=GaussNewton(),
+            title="Damped Gauss-Newton",
+            assumes="That the images are linear in the joints over the last few motions, and E in one valley.",
+            limitations="Where the Jacobian of some motions ago misleads: it damps its motions until it stands still.",
+            stored=(GaussNewtonState, RecursiveJacobian, Visit),
+            equations=_gauss_newton_equations,
+            describe_status=_describe_recursive,
+        ),
+        "trust-region": ServoMethod(
+            servo=TRUST_REGION,
+            title=TRUST_REGION.title,
+            assumes=TRUST_REGION.assumes,
+            limitations=TRUST_REGION.fails,
+            predicts=True,
+            stored=TRUST_REGION.stored,
+            equations=TRUST_REGION.equations,
+            describe_status=TRUST_REGION.says,
+        ),
+    }
+)

@@ -5,7 +5,7 @@ import pytest
 from axle_markers import axle_markers, in_plane, one_pair
 from sameness import error_deg
 
-from viewimit.experiments.bench.surface import SurfaceEyes
+from viewimit.experiments.bench.draws import SurfaceEyes
 from viewimit.loop.prediction import PredictedResiduals
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

@@ -25,7 +25,7 @@ from viewimit.estimation.transfers import linear_combination, rank3
 from viewimit.estimation.transfers.noise import noise_weight
 from viewimit.estimation.transfers.weighted import Weighted
 from viewimit.estimation.views import FourViews
-from viewimit.experiments.bench.random_scenes import draw, resize, write
+from viewimit.experiments.bench.draws import draw_scene, resize, write_scene
 from viewimit.geometry.rectification import level, rectification_of
 from viewimit.loop.prediction import PredictedResiduals
 from viewimit.loop.session import Session
@@ -41,7 +41,7 @@ SINGLE, TOGETHER = 5.0, 4.0  # standard deviations
 def rig_of(any_head, k):
     """Views in the demonstrator's posture, all exact, the head's geometry, and the scene."""
     rng = np.random.default_rng([int(any_head), k])
-    drawn = draw(rng, any_head)
+    drawn = draw_scene(rng, any_head)
     world = World(drawn.scene, drawn.points)
     resize(world, drawn.size)
     there, *visited = rng.uniform(world.scene.lower, world.scene.upper, (1 + VISITED, 2))
@@ -134,7 +134,7 @@ def test_what_a_servo_asks_at_the_true_posture_is_that_noise(any_head, tmp_path)
     offs = []
     for k in range(RIGS):
         views, head, drawn, rng = rig_of(any_head, k)
-        scene = str(write(drawn.scene, tmp_path, "random"))
+        scene = str(write_scene(drawn.scene, tmp_path, "random"))
         now = Session(Settings.best(scene=scene, points=drawn.points)).snapshot
         now = now.with_fields(rectification=head if any_head else None)
         squares = drawn_squares(views, 1.0, partial(asked, now, views.own), rng)

@@ -18,6 +18,7 @@ from ...loop.settings import MOST_SEED, USUAL_POINTS, Settings
 from ...loop.snapshot import Snapshot
 from ...servo import SERVOS
 from ...simulation.scene import Scene, load_scene
+from ..executors.executor import LocalPool
 from ..executors.study import Study
 
 WITHIN_DEG = (0.5, 1.0, 3.0)  # largest joint errors up to which runs are counted
@@ -80,6 +81,11 @@ class Context:
     progress: Callable[[str], AbstractContextManager[Progress]] = lambda name: nullcontext(no_progress)
     show: Callable[[str], None] = lambda line: None  # shows a line of the report as soon as it is known
 
+    @classmethod
+    def in_processes(cls, count: int) -> "Context":
+        """Make the runs in so many processes here; 1 is this one."""
+        return cls(Study(LocalPool(count)))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Benchmark:
@@ -122,8 +128,8 @@ class MethodOptions(Benchmark):
 
     def method(self, **changes: Any) -> Settings:
         """Return the best settings with this transfer and servo, and one frame at each posture."""
-        given = {"transfer": self.transfer, "servo": self.servo}
-        return Settings(frames=1, **{name: value for name, value in given.items() if value}, **changes)
+        changes |= {name: value for name in ("transfer", "servo") if (value := vars(self)[name])}
+        return Settings(frames=1, **changes)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -73,11 +73,11 @@ def _run(client: Any, work: Callable, batches: Sequence[tuple[int, Batch]]) -> I
     import distributed
 
     left, running, lost = iter(batches), dict[Any, tuple[int, bytes]](), dict[int, int]()
-    done = distributed.as_completed(loop=client.loop)
+    done, version = distributed.as_completed(loop=client.loop), code_version()
 
     def submit(number: int, packed: bytes) -> None:
         """Pickled, so that Dask does not look for tasks of its own among the tuples."""
-        future = client.submit(_carry_out, packed, code_version(), pure=False)
+        future = client.submit(_carry_out, packed, version, pure=False)
         running[future] = number, packed
         done.add(future)
 

@@ -161,11 +161,6 @@ class Study:
         return None if self.folder is None else self.folder.read(stage, number, work)
 
 
-def each(work: Callable, tasks: Sequence[tuple], workers: int | Study | None = None) -> Iterator:
-    """Yield work(*task) for every task, in their order, in a study or in so many processes (None: all processors)."""
-    return (workers if isinstance(workers, Study) else Study(LocalPool(workers))).each(work, tasks)
-
-
 def in_batches(tasks: Sequence[tuple]) -> list[tuple[int, Batch]]:
     """Divide tasks into numbered batches.
 

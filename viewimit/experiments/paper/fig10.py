@@ -82,6 +82,7 @@ def run(
     found = Fig10(*made, fitted, last.transfer, {})
     for k, (name, (moment, wanted)) in enumerate(asked.items()):
         share = SEEN_SHARE + (1 - SEEN_SHARE) * np.array([k, k + 1]) / len(asked)
+        assert moment.transfer is not None  # checked above
         followed = follow(session, moment.transfer, played, wanted, _within(tell, *share))
         found = replace(found, runs={**found.runs, name: followed})
         tell(float(share[1]), found)

@@ -22,7 +22,7 @@ from serving import Server
 from waiting import wait_until
 
 from viewimit.commands.cli import main
-from viewimit.geometry.blas_threads import take_one
+from viewimit.geometry.blas_threads import limit_blas_threads
 
 LONG = "test_types.py", "test_readme.py", "test_extension.py", "test_scenes.py"
 WAITING = (
@@ -36,7 +36,7 @@ WAITING = (
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
 os.environ["VIEWIMIT_CACHE"] = ""  # nothing of the user's own is read or written
-take_one()  # thread of linear algebra, as commands do; no test has loaded numpy yet
+limit_blas_threads()  # thread of linear algebra, as commands do; no test has loaded numpy yet
 # How long an example takes is the machine's matter; the examples are the same in every run
 hypothesis.settings.register_profile("patient", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("patient")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, norm
 
-from viewimit.estimation.residuals import conflict, noise_conflict
+from viewimit.estimation.noise import conflict_quantile
+from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.transfers.transfer import Transfer
 from viewimit.estimation.views import FourViews
@@ -53,13 +54,13 @@ def test_E_counts_as_noise_up_to_the_quantile_of_chi_square(freedom, deviations)
     """The cube root of χ² is normal up to terms of 1/freedom: 0.06/freedom of it here, and 4 % at most."""
     points, noise_px = 12, 0.3
     quantile = chi2.ppf(norm.cdf(deviations), freedom)
-    E = noise_conflict(points, freedom, noise_px, deviations)
+    E = conflict_quantile(points, freedom, noise_px, deviations)
     assert E == pytest.approx(noise_px**2 * quantile / (2 * points), rel=min(0.06 / freedom, 0.04))
 
 
 def test_noise_exceeds_that_E_as_rarely_as_the_deviations_say():
     rng, points, draws = np.random.default_rng(0), 10, 20_000
     e = 0.2 * rng.standard_normal((draws, points, 4))
-    exceeded = np.mean(conflict(e) > noise_conflict(points, 4 * points, 0.2, 2.0))
+    exceeded = np.mean(conflict(e) > conflict_quantile(points, 4 * points, 0.2, 2.0))
     surely = norm.sf(2.0)
     assert exceeded == pytest.approx(surely, abs=4 * np.sqrt(surely / draws))

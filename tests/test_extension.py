@@ -28,7 +28,7 @@ from viewimit.drawing import equations as drawing
 from viewimit.drawing import status
 from viewimit.estimation.equations import HOLE, Equation, number
 from viewimit.estimation.transfers import TRANSFERS, TransferMethod
-from viewimit.estimation.transfers.affine_map import AffineTransfer
+from viewimit.estimation.transfers.linear import AffineTransfer
 from viewimit.experiments import EXPERIMENTS, Experiment
 from viewimit.experiments.bench import speed
 from viewimit.experiments.paper import fig7, fig9
@@ -79,12 +79,12 @@ def ridge_equations(fitted, demo, own, name):
 RIDGE = TransferMethod(
     title="Ridge regression",
     assumes="That a little shrinkage hurts nobody.",
-    fails="Where it does.",
+    limitations="Where it does.",
     fit=fit_ridge,
     stored=(RidgeTransfer, Penalty),
     equations=ridge_equations,
     condition_name="cond ridge",
-    ill="the ridge is too narrow",
+    degenerate_message="the ridge is too narrow",
 )
 
 
@@ -207,7 +207,9 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
     assert last.servo_state.saved > 0 and f">{number(last.servo_state.saved, 6)}<" in page.shown
     assert page.shown.count(E_CURVE) == 1  # the curves
-    assert all(words in help_html("") for words in (RIDGE.assumes, RIDGE.fails, CAUTIOUS.assumes, CAUTIOUS.limitations))
+    assert all(
+        words in help_html("") for words in (RIDGE.assumes, RIDGE.limitations, CAUTIOUS.assumes, CAUTIOUS.limitations)
+    )
 
 
 def test_too_large_a_condition_is_said_in_the_transfers_words(monkeypatch):

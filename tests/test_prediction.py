@@ -3,24 +3,30 @@
 import msgspec
 import numpy as np
 
+from viewimit.estimation import prediction
+from viewimit.estimation.noise import HomographyResiduals
+from viewimit.estimation.prediction import VELOCITY_LOOKS, target_velocity
+from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.residuals import NoiseReference
-from viewimit.estimation.transfers.weighted import Weighted
 from viewimit.estimation.views import FourViews
-from viewimit.loop.prediction import DRIFT_MOMENTS, PredictedResiduals, demo_drift
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.loop.snapshot import Snapshot
-from viewimit.servo.trust_region.correspondences import exchanged, with_exchanged
+from viewimit.loop.snapshot import predicted_residuals
+from viewimit.servo.trust_region.correspondences import swapped, with_swapped
 
 
 def drift_of(session):
-    return demo_drift(session.history.recent(DRIFT_MOMENTS))
+    return velocity_of(session.history.recent(VELOCITY_LOOKS))
+
+
+def velocity_of(moments):
+    return target_velocity([moment.views for moment in moments])
 
 
 def test_a_servo_may_ask_another_transfer_and_for_weights():
     session = Session(Settings.paper(transfer="epipolar"))
     now = session.snapshot
-    ask, own = PredictedResiduals(now), now.views.own
+    ask, own = predicted_residuals(now), now.views.own
     np.testing.assert_allclose(ask(own), now.e)
     other = Session(Settings.paper(transfer="linear")).snapshot
     np.testing.assert_allclose(ask(own, "linear"), other.e)
@@ -32,7 +38,7 @@ def test_a_servo_may_ask_another_transfer_and_for_weights():
     assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
 
 
-def half_seen(session, points):
+def partially_visible(session, points):
     """Its present, [r] of these points hidden."""
     views = session.snapshot.views
     visible, demo = views.visible.copy(), views.demo.copy()
@@ -43,9 +49,9 @@ def half_seen(session, points):
 def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_transfer_that_can():
     session = Session(Settings.paper(transfer="projective"))
     there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
-    now = half_seen(session, [2, 7])
+    now = partially_visible(session, [2, 7])
     assert now.half_shown == 2 and now.shown == 8
-    ask = PredictedResiduals(now)
+    ask = predicted_residuals(now)
     assert ask(there).shape == (8, 4)
     e = ask.with_partially_visible()(there)
     assert e.shape == (10, 4) and np.abs(e).max() < 1e-8
@@ -57,8 +63,8 @@ def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_tran
     assert np.isposinf(ask.with_partially_visible()(np.full_like(there, np.nan))).all()
     np.testing.assert_array_equal(ask.with_partially_visible()(aside, "linear"), ask(aside, "linear"))
     pairs = ((2, 3),)
-    swapped = exchanged(there, pairs)
-    np.testing.assert_array_equal(with_exchanged(ask, pairs).with_partially_visible()(swapped), e)
+    own = swapped(there, pairs)
+    np.testing.assert_array_equal(with_swapped(ask, pairs).with_partially_visible()(own), e)
     for changed in ({"transfer": "epipolar"}, {"rectify": "off"}):
         settings = msgspec.structs.replace(now.settings, **changed)
         assert now.with_fields(settings=settings).half_shown == 0
@@ -69,11 +75,15 @@ def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_ali
     while session.snapshot.rectification is None and session.step():
         pass
     there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
-    now = half_seen(session, [1, 4, 9])
-    ask, own = PredictedResiduals(now, noise_px=0.2).with_partially_visible(), now.views.own
+    now = partially_visible(session, [1, 4, 9])
+    ask, own = predicted_residuals(now, noise_px=0.2).with_partially_visible(), now.views.own
     for like, weighed in ((there, True), (own + 40 * np.sin(own), False)):
         views = FourViews(now.views.demo, like, now.views.visible)
-        by = Weighted.like(views, now.rectification, 0.1) if weighed else Weighted.even(views, now.rectification)
+        by = (
+            HomographyResiduals.whitened_at(views, now.rectification, 0.1)
+            if weighed
+            else HomographyResiduals.unweighted(views, now.rectification)
+        )
         np.testing.assert_array_equal(
             ask(there, noise_reference=NoiseReference(like, 0.1)), by.residual(views.with_own(there))
         )
@@ -81,7 +91,7 @@ def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_ali
 
 def test_images_of_a_batch_are_answered_as_each_of_them():
     now = Session(Settings.paper(transfer="projective")).snapshot
-    ask, own = PredictedResiduals(now), now.views.own
+    ask, own = predicted_residuals(now), now.views.own
     batch = own + np.random.default_rng(0).normal(0, 2, (2, 3, *own.shape))
     for by in (None, "epipolar"):
         together = ask(batch, by)
@@ -95,29 +105,28 @@ def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays
         session.step()
     now, moments = session.snapshot, list(session.history)
     own = np.array([moment.views.own for moment in moments])
-    anew, fitted = PredictedResiduals(now)(own), []
-    fit = Snapshot.fit
-    monkeypatch.setattr(Snapshot, "fit", lambda self, *args: fitted.append(self) or fit(self, *args))
-    np.testing.assert_allclose(PredictedResiduals(now, moments=moments)(own), anew, atol=1e-10)
+    anew, fitted = predicted_residuals(now)(own), []
+    monkeypatch.setattr(prediction, "fit_transfer", lambda *args: fitted.append(args) or fit_transfer(*args))
+    np.testing.assert_allclose(predicted_residuals(now, past=moments)(own), anew, atol=1e-10)
     assert not fitted
     elsewhere = now.views.demo.copy()
     elsewhere[:, ::2] += 3.0 * np.arange(len(elsewhere))[:, None]
     moved = now.with_fields(views=FourViews(elsewhere, now.views.own, now.views.visible))
     other = now.with_fields(settings=msgspec.structs.replace(now.settings, transfer="linear"))
     for changed in (moved, other):
-        asked = PredictedResiduals(changed, moments=moments)(own)
-        np.testing.assert_allclose(asked, PredictedResiduals(changed)(own), atol=1e-10)
+        asked = predicted_residuals(changed, past=moments)(own)
+        np.testing.assert_allclose(asked, predicted_residuals(changed)(own), atol=1e-10)
         assert not np.allclose(asked, anew, atol=0.1)
     ahead = np.full_like(now.views.demo, 3.0) * np.arange(len(elsewhere))[:, None]
-    drifted = PredictedResiduals(now, ahead, moments=moments)(own)
-    np.testing.assert_allclose(drifted, PredictedResiduals(now, ahead)(own), atol=1e-10)
+    drifted = predicted_residuals(now, ahead, past=moments)(own)
+    np.testing.assert_allclose(drifted, predicted_residuals(now, ahead)(own), atol=1e-10)
 
 
 def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
     now = Session(Settings.paper(transfer="linear")).snapshot
     drift = np.full_like(now.views.demo, 3.0)
     ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
-    np.testing.assert_allclose(PredictedResiduals(now, drift)(now.views.own), ahead.e)
+    np.testing.assert_allclose(predicted_residuals(now, drift)(now.views.own), ahead.e)
 
 
 def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
@@ -129,10 +138,10 @@ def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_whe
     def of_frozen(by_px):
         return own - then.recover(now.views.demo_left + by_px, now.views.demo_right + by_px)
 
-    np.testing.assert_allclose(PredictedResiduals(now, drift, noise_px=0.5)(own), of_frozen(1.0))
-    assert not np.allclose(PredictedResiduals(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
-    assert not np.allclose(PredictedResiduals(now, drift)(own), of_frozen(1.0), atol=0.1)
-    assert not np.allclose(PredictedResiduals(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
+    np.testing.assert_allclose(predicted_residuals(now, drift, noise_px=0.5)(own), of_frozen(1.0))
+    assert not np.allclose(predicted_residuals(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_residuals(now, drift)(own), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_residuals(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
 
 
 def test_one_jump_of_the_demonstrator_is_no_drift():
@@ -157,12 +166,12 @@ def test_a_point_not_seen_on_the_way_has_no_drift_whatever_its_coordinates_were(
     for angle in (71, 72):
         session.step()
         session.pose(np.radians([angle, -40]))
-    moments = session.history.recent(DRIFT_MOMENTS)
+    moments = session.history.recent(VELOCITY_LOOKS)
     views = moments[1].views
     demo, visible = views.demo.copy(), views.visible.copy()
     demo[9], visible[9, 0] = 1e4, False
     seen = FourViews(demo, views.own, visible)
-    drift = demo_drift([moments[0], moments[1].with_fields(views=seen), moments[2]])
+    drift = target_velocity([moments[0].views, seen, moments[2].views])
     assert not drift[9].any()
-    np.testing.assert_array_equal(drift[:9], demo_drift(moments)[:9])
-    assert demo_drift(moments)[9].any()
+    np.testing.assert_array_equal(drift[:9], velocity_of(moments)[:9])
+    assert velocity_of(moments)[9].any()

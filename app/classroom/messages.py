@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 from msgspec import Meta
 
-from viewimit.drawing.export.panels import HILLS
+from viewimit.drawing.export.panels import SHADES
 
 from ..sessions.link import MOST_CHARS
 
@@ -51,7 +51,7 @@ class Summary(msgspec.Struct, **FIELDS):
     path: Annotated[tuple[Tenths, ...], Meta(max_length=2 * MOST_PATH)] = ()
     demo: tuple[Tenths, Tenths] | None = None
     plane: tuple[Tenths, Tenths, Tenths, Tenths] | None = None
-    hills: Annotated[bytes, Meta(max_length=HILLS[0] * HILLS[1])] = b""
+    hills: Annotated[bytes, Meta(max_length=SHADES[0] * SHADES[1])] = b""
     lesson: tuple[Text, Count, Count] | None = None
 
 

@@ -3,11 +3,11 @@
 from functools import partial
 
 from viewimit.drawing.export.panels import landscape_key
-from viewimit.drawing.transfers import draw_together, waiting
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
 
+from ..drawing.landscapes import draw_together, waiting
 from ..jobs.landscapes import ComparedTransfer, LandscapeWorker, make_compared
 from .queue import CommandQueue
 
@@ -35,7 +35,7 @@ class Comparison:
         """Ask anew if what is shown would differ."""
         if not self.on:
             return
-        asked = world, *landscape_key(snapshot, but=("transfer",))
+        asked = world, *landscape_key(snapshot, ignored=("transfer",))
         if asked == self._asked:
             return
         if self._asked is None or self._asked[0] is not world:

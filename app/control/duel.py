@@ -5,11 +5,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.convergence import ErrorTrace
-from viewimit.drawing.duel import ARRIVED_DEG, Standing
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 
+from ..drawing.duel import ARRIVED_DEG, Standing
 from ..jobs.camera_images import CameraProcess
 from ..jobs.session_eyes import SessionEyes
 from .player import DENSE, Player, Runner

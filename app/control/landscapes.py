@@ -4,7 +4,6 @@ from functools import partial
 
 import msgspec
 
-from viewimit.drawing import duel as drawing
 from viewimit.drawing.export.panels import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.estimation.equations import with_minus
@@ -13,6 +12,7 @@ from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
 
+from ..drawing import duel as drawing
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from ..jobs.landscapes import Ground, LandscapeWorker, make_ground
 from .commands.command import Arrival
@@ -61,8 +61,8 @@ class OwnLandscape:
             made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
         if made.world is self.made.world:
             self.made = made
-            if made.about is not None and made.about is self._about:
-                self._worker.ask(self._page_id, partial(make_landscape, made.world, made.about), self._take_later)
+            if made.to_refine is not None and made.to_refine is self._about:
+                self._worker.ask(self._page_id, partial(make_landscape, made.world, made.to_refine), self._take_later)
 
 
 class DuelLandscapes:

@@ -10,7 +10,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from viewimit.drawing.export.panels import farthest_off
+from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Eye
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -56,7 +56,7 @@ class PageModel:
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
         self.presets, self.past = self.undoable.presets, self.undoable.past
         self.word = ShownWord(self.undoable)
-        self.view, self.freedom = View(chosen=farthest_off(self.session.snapshot)), Freedom()
+        self.view, self.freedom = View(chosen=largest_residual(self.session.snapshot)), Freedom()
         self.moments = SeenMoments(self.session, self.player)
         beside = services.landscapes
         aside = partial(_aside, partial(beside.ask, page_id), queue)

@@ -5,20 +5,32 @@ from functools import partial
 from typing import NamedTuple
 
 from viewimit.drawing.curves import draw_curves
-from viewimit.drawing.duel import draw_errors_alone, draw_race
 from viewimit.drawing.equations import equations_of
 from viewimit.drawing.export.citation import Citation, cite, cite_both, cite_experiment, motions
-from viewimit.drawing.export.claims import draw_claims
-from viewimit.drawing.export.figures import Figure, beneath, four_images, laid_over, stacked, written
-from viewimit.drawing.export.formulas import TYPESETTER, can_typeset, draw_formulas, require_typesetter
+from viewimit.drawing.export.figures import (
+    INSTALL,
+    RENDERER,
+    TYPESETTER,
+    Figure,
+    append_below,
+    can_render,
+    can_typeset,
+    draw_claims,
+    encode,
+    four_images,
+    overlay,
+    require_typesetter,
+    stack,
+    typeset_equations,
+)
 from viewimit.drawing.export.perspective import Eye, draw_space
 from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.drawing.standalone import INSTALL, RENDERER, can_render
 from viewimit.drawing.theme import DRAWING_CSS
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.session import Session
 
+from ..drawing.duel import draw_errors_alone, draw_race
 from ..jobs.landscapes import LandscapeWorker
 from ..jobs.png_child import render
 from ..lessons.course import Course
@@ -81,7 +93,7 @@ class Saving:
         stage = course.stage
         if stage is None:
             raise ValueError("there is no figure here to be saved")
-        figure = stacked([draw_figures(stage, None)], f"{course.lesson.title}: {stage.step.title}")
+        figure = stack([draw_figures(stage, None)], f"{course.lesson.title}: {stage.step.title}")
         citation = cite(course.session.copy())
         self._make("picture", partial(_saved, f"viewimit-lesson.{form.lower()}", form, lambda: figure, citation))
 
@@ -109,25 +121,25 @@ def lacking() -> str:
 def require_form(form: str) -> None:
     """Raises ValueError for a PNG that cannot be made here."""
     if form == "PNG" and not can_render():
-        written("", ".png")
+        encode("", ".png")
 
 
 def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation) -> Saved:
     picture = draw().captioned(citation, DRAWING_CSS + LESSON_CSS)
-    return Saved(name, written(picture, f".{form.lower()}", render))
+    return Saved(name, encode(picture, f".{form.lower()}", render))
 
 
 def _images(state: PageState) -> Picture:
     moment, made = state.looked, f"after {motions(state.looked.motion)}"
     if state.view.rectified:
         bodies, _ = state.arms_in_images
-        return Picture.of(stacked([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}"))
+        return Picture.of(stack([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}"))
     return Picture.of(four_images(draw_shown(state), f"The learner’s four images {made}"))
 
 
 def _landscape(state: PageState) -> Picture:
     if state.transfers is not None:
-        return Picture.of(stacked([state.transfers], "E over the postures of the learner, by all transfers"))
+        return Picture.of(stack([state.transfers], "E over the postures of the learner, by all transfers"))
     if state.landscape is None:
         raise ValueError("the landscape is not there yet")
     picture, session = state.landscape.picture, state.session
@@ -135,7 +147,7 @@ def _landscape(state: PageState) -> Picture:
     title = "E over the postures of the learner, and its path"
     if len(session.scene.moving_joints) != 2:
         title = "What a pixel of noise costs at each joint"
-    return Picture.of(laid_over([picture.html, path], f"{title} over {motions(session.cursor)}"))
+    return Picture.of(overlay([picture.html, path], f"{title} over {motions(session.cursor)}"))
 
 
 def _curves(state: PageState) -> Picture:
@@ -143,14 +155,14 @@ def _curves(state: PageState) -> Picture:
     E_true = None if made is None else made.E_true
     joints = session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=state.errors_deg)
-    return Picture.of(stacked([drawn], f"Conflict E and joint angles over {motions(session.cursor)}"))
+    return Picture.of(stack([drawn], f"Conflict E and joint angles over {motions(session.cursor)}"))
 
 
 def _equations(state: PageState) -> Picture:
     require_typesetter()
     told = equations_of(state.present, state.view.chosen)
     return Picture(
-        partial(draw_formulas, told, f"The equations with their numbers after {motions(state.present.motion)}")
+        partial(typeset_equations, told, f"The equations with their numbers after {motions(state.present.motion)}")
     )
 
 
@@ -161,9 +173,9 @@ def _duel(state: PageState) -> Picture:
     standings = duel.standings
     cited = cite_both(state.session, opponent)
     race = draw_race(scene, (state.session, opponent), standings)
-    figure = laid_over([state.ground, race], f"A duel after {motions(state.present.motion)}: {cited.title}")
+    figure = overlay([state.ground, race], f"A duel after {motions(state.present.motion)}: {cited.title}")
     if len(scene.moving_joints) == 2:
-        figure = beneath(figure, draw_errors_alone(standings))
+        figure = append_below(figure, draw_errors_alone(standings))
     return Picture.of(figure, cited)
 
 
@@ -171,10 +183,10 @@ def _experiment(state: PageState) -> Picture:
     run = state.experiments.shown
     if run is None or run.request is None or not run.claims:
         raise ValueError("the experiment is not done yet: run it in its tab")
-    figure, asked = stacked([run.figure], EXPERIMENTS[run.name].title), run.request
+    figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
     told = draw_claims(run.claims)
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture.of(beneath(figure, told) if told else figure, cited)
+    return Picture.of(append_below(figure, told) if told else figure, cited)
 
 
 FIGURES: Mapping[str, Callable[[PageState], Picture]] = {

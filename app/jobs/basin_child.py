@@ -13,8 +13,9 @@ def work(connection: Connection, folder: str) -> None:
 
     def find(name: str, settings, options: dict) -> None:
         from viewimit.analysis.convergence import find_basin
-        from viewimit.drawing.over.basin import draw_basin
         from viewimit.simulation.scene import load_scene
+
+        from ..drawing.landscapes import draw_basin
 
         scene = load_scene(settings.scene, settings.robot, settings.joints, body_points=settings.body_points)
         progress = Progress(connection.send, lambda found: draw_basin(scene, found))

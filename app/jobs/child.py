@@ -3,7 +3,7 @@
 import os
 import signal
 
-from viewimit.geometry import blas_threads as threads
+from viewimit.geometry.blas_threads import limit_blas_threads
 
 
 def stand_back(niceness: int) -> None:
@@ -16,4 +16,4 @@ def stand_back(niceness: int) -> None:
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(niceness)
-    threads.take_one_alone()
+    limit_blas_threads(override=True)

@@ -9,11 +9,12 @@ from typing import Any
 
 from viewimit.analysis.minima import study_transfer
 from viewimit.analysis.observability import joint_uncertainty
-from viewimit.drawing import duel
-from viewimit.drawing.export.panels import compute
-from viewimit.drawing.transfers import draw_compared, draw_costs
+from viewimit.drawing.export.panels import compute_landscape
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
+
+from ..drawing import duel
+from ..drawing.landscapes import draw_compared, draw_costs
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,7 @@ def make_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str)
 
 def make_ground(world: World, both: tuple[Snapshot, Snapshot]) -> Ground:
     """For both learners of a duel."""
-    found = [made for made in (compute(world, snapshot) for snapshot in both) if made is not None]
+    found = [made for made in (compute_landscape(world, snapshot) for snapshot in both) if made is not None]
     if len(found) < len(both):
         return Ground(world, duel.draw_empty_ground())
     return Ground(world, duel.draw_ground(world.scene, found, both[0].theta_demo))

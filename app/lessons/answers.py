@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from viewimit.drawing.over.links import link
 from viewimit.drawing.svg import escape
 
+from ..drawing.links import link
 from .format import Choice, Do, Number, Place, Select
 from .measures import MEASURES
 from .stage import Stage

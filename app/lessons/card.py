@@ -2,9 +2,9 @@
 
 import re
 
-from viewimit.drawing.over.links import button, sink
 from viewimit.drawing.svg import escape
 
+from ..drawing.links import button, sink
 from .answers import draw_ask, draw_options
 from .course import Course
 from .figure_area import draw_figures

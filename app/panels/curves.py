@@ -1,10 +1,11 @@
 """E and the joint errors, motion by motion, each of which is touched there: a card over a wide window's scene, or a
 tab."""
 
-from viewimit.drawing.curves import axis_end, draw_curves, moment_links, moments_made
-from viewimit.drawing.over.links import sink
+from viewimit.drawing.curves import axis_end, draw_curves
 
 from ..control.state import PageState
+from ..drawing.links import sink
+from ..drawing.overlays import hide_later_moments, moment_links
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html, put_visible
 
@@ -40,7 +41,7 @@ class CurvesPanel(Panel):
         joints = session.scene.moving_joints
         drawn = draw_curves(session.history, session.cursor, E_true, joints, width, state.errors_deg)
         if self._address is not None:
-            drawn += moments_made(last)
+            drawn += hide_later_moments(last)
             self._show_links(self._address, axis_end(last), wide)
         put_html(self._card if wide else self._tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
         put_visible(self._card, wide)

@@ -2,12 +2,13 @@
 
 from functools import partial
 
-from viewimit.drawing.glossary import beside, key_of
+from viewimit.drawing.glossary import key_of
 from viewimit.loop.settings import MOST_SEED, Settings
 
 from ..control.commands.method import change_disturbance, change_seed
 from ..control.disturbances import OF_ARMS, OF_IMAGES, Amount
 from ..control.state import PageState
+from ..drawing.glossary import beside
 from .panel import Layout, Panel
 from .widgets import put
 

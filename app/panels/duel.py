@@ -2,11 +2,10 @@
 
 from viser import Icon
 
-from viewimit.drawing import duel as drawing
-
 from ..control.commands.duel import ChooseOpponent, ToggleDuel
 from ..control.names import servo_names, transfer_names
 from ..control.state import PageState
+from ..drawing import duel as drawing
 from .panel import Layout, Panel
 from .widgets import put, put_html, put_label
 

@@ -5,10 +5,10 @@ from contextlib import AbstractContextManager
 from typing import ClassVar
 
 from viewimit.drawing.equations import draw_conflict, draw_equations, draw_law
-from viewimit.drawing.glossary import asks
 from viewimit.loop.snapshot import Snapshot
 
 from ..control.state import PageState
+from ..drawing.glossary import asks
 from .panel import SLOWEST, Layout, Panel
 from .widgets import put_html, put_visible
 

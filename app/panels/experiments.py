@@ -2,7 +2,6 @@
 
 from viser import Icon
 
-from viewimit.drawing.glossary import asks
 from viewimit.experiments import EXPERIMENTS
 
 from ..control.commands.experiments import (
@@ -15,6 +14,7 @@ from ..control.commands.experiments import (
 from ..control.experiments import titles
 from ..control.motions import NAMES
 from ..control.state import PageState
+from ..drawing.glossary import asks
 from .panel import Layout, Panel
 from .verdict import draw_progress, draw_verdict
 from .widgets import put, put_html, put_label, put_visible

@@ -1,10 +1,10 @@
 """The four images."""
 
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.drawing.over.points import point_links, point_places, proposed_marks
 
 from ..control.moments.images import draw_shown
 from ..control.state import PageState, View
+from ..drawing.overlays import point_links, point_places, proposed_marks
 from .panel import Layout, Panel
 from .widgets import put_html
 

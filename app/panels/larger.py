@@ -1,9 +1,8 @@
 """What is large, and the links that make it so, in every tab of the upper panel: a browser has only the open one's."""
 
-from viewimit.drawing.over.links import link
-from viewimit.drawing.over.points import LESS, MORE
-
 from ..control.state import LARGE, PageState
+from ..drawing.links import link
+from ..drawing.overlays import LESS, MORE
 from .panel import Layout, Panel
 from .widgets import put_html
 

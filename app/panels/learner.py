@@ -3,11 +3,11 @@ folded: a slider a joint, which asks for the same as a click on the landscape.""
 
 from numpy.typing import NDArray
 
-from viewimit.drawing.learner_bars import draw_learner
 from viewimit.loop.settings import given
 
 from ..control.commands.session import StartJoint
 from ..control.state import PageState
+from ..drawing.joint_bars import draw_learner
 from .panel import SLOW, Layout, Panel
 from .rehearsal import RehearsalButton
 from .widgets import JointSliders, put_html

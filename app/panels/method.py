@@ -1,11 +1,10 @@
 """Transfer, servo, and the joints that imitate."""
 
-from viewimit.drawing.glossary import beside
-
 from ..control.commands.method import FreeJoints, change_servo, change_transfer
 from ..control.joints import chosen_joints, joint_choices
 from ..control.names import servo_names, transfer_names
 from ..control.state import PageState
+from ..drawing.glossary import beside
 from .panel import Layout, Panel
 from .widgets import put
 

@@ -5,13 +5,13 @@ posture that is only looked at, and to that nothing is saved. Of an arm on its w
 images are.
 """
 
-from viewimit.drawing.body_points import describe_edited
-from viewimit.drawing.curves import following
-from viewimit.drawing.over.links import link, sink
-from viewimit.drawing.over.postures import describe_see_through
+from viewimit.drawing.curves import describe_errors
 from viewimit.drawing.status import Said, describe, describe_truth, draw_status
 
 from ..control.state import PageState
+from ..drawing.joint_bars import describe_body_points
+from ..drawing.links import link, sink
+from ..drawing.overlays import describe_see_through
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html
 
@@ -70,7 +70,7 @@ def _said(state: PageState) -> Said:
     points = state.points
     if points.information is not None and not state.playing:
         joints = session.scene.moving_joints
-        return Said("editing", describe_edited(joints, points.information, points.proposal, points.searching))
+        return Said("editing", describe_body_points(joints, points.information, points.proposal, points.searching))
     if state.see_through is not None:
         return Said("see-through", describe_see_through(session.scene, state.see_through))
     if state.unsaved is not None:
@@ -82,7 +82,7 @@ def _said(state: PageState) -> Said:
 
 
 def _truth(state: PageState) -> str:
-    off = following(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
+    off = describe_errors(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
     if off:
         return off + "."
     own = state.seen.theta if state.on_the_way is None else state.shown.theta

@@ -8,14 +8,15 @@ says it is `stored` as.
 import dataclasses
 import re
 from collections.abc import Sequence
+from enum import Enum
 from functools import cache
 
 import msgspec
 import numpy as np
 import zstandard
 
+from viewimit.estimation.rectification import RectifiedTransfer
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.estimation.transfers.rectified import RectifiedTransfer
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification
 from viewimit.loop.self_calibration import Body, SelfCalibration
@@ -31,7 +32,7 @@ SCALARS = (type(None), bool, int, float, str)
 KINDS = "biuf"  # of arrays: numbers and truth values, no objects
 DTYPE = re.compile(f"[<>|][{KINDS}][0-9]{{1,2}}")
 OF_THE_LOOP = (Snapshot, FourViews, Rectification, RectifiedTransfer, SelfCalibration, Body, Visit)
-ARRAY, SCALAR, STATUS, TUPLE, SETTINGS = "array", "scalar", "status", "tuple", "settings"
+ARRAY, SCALAR, STATUS, MEMBER, TUPLE, SETTINGS = "array", "scalar", "status", "member", "tuple", "settings"
 
 
 def encode(snapshots: Sequence[Snapshot]) -> bytes:
@@ -108,6 +109,8 @@ class _Packer:
             return [SCALAR, one.dtype.str, one.tobytes()]
         if type(one) is ServoStatus:
             return [STATUS, one.value]
+        if isinstance(one, Enum) and self._classes.get(type(one).__name__) is type(one):
+            return [MEMBER, type(one).__name__, one.value]
         if type(one) is tuple:
             return [TUPLE, [self.value(item) for item in one]]
         if isinstance(one, Settings):
@@ -155,6 +158,8 @@ def _object(listed: list, objects: list, classes: dict[str, type]):
         return np.frombuffer(content[1], _dtype(content[0]))[0]
     if kind == STATUS:
         return ServoStatus(content[0])
+    if kind == MEMBER:
+        return classes[content[0]](content[1])
     if kind == TUPLE:
         return tuple(_value(item, objects) for item in content[0])
     if kind == SETTINGS:

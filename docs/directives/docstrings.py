@@ -1,22 +1,28 @@
-"""Docstrings as they are written here, plain text with `code` and indented blocks, for Sphinx's autodoc."""
+"""Docstrings as they are written here, plain text with `code`, indented blocks and numpydoc's sections, for autodoc."""
 
 import re
 
 from sphinx.application import Sphinx
 
+RULE = re.compile("-{4,}")  # under the name of a section, whose items are a definition list as they stand
 MARKUP = re.compile(r"([\\*|_])")
 
 
 def as_markup(lines: list[str]) -> list[str]:
     """reStructuredText that shows just this."""
-    made, block = [], False
-    for line in lines:
+    made, block, section = [], False, False
+    for k, line in enumerate(lines):
+        if RULE.fullmatch(line):
+            made[-1:], section = [f".. rubric:: {lines[k - 1]}", ""], True
+            continue
         indented = line.startswith("    ")
         if indented and not block and made and not made[-1].strip():
             made += ["::", ""]
             block = True
         elif line.strip() and not indented:
             block = False
+        if section and not indented:  # an item, with or without a definition under it
+            made.append("")
         made.append(line if block else _escaped(line))
     return made
 

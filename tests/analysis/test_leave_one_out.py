@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from viewimit.analysis.leave_one_out import FRAMES, POINTS, leave_one_out
+from viewimit.estimation.outliers import find_outliers
+from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.estimation.transfers.rectified import fit
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.tracks import Case, draw
 from viewimit.geometry.rectification import rectification_of, rectification_with_prior
-from viewimit.loop.suspects import suspects
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -76,7 +76,7 @@ def test_a_rectification_is_told_by_the_other_points_too():
     for point in range(20):
         rest = views.select(np.delete(np.arange(20), point))
         by = rectification_with_prior(*np.split(np.concatenate([rest.demo[0], rest.own[0]]), 2, axis=1))
-        fitted = fit(TRANSFERS["projective"], rest, by)
+        fitted = fit_transfer(TRANSFERS["projective"], rest, by)
         one = views.select([point])
         squares.append(((one.own - fitted.recover(one.demo_left, one.demo_right)) ** 2).sum() / 2)
     found = leave_one_out(views).rectified_px
@@ -90,14 +90,14 @@ def test_a_rectified_rig_is_left_as_it_is_though_its_matches_ask_for_rectificati
     for k in range(DRAWS):
         seen, elsewhere = draw(Case(points), np.random.default_rng([11, k]))
         by = rectification_of(*np.split(np.concatenate([seen.demo[0], seen.own[0]]), 2, axis=1))
-        rectified += leave_one_out(suspects(seen).left_out(seen)).rectification is not None
+        rectified += leave_one_out(find_outliers(seen).corrected(seen)).rectification is not None
         if by is not None:
             worse.append(held_out(seen, elsewhere, by) / held_out(seen, elsewhere, None))
     assert rectified <= DRAWS / 20 < len(worse) and np.median(worse) > 1
 
 
 def held_out(seen, elsewhere, by):
-    fitted = fit(TRANSFERS["projective"], seen, by)
+    fitted = fit_transfer(TRANSFERS["projective"], seen, by)
     return float(np.sqrt(np.square(fitted.residual(elsewhere)).sum(-1).mean() / 2))
 
 
@@ -107,7 +107,7 @@ def held_out(seen, elsewhere, by):
 def test_a_toed_in_rig_is_rectified_and_predicts_better_so(points, toe_in_deg):
     for k in range(DRAWS):
         seen, elsewhere = draw(Case(points, toe_in_deg), np.random.default_rng([12, k]))
-        by = leave_one_out(suspects(seen).left_out(seen)).rectification
+        by = leave_one_out(find_outliers(seen).corrected(seen)).rectification
         assert by is not None
         assert held_out(seen, elsewhere, by) < held_out(seen, elsewhere, None)
 
@@ -115,7 +115,7 @@ def test_a_toed_in_rig_is_rectified_and_predicts_better_so(points, toe_in_deg):
 def test_a_chessboard_is_predicted_by_the_projective_transfer_and_its_rectified_images_are_left_alone():
     for k in range(8):
         seen, _ = draw(Case(20, board=True), np.random.default_rng([13, k]))
-        found = leave_one_out(suspects(seen).left_out(seen))
+        found = leave_one_out(find_outliers(seen).corrected(seen))
         others = (px for name, px in found.error_px.items() if name != "projective")
         assert found.rectification is None and 3 * found.error_px["projective"] < min(others)
 

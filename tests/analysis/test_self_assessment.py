@@ -10,7 +10,7 @@ from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.servo.trust_region.algorithm import CERTAIN
+from viewimit.servo.trust_region.options import TrustRegionOptions
 
 
 def rested(settings):
@@ -41,7 +41,7 @@ def test_what_a_pixel_costs_is_known_from_the_own_motions(settings):
 
 def test_five_points_do_not_tell_the_joints():
     found = assess(rested(Settings.paper(points=5, start_deg=(25, -45))))
-    assert found.unobservable[0] == 0 and found.certificate.claim == "unobservable"
+    assert found.unobservable[0] == 0 and found.certificate.status == "unobservable"
 
 
 @pytest.mark.parametrize("noise_px, seed", [(0.5, 7), (0.25, 1)])
@@ -50,7 +50,7 @@ def test_what_the_visits_under_noise_leave_open_is_not_said_of_the_points(noise_
     now, found = session.snapshot, assess(session)
     views = now.views
     true = joint_uncertainty(session.world, now.fit, views.demo, views.visible[:, :2], now.theta)
-    assert not found.certificate.told.any() and (true < np.radians(3)).all()
+    assert not found.certificate.observable.any() and (true < np.radians(3)).all()
     assert found.unobservable == [] and describe(now, assessment=found, joints=(2, 4)).state in (
         "settled",
         "least",
@@ -62,7 +62,7 @@ def test_only_an_E_that_leaves_no_room_is_a_claim():
     sure, bent = rested(Settings()), rested(Settings.paper(scene="panda-facing", start_deg=(25, -45)))
     off = np.abs(bent.snapshot.theta - bent.snapshot.theta_demo).max()
     found = assess(bent)
-    assert sure.snapshot.status == "converged" and assess(sure).max_displacement < CERTAIN
+    assert sure.snapshot.status == "converged" and assess(sure).max_displacement < TrustRegionOptions().xtol_converged
     assert bent.snapshot.status == "settled" and found.at_local_minimum and off < found.max_displacement
 
 
@@ -71,7 +71,7 @@ def test_the_assessment_of_a_servo_that_knows_is_its_own(points):
     """What the page says of a posture can be nothing else than what the servo claims."""
     session = rested(Settings(points=points))
     assert assess(session).certificate is session.snapshot.certificate
-    assert session.snapshot.status == session.snapshot.certificate.claim
+    assert session.snapshot.status == session.snapshot.certificate.status
 
 
 def test_a_moment_is_assessed_once():
@@ -109,10 +109,10 @@ def test_no_flight_goes_without_a_word():
     said = []
     while session.step():
         now = session.snapshot
-        if now.servo_state.restarts:
+        if now.servo_state.search.n_restarts:
             said.append(servo.describe_status(now.servo_state, now.status))
     assert len(said) > 4
-    assert all("looking for something lower" in words or words == "back to the best posture" for words in said)
+    assert all("looks for something lower" in words or words == "back to the best posture" for words in said)
     last = session.snapshot
     assert last.status == "no-progress" and "nothing lower in 4 searches" in servo.describe_status(
         last.servo_state, last.status

@@ -86,9 +86,9 @@ def test_a_misplaced_point_and_a_swapped_pair_do_not_decide_what_fits(ask_json, 
     views = arms()
     _, clean = ask_json("evaluate", write(tmp_path / "clean.csv", views))
     views.own[1, 5, 1] += 60
-    wrong = views.with_exchanged(((2, 9),))
+    wrong = views.permuted(((2, 9),))
     _, told = ask_json("evaluate", write(tmp_path / "wrong.csv", wrong))
-    assert {suspect["kind"] for suspect in told["suspects"]} == {"misplaced", "exchanged"}
+    assert {suspect["kind"] for suspect in told["suspects"]} == {"misplaced", "swapped"}
     assert told["leave_one_out"]["predictions"] == clean["leave_one_out"]["predictions"] - 1
     for name, px in clean["leave_one_out"]["error_px"].items():
         assert told["leave_one_out"]["error_px"][name] == pytest.approx(px, rel=0.1)

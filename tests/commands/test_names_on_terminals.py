@@ -48,7 +48,7 @@ def test_of_tracked_points(tmp_path, capsys):
     lines = ["frame,view,point,x,y"]
     world = World(load_scene("panda"), 16)
     for frame, theta in enumerate(np.radians([(45, -90), (20, -40), (70, -140)])):
-        seen = world.look(theta, theta).with_exchanged(((2, 9),))
+        seen = world.look(theta, theta).permuted(((2, 9),))
         for view, image in zip("lrLR", (seen.demo_left, seen.demo_right, seen.own_left, seen.own_right)):
             lines += [f'{frame},{view},"{k}{OBEYED[k % 5]}",{x!r},{y!r}' for k, (x, y) in enumerate(image.tolist())]
     path = tmp_path / "points.csv"

@@ -8,7 +8,7 @@ from viewimit.app.control.duel import ARRIVED_DEG, Duel
 from viewimit.app.control.player import Player
 
 from viewimit.analysis.convergence import RECENT, ErrorTrace, recent_errors_deg
-from viewimit.drawing.curves import following
+from viewimit.drawing.curves import describe_errors
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -147,14 +147,14 @@ def test_errors_are_those_of_the_history_however_that_changes():
         direct = [np.degrees(np.abs(moment.theta - moment.theta_demo)).max() for moment in session.history]
         assert list(trace.of(session.history)) == pytest.approx(direct)
         last = direct[: session.cursor + 1]
-        assert following(recent_errors_deg(session.history, session.cursor)) == following(last)
+        assert describe_errors(recent_errors_deg(session.history, session.cursor)) == describe_errors(last)
     session.reset()
     assert len(trace.of(session.history)) == 1
 
 
 def test_following_is_the_rms_of_the_last_motions():
-    assert following([5.0]) == "" and following([9.0, 3.0]) == "3.0° off, rms 3.0° over 1 motion"
-    assert following([99.0] * 30 + [1.0, 2.0] * (RECENT // 2)) == f"2.0° off, rms 1.6° over {RECENT} motions"
+    assert describe_errors([5.0]) == "" and describe_errors([9.0, 3.0]) == "3.0° off, rms 3.0° over 1 motion"
+    assert describe_errors([99.0] * 30 + [1.0, 2.0] * (RECENT // 2)) == f"2.0° off, rms 1.6° over {RECENT} motions"
 
 
 def test_a_runner_is_seen_on_its_way(race):

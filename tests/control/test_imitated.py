@@ -9,13 +9,13 @@ from quiet_page import QuietPage
 from viewimit.app.control.commands.display import LetGo
 from viewimit.app.control.commands.experiments import ShowImitation
 from viewimit.app.control.commands.session import Step
+from viewimit.app.drawing.joint_bars import draw_learner
 from viewimit.app.jobs.experiments import Run
 
 from viewimit.analysis.trajectory import Imitation
 from viewimit.drawing.equations import draw_conflict, draw_equations
-from viewimit.drawing.learner_bars import draw_learner
 from viewimit.experiments import EXPERIMENTS
-from viewimit.geometry.affine import PAIRS, fit_affine_fundamental
+from viewimit.geometry.affine import VIEW_PAIRS, fit_affine_fundamental
 from viewimit.loop.settings import Settings
 
 FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0
@@ -80,7 +80,7 @@ def test_epipolar_lines_are_those_of_the_images_that_are_seen(model):
     """Oracle: Eqs. (1)-(3), pair by pair. The transfer that was frozen has others."""
     seen = model.state(BEGUN + 1.1 * STEP_S).shown
     images = seen.views.demo_left, seen.views.demo_right, seen.views.own_left, seen.views.own_right
-    for (p, q), f in zip(PAIRS, seen.fundamental.f):
+    for (p, q), f in zip(VIEW_PAIRS, seen.fundamental.f):
         assert abs(f @ fit_affine_fundamental(images[p], images[q])[0]) == pytest.approx(1, abs=1e-9)
 
 

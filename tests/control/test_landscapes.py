@@ -7,7 +7,7 @@ import pytest
 from viewimit.app.control.landscapes import OwnLandscape
 from viewimit.app.control.queue import CommandQueue
 
-from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute, make_landscape
+from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute_landscape, make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -63,7 +63,7 @@ def test_while_the_demonstrator_is_dragged_only_coarse_ones_are_made(own, worker
 
 
 def test_a_coarse_one_has_a_sixteenth_of_the_postures_and_the_same_E_there(session):
-    coarse, fine = (compute(session.world, session.snapshot, step) for step in (COARSE_DEG, FINE_DEG))
+    coarse, fine = (compute_landscape(session.world, session.snapshot, step) for step in (COARSE_DEG, FINE_DEG))
     assert coarse.E.size < fine.E.size / 12
     corners = np.ix_([0, -1], [0, -1])
     np.testing.assert_allclose(coarse.E[corners], fine.E[corners], rtol=1e-9)

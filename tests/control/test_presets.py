@@ -9,7 +9,7 @@ from viewimit.app.control.presets import PRESETS, presets_from
 from viewimit.app.server.options import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing.metrics import RED
+from viewimit.drawing.images.panel import RED
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot

@@ -31,12 +31,13 @@ from drawn import (
     path,
     used,
 )
+from viewimit.app.drawing.glossary import current_values
 from viewimit.app.static import LAYOUT_CSS, LESSON_CSS, stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing import curves, equations, glossary, metrics, relief, status, svg, theme
+from viewimit.drawing import curves, equations, glossary, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.images import panel
 from viewimit.drawing.images.planes import image_windows
@@ -44,11 +45,11 @@ from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
-from viewimit.geometry.affine import EYES, PAIRS, fit_affine_fundamental
+from viewimit.geometry.affine import DEMO_PAIR, VIEW_PAIRS, fit_affine_fundamental
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
-from viewimit.servo.trust_region.local_model import UNTOLD
+from viewimit.servo.trust_region.options import MAX_STD_PER_PX
 from viewimit.simulation.appearance import Silhouettes, reachable_image_points
 
 MINUS = "−"
@@ -161,7 +162,7 @@ class TestImages:
         views = session.snapshot.views
         images = (views.demo_left, views.demo_right, views.own_left, views.own_right)
         f, f33 = session.snapshot.fundamental
-        for (p, q), *found in zip(PAIRS, f, f33):
+        for (p, q), *found in zip(VIEW_PAIRS, f, f33):
             expected, offset = fit_affine_fundamental(images[p], images[q])
             sign = np.sign(found[0] @ expected)
             assert sign * found[0] == pytest.approx(expected, abs=1e-9)
@@ -173,7 +174,7 @@ class TestImages:
     def test_what_the_transfer_has_fitted_of_them_is_not_fitted_again(self, scene, rectified):
         snapshot = Session(Settings.paper(scene=scene, transfer="epipolar")).snapshot
         assert (snapshot.rectification is not None) == rectified
-        assert np.array_equal(np.delete(snapshot.fundamental.f, EYES, 0), snapshot.transfer.fundamentals)
+        assert np.array_equal(np.delete(snapshot.fundamental.f, DEMO_PAIR, 0), snapshot.transfer.fundamentals)
 
     @pytest.mark.parametrize("gain", [1, 5])
     def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, gain):
@@ -191,7 +192,7 @@ class TestImages:
         )
 
     def test_small_residuals_are_enlarged_and_the_legend_says_so(self, session):
-        lengths = metrics.residual_lengths(session.snapshot)
+        lengths = panel.residual_lengths(session.snapshot)
         gain = panel.arrow_gain(lengths)
         assert gain > 1 and gain * lengths.max() <= panel.LONGEST
         assert f"×{gain}" in drawn(session)
@@ -229,7 +230,7 @@ class TestImages:
             method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
             monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
             snapshot = replace(session.snapshot)
-            row = metrics.draw_metrics(snapshot, metrics.residual_lengths(snapshot))
+            row = panel.draw_metrics(snapshot, panel.residual_lengths(snapshot))
             assert shape is None or shape in row
             assert word in row and (word or "high" not in row)
 
@@ -322,7 +323,7 @@ class TestCurves:
         html = curves.draw_curves(history, 2999, None, (2, 4))
         line = path(parsed(html), E_CURVE)
         x = numbers(line).reshape(-1, 2)[:, 0]
-        assert len(x) <= curves.LIMIT and x[0] == curves.LEFT
+        assert len(x) <= curves.MAX_VERTICES and x[0] == curves.LEFT
         assert x[-1] == pytest.approx(curves.LEFT + (424 - curves.RIGHT - curves.LEFT) * 2999 / 4000, abs=0.06)
         assert len(html.encode()) < 12_000
 
@@ -398,13 +399,13 @@ class TestEquations:
 
 def certified(spread_deg=(2.0, 2.0), told=True, shown=True, learnable=False):
     spread = np.radians(spread_deg)
-    told = (spread < UNTOLD) & np.array(told)
+    told = (spread < MAX_STD_PER_PX) & np.array(told)
     return Certificate(spread, np.where(told, 0.0, np.inf), told, shown, np.zeros(2), False, learnable)
 
 
 def assessed(spread_deg=(2.0, 2.0), room_deg=0.1, lower_deg=0.1, **known):
     certificate = certified(spread_deg, **known)
-    return Assessment(certificate, np.radians(room_deg), np.radians(lower_deg), certificate.untold)
+    return Assessment(certificate, np.radians(room_deg), np.radians(lower_deg), certificate.unobservable_joints)
 
 
 class TestStatus:
@@ -521,7 +522,7 @@ class TestEverything:
 
     def test_names_only_roles_that_exist(self, drawings):
         used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
-        places = LAYOUT_CSS + LESSON_CSS + glossary.cards() + glossary.told_now({"E": 1.0})
+        places = LAYOUT_CSS + LESSON_CSS + glossary.cards() + current_values({"E": 1.0})
         sizes = set(re.findall(r"--([a-z-]+):", places))
         assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES) | sizes
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.drawing.axes import APART, Axes, angle_ticks, apart, linear_ticks
+from viewimit.drawing.plots import APART, Axes, angle_ticks, apart, linear_ticks
 
 
 @pytest.mark.parametrize("low, high", [(0, 640), (-3.2, 4.1), (291.3, 297.9), (0.01, 0.052), (-1e4, 3e4)])

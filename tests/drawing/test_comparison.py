@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from viewimit.app.control.comparison import Comparison
 from viewimit.app.control.queue import CommandQueue
+from viewimit.app.drawing.landscapes import draw_compared, draw_together
 
 from viewimit.analysis.minima import study_transfer
-from viewimit.drawing.transfers import draw_compared, draw_together
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

@@ -28,15 +28,15 @@ from drawn import (
 )
 from viewimit.app.control.duel import Duel
 from viewimit.app.control.player import Player
+from viewimit.app.drawing import duel as duel_drawing
+from viewimit.app.drawing import joint_bars, landscapes
 from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape_over
 from viewimit.analysis.minima import study_transfer
-from viewimit.drawing import curves, learner_bars, observability, transfers
-from viewimit.drawing import duel as duel_drawing
+from viewimit.drawing import curves, observability
 from viewimit.drawing.images import planes
-from viewimit.drawing.landscape import LandscapePicture
-from viewimit.drawing.small_landscape import WIDTH, small_plane
+from viewimit.drawing.landscape import WIDTH, LandscapePicture, small_plane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -74,8 +74,8 @@ def draw_race(session, duel):
 
 
 def compared(session, found):
-    drawn = [transfers.draw_compared(session.scene, one, session.snapshot.theta_demo) for one in found]
-    return transfers.draw_together(drawn)
+    drawn = [landscapes.draw_compared(session.scene, one, session.snapshot.theta_demo) for one in found]
+    return landscapes.draw_together(drawn)
 
 
 class TestDuel:
@@ -170,7 +170,7 @@ class TestTransfers:
             assert f"bias {bias:.1f}° · 1 minimum · basin {100 * one.basin:.0f} %" in text
         root = parsed(html)
         crosses = only(root, "path", SMALLEST_E)
-        plane = small_plane(session.scene, transfers.MOST_HIGH)
+        plane = small_plane(session.scene, landscapes.MAX_HEIGHT)
         for one, cross in zip(found, crosses, strict=True):
             x, y, half = numbers(cross.get("d"))[:3]
             assert (x + half / 2, y) == pytest.approx(plane.place(np.degrees(one.minima.theta[0])), abs=0.11)
@@ -179,16 +179,16 @@ class TestTransfers:
     def test_minima_are_counted_in_words(self, studied):
         one = studied[1][0]
         two = replace(one, minima=replace(one.minima, theta=np.zeros((2, 2)), E=np.ones(2)), basin=0.123)
-        assert transfers.describe(two).endswith("2 minima · basin 12 %")
+        assert landscapes.describe_landscape(two).endswith("2 minima · basin 12 %")
         none = replace(one, minima=replace(one.minima, theta=np.empty((0, 2)), E=np.empty(0)))
-        assert transfers.describe(none) == "no minimum"
+        assert landscapes.describe_landscape(none) == "no minimum"
 
     def test_nothing_stands_outside_its_column(self, studied):
         session, found = studied
         root = parsed(compared(session, found))
         for column in root.iter("g"):
             for text in column.findall("text"):
-                assert float(text.get("x")) + 5.6 * len(text.text) < WIDTH + transfers.GAP
+                assert float(text.get("x")) + 5.6 * len(text.text) < WIDTH + landscapes.GAP
 
 
 class TestObservability:
@@ -204,10 +204,10 @@ class TestObservability:
     @pytest.mark.parametrize("degrees", [20.0, 170.3, np.inf])
     def test_a_cost_that_says_nothing_is_no_number(self, degrees):
         spread = np.radians([2.0, degrees])
-        told = observability.described((2, 4), spread)
+        told = observability.describe_costs((2, 4), spread)
         assert told == "1 px costs θ₂ 2.0°; θ₄ not observable"
-        assert observability.described((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ not observable"
-        said = observability.sentences((2, 4), spread)
+        assert observability.describe_costs((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ not observable"
+        said = observability.describe_weakness((2, 4), spread)
         assert said[0].startswith("Joint 4 is not observable") and said[1] == "1 px costs 2.0° at most at the others."
         assert words(observability.draw_bars((2, 4), spread, 200, 20)) == "θ₂ 2.0° θ₄ not observable"
 
@@ -218,9 +218,9 @@ class TestObservability:
         assert "1 px costs 9.0° at most at the others." in said
         root = parsed(html)
         assert len(only(root, "path", WEAK_JOINT)) == 2
-        one = observability.sentences((2, 4), np.radians([1, 3]))
+        one = observability.describe_weakness((2, 4), np.radians([1, 3]))
         assert one == ["Joint 4 is weakly observable:", "1 px costs 3.0° there, 1.0° at most at the others."]
-        none = observability.sentences((2, 4), np.radians([1, 1.5]))
+        none = observability.describe_weakness((2, 4), np.radians([1, 1.5]))
         assert none == ["No joint is much weaker than the others: 1 px costs 1.5° at most."]
 
     def test_they_take_the_landscapes_place_with_seven_joints_and_its_caption_with_two(self):
@@ -257,7 +257,7 @@ class TestManyJoints:
     def test_the_learners_bars_stand_in_two_columns_if_many(self, settings, columns):
         session = Session(settings)
         theta, demo = session.snapshot.theta, session.snapshot.theta_demo
-        root = parsed(learner_bars.draw_learner(session.scene, theta, demo))
+        root = parsed(joint_bars.draw_learner(session.scene, theta, demo))
         assert (TWO_COLUMNS in classes(root[0])) == columns
         for row, own, mark, low, high in zip(root[0], theta, demo, session.scene.lower, session.scene.upper):
             left, right = (float(row.find(".//line").get(name)) for name in ("x1", "x2"))
@@ -289,8 +289,8 @@ def drawings(race, studied):
     yield duel_drawing.draw_ground(session.scene, [], session.snapshot.theta_demo)
     yield duel_drawing.draw_ground(session.scene, [one.landscape for one in found[:2]], session.snapshot.theta_demo)
     yield compared(session, found)
-    costs = [transfers.draw_costs((1, 2), "rank3", spread) for spread in (np.ones(2), None)]
-    yield transfers.draw_together(costs)
+    costs = [landscapes.draw_costs((1, 2), "rank3", spread) for spread in (np.ones(2), None)]
+    yield landscapes.draw_together(costs)
     blind = replace(found[0].landscape, E=np.full((91, 181), np.nan))
     yield duel_drawing.draw_ground(session.scene, [blind, blind], session.snapshot.theta_demo)
     yield observability.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))

@@ -40,7 +40,7 @@ from viewimit.app.panels import verdict
 from viewimit.app.static import PAGE_CSS
 
 from viewimit.drawing import plots, svg, theme
-from viewimit.drawing.axes import Axes, decade_ticks, decades, log10
+from viewimit.drawing.plots import Axes, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS

@@ -8,6 +8,7 @@ from drawn import SCALE_OF_MORE, parsed
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.control.commands.session import Play, Step, Undo
+from viewimit.app.drawing.glossary import asks, beside, current_values, listed
 from viewimit.app.panels.guide.glossary import numbers_now
 from viewimit.app.panels.guide.help import help_html
 
@@ -23,11 +24,11 @@ ENTRIES = glossary.glossary()
 @pytest.mark.parametrize("key", ENTRIES)
 def test_an_entry_has_a_card_and_stands_in_the_help(key):
     card = next(box for box in parsed(glossary.cards()).iter("div") if box.get("id") == f"vi-word-{key}")
-    said, helped = "".join(card.itertext()), "".join(parsed(glossary.listed()).itertext())
+    said, helped = "".join(card.itertext()), "".join(parsed(listed()).itertext())
     for words in (ENTRIES[key].name, ENTRIES[key].symbol, ENTRIES[key].sentence, ENTRIES[key].good, ENTRIES[key].bad):
         assert words in said and words in helped
     assert (ENTRIES[key].formula == "") == (card.find(".//{http://www.w3.org/1998/Math/MathML}math") is None)
-    assert glossary.listed() in help_html("")
+    assert listed() in help_html("")
 
 
 @pytest.mark.parametrize("key", ENTRIES)
@@ -57,20 +58,20 @@ def test_a_number_that_is_shown_is_a_bad_one(key):
 
 
 def test_what_a_number_is_now_is_told_at_its_place_on_the_scale():
-    assert glossary.told_now({"condition": 31.62}) == '<style>#vi-word-condition{--now:50.0%;--told:"now 31.6"}</style>'
-    assert "--now:100.0%" in glossary.told_now({"E": 1e9}) and "--now:0.0%" in glossary.told_now({"E": 0.0})
-    assert glossary.told_now({"E": np.nan, "condition": np.inf}) == "<style></style>"
+    assert current_values({"condition": 31.62}) == '<style>#vi-word-condition{--now:50.0%;--told:"now 31.6"}</style>'
+    assert "--now:100.0%" in current_values({"E": 1e9}) and "--now:0.0%" in current_values({"E": 0.0})
+    assert current_values({"E": np.nan, "condition": np.inf}) == "<style></style>"
     scale = next(box for box in parsed(glossary.cards()).iter("div") if box.get("class") == SCALE_OF_MORE)
     assert [mark.text for mark in scale.iter("span")] == ["1", "20", "10", "5"]  # of points seen, many are good
 
 
 def test_every_question_has_its_card():
-    for ask in (glossary.ask, glossary.beside):
+    for ask in (glossary.ask, beside):
         button = parsed(ask("basin")).find(".//button")
         assert f'id="{button.get("popovertarget")}"' in glossary.cards()
         assert f"#{button.get('popovertarget')}{{position-anchor:" in glossary.cards()
         assert button.get("aria-label") == "What is basin?"
-    assert [span.text.strip() for span in parsed(glossary.asks(("bias", "rho"))).iter("span")] == ["bias", "ρ"]
+    assert [span.text.strip() for span in parsed(asks(("bias", "rho"))).iter("span")] == ["bias", "ρ"]
 
 
 def test_the_condition_of_every_transfer_is_explained():

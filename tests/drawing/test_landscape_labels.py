@@ -9,7 +9,7 @@ import pytest
 from drawn import INSET, JOINT_LABELS, LABELS, LEARNERS_PATH, LED, LEVEL_NUMBERS, marked, only, parsed, path
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
-from viewimit.drawing import path_labels
+from viewimit.drawing import posture_plane
 from viewimit.drawing.labels import CHARACTER, LINE, Labels
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.drawing.posture_plane import PosturePlane
@@ -171,8 +171,8 @@ def test_a_plot_without_room_for_the_inset_has_none():
 
 
 def test_labels_are_not_placed_anew_when_the_path_crosses_the_lines_that_lead_to_them(monkeypatch):
-    placed, start = [], path_labels.beside  # the start's label, which is made with all others
-    monkeypatch.setattr(path_labels, "beside", lambda *args: placed.append(0) or start(*args))
+    placed, start = [], posture_plane.beside  # the start's label, which is made with all others
+    monkeypatch.setattr(posture_plane, "beside", lambda *args: placed.append(0) or start(*args))
     session = Session(SITUATIONS["paper"])
     views, fit = session.snapshot.views, TRANSFERS[session.settings.transfer]
     made = landscape_over(session.world, fit, views.demo, views.visible[:, :2], grid_axes(session.world, 3.0))

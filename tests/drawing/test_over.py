@@ -6,14 +6,20 @@ import zlib
 import numpy as np
 import pytest
 from drawn import NEAREST, WAY_FROM_START, classes, marked, parsed, paths
+from viewimit.app.drawing.landscapes import describe_basin, draw_basin
+from viewimit.app.drawing.links import SINK
+from viewimit.app.drawing.overlays import (
+    MIN_HIT,
+    hide_later_moments,
+    moment_links,
+    point_links,
+    point_places,
+    posture_links,
+)
 
 from viewimit.analysis.convergence import Basin, Ending
-from viewimit.drawing.curves import axis_end, draw_curves, moment_links, moments_made
+from viewimit.drawing.curves import axis_end, draw_curves
 from viewimit.drawing.images.planes import SIZES, image_windows
-from viewimit.drawing.over.basin import describe_basin, draw_basin
-from viewimit.drawing.over.links import SINK
-from viewimit.drawing.over.points import LEAST, point_links, point_places
-from viewimit.drawing.over.postures import posture_links
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -64,7 +70,7 @@ class TestPoints:
             there = [place for (other, _), place in found.items() if other == view]
             for k, (one, r) in enumerate(there):
                 for other, other_r in there[:k]:
-                    assert np.hypot(*(one - other)) >= r + other_r - 0.2 or r == other_r == LEAST
+                    assert np.hypot(*(one - other)) >= r + other_r - 0.2 or r == other_r == MIN_HIT
                 assert (0 <= one).all() and (one <= SIZES[False][view]).all()
 
 
@@ -101,14 +107,14 @@ def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_of_their_o
     for width in (424, 860):
         html = moment_links(ADDRESS, 6, width)
         assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(9)]  # as far as the axis goes
-        assert moments_made(6) == "<style>.vi-moments a:nth-child(n+8){display:none}</style>"
+        assert hide_later_moments(6) == "<style>.vi-moments a:nth-child(n+8){display:none}</style>"
 
 
 @pytest.mark.parametrize("last", [0, 7, 8, 9, 100, 3000])
 def test_links_to_moments_stay_as_long_as_the_axis_and_hide_those_to_come(last):
     asked = [int(href.rpartition("/")[2]) for href in hrefs(moment_links(ADDRESS, last))]
     asked = asked[: len(asked) // 2]  # of one plot
-    first_hidden = int(re.search(r"n\+(\d+)", moments_made(last))[1]) - 1
+    first_hidden = int(re.search(r"n\+(\d+)", hide_later_moments(last))[1]) - 1
     assert max(asked[:first_hidden]) <= last and all(motion > last for motion in asked[first_hidden:])
     assert len(asked) <= 91 and asked[0] == 0
     ends = 4 * (asked[-1] // 4) if last else 8

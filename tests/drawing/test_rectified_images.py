@@ -7,7 +7,7 @@ from drawn import parsed, words
 from viewimit.analysis.construction import construct
 from viewimit.drawing.images.rectified import AS_THEY_ARE, OFF, draw_rectified, row_distance
 from viewimit.estimation.views import FourViews
-from viewimit.geometry.affine import INTO, SOURCE
+from viewimit.geometry.affine import LINE_VIEWS, POINT_VIEWS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes
@@ -55,7 +55,7 @@ def test_the_lines_of_both_eyes_cross_where_the_point_is_recovered_also_in_image
     for point in range(10):
         lines, found = snapshot.epipolar_lines(point), construct(snapshot, point)
         for side, view in enumerate((2, 3)):
-            from_left, from_right = (lines[(INTO == view) & (SOURCE == eye)][0] for eye in (0, 1))
+            from_left, from_right = (lines[(LINE_VIEWS == view) & (POINT_VIEWS == eye)][0] for eye in (0, 1))
             meet = np.cross(from_left, from_right)
             np.testing.assert_allclose(meet[:2] / meet[2], found.recovered[side], atol=1e-6)
             normals = [line[:2] / np.linalg.norm(line[:2]) for line in (from_left, from_right)]

@@ -13,7 +13,7 @@ from viewimit.drawing.plots import described
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.simulation.disturbances import (
-    GROSS_PX,
+    OUTLIER_PX,
     ArmDisturbance,
     ImageDisturbance,
     disturb,
@@ -66,7 +66,7 @@ def test_a_share_of_points_is_found_anywhere_within_gross_px():
     found, seen = spoilt(outliers=0.1)
     wrong = found.reshape(5000, 2, 2).any(-1)
     assert seen.all() and wrong.mean() == pytest.approx(0.1, abs=0.015)
-    assert 0.9 * GROSS_PX < np.abs(found).max() <= GROSS_PX
+    assert 0.9 * OUTLIER_PX < np.abs(found).max() <= OUTLIER_PX
 
 
 def test_one_disturbance_of_an_image_does_not_change_what_another_does():

@@ -142,11 +142,11 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     asked = Settings(transfer="epipolar", servo="trust-region", start_deg=(25, -25), restarts=restarts)
     session = Session(asked)
     last = session.run(200).last
-    assert last.status == "no-progress" and last.servo_state.restarts == restarts
+    assert last.status == "no-progress" and last.servo_state.search.n_restarts == restarts
     words = SERVOS["trust-region"].describe_status(last.servo_state, last.status)
     assert ("searches elsewhere" in words) == (restarts > 0)
     if restarts == 0:
-        assert not any(moment.servo_state.restarts for moment in session.history[1:])
+        assert not any(moment.servo_state.search.n_restarts for moment in session.history[1:])
         assert "nothing lower nearby" in words
 
 

@@ -73,8 +73,8 @@ def test_it_makes_the_same_run_as_a_session_that_knows_the_scene():
     last, known = one.run(60).last, other.run(60).last
     assert last.status == known.status == "converged" and last.motion == known.motion
     np.testing.assert_allclose(last.theta, known.theta, atol=1e-9)
-    assert last.certificate.told.all() and assess(one).certificate is last.certificate
-    assert last.certificate.worst == pytest.approx(known.certificate.worst, rel=1e-3)
+    assert last.certificate.observable.all() and assess(one).certificate is last.certificate
+    assert last.certificate.simultaneous_std_error == pytest.approx(known.certificate.simultaneous_std_error, rel=1e-3)
 
 
 def test_nobody_knows_where_the_demonstrator_is_and_there_is_no_scene():

@@ -8,7 +8,7 @@ from viewimit.app.sessions import codec
 
 from viewimit import SERVOS, TRANSFERS, FourViews, Session, Settings, replay
 from viewimit.drawing.export.citation import cite
-from viewimit.estimation.transfers import TransferMethod, linear_combination, transfer_method
+from viewimit.estimation.transfers import TransferMethod, linear, transfer_method
 from viewimit.loop.settings import OWN
 from viewimit.servo import GaussNewton, servo_method
 
@@ -83,7 +83,7 @@ def test_a_function_is_fitted_to_each_posture_of_a_batch_by_itself():
 
 def test_a_function_that_does_what_a_named_transfer_does_leads_the_arm_the_same_way():
     named = Session(Settings.paper(**START, transfer="linear"))
-    own = Session(Settings.paper(**START), transfer=lambda views: linear_combination.fit(views))
+    own = Session(Settings.paper(**START), transfer=lambda views: linear.fit(views))
     for session in (named, own):
         session.run(30)
     assert named.snapshot.motion == own.snapshot.motion > 3
@@ -175,7 +175,7 @@ def test_a_session_changes_from_its_own_to_a_named_one_and_back():
 def test_names_serve_as_well():
     session = Session(Settings(**START), transfer="linear", servo="kalman")
     assert (session.settings.transfer, session.settings.servo) == ("linear", "kalman")
-    method = TransferMethod(fit=linear_combination.fit)
+    method = TransferMethod(fit=linear.fit)
     assert Session(transfer=method).snapshot.method is method and method.title == "fit"
 
 

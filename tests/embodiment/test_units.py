@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings, strategies
 
 from viewimit import FourViews, Session
+from viewimit.estimation.noise import rounding_std
 from viewimit.geometry.affine import image_unit
 from viewimit.geometry.rectification import Rectification
-from viewimit.sensing.point_checks import rounding_std
 
 FakeRobot = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "fake_robot.py"))["FakeRobot"]
 FOCAL_PX = 1100.0

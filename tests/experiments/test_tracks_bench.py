@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from viewimit.commands.cli import main
+from viewimit.estimation.views import extents
 from viewimit.experiments.bench.benchmark import Context
 from viewimit.experiments.bench.tracks import CASES, HEIGHT, NOISE_PX, WIDTH, Case, draw, run
 from viewimit.geometry.fundamental import fit_fundamental, sampson_distance
-from viewimit.sensing.point_checks import extents
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)

@@ -16,12 +16,18 @@ from viewimit.app.control.saving import PICTURES
 from viewimit.app.jobs.experiments import Request, Run
 
 import viewimit
-from viewimit.drawing import standalone
 from viewimit.drawing.equations import equations_of, filled
-from viewimit.drawing.export import formulas
+from viewimit.drawing.export import figures
 from viewimit.drawing.export.citation import cite
-from viewimit.drawing.export.figures import drawings_in, four_images, laid_over, stacked, written
-from viewimit.drawing.export.formulas import can_typeset, draw_formulas
+from viewimit.drawing.export.figures import (
+    can_typeset,
+    encode,
+    four_images,
+    overlay,
+    stack,
+    svg_elements,
+    typeset_equations,
+)
 from viewimit.drawing.export.panels import draw_panels
 from viewimit.drawing.export.perspective import Eye, default_eye, draw_space
 from viewimit.drawing.theme import ROLES
@@ -50,8 +56,8 @@ def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session)
     drawn, citation = draw_panels(session, [3], 7), cite(session)
     figures = (
         four_images(drawn.images[0][7], "The four images"),
-        laid_over([drawn.grounds[0], drawn.path[0]], "E over the postures"),
-        stacked([drawn.conflict[0], drawn.angles[0]], "Both curves"),
+        overlay([drawn.grounds[0], drawn.path[0]], "E over the postures"),
+        stack([drawn.conflict[0], drawn.angles[0]], "Both curves"),
         draw_space(session.world, session.snapshot),
     )
     for figure in figures:
@@ -62,7 +68,7 @@ def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session)
         assert "".join(citation.command.split()) in "".join(said.split())
         assert ROLES["paper"][0] in picture and ROLES["paper"][1] not in picture
         assert float(root.get("height")) > figure.height
-    own = [one for one in drawings_in(drawn.images[0][7]) if IMAGE_L in one.classes][0]
+    own = [one for one in svg_elements(drawn.images[0][7]) if IMAGE_L in one.classes][0]
     points = re.search(rf'<path class="{OWN_POINTS}" d="[^"]*"/>', own.inside)[0]
     assert points in figures[0].captioned(citation)  # the page's very drawing
 
@@ -91,10 +97,10 @@ def test_the_scene_is_seen_as_a_pinhole_camera_at_the_eye_would(session):
 
 def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypatch):
     picture = draw_space(session.world, session.snapshot).captioned(cite(session))
-    assert written(picture, ".svg") == picture.encode()
-    monkeypatch.setattr(standalone, "can_render", lambda: False)
+    assert encode(picture, ".svg") == picture.encode()
+    monkeypatch.setattr(figures, "can_render", lambda: False)
     with pytest.raises(ValueError, match=r"PNG needs resvg_py: pip install 'viewimit\[plot\]'; SVG does not"):
-        written(picture, ".png")
+        encode(picture, ".png")
 
 
 @pytest.mark.parametrize(
@@ -114,7 +120,7 @@ def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypat
 def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, monkeypatch):
     monkeypatch.setattr(saving, "can_render", lambda: render)
     monkeypatch.setattr(saving, "can_typeset", lambda: typeset)
-    monkeypatch.setattr("viewimit.drawing.export.formulas.can_typeset", lambda: typeset)
+    monkeypatch.setattr("viewimit.drawing.export.figures.can_typeset", lambda: typeset)
     page = QuietPage(Settings())
     page.tick(1.0)
     assert (html.escape(said) in page.shown) and (bool(said) == ("viewimit[plot]" in page.shown))
@@ -157,7 +163,7 @@ def test_the_page_hands_out_a_replay_and_every_picture():
         assert "".join(cite(session, session.snapshot.motion).command.split()) in duel
     assert "Aduelafter1motion" in duel and "Largestjointerror" in duel
     assert "viewimitreproducefig7" in done and "Fig.7:landscapeandminima." in done and "smallestE<4°miss" in done
-    if standalone.can_render():
+    if figures.can_render():
         page.page.put(choose_picture("Curves"))
         page.page.put(choose_format("PNG"))
         png = save(SavePicture(), "viewimit-curves.png")
@@ -177,23 +183,23 @@ def take_experiment(model):
 def test_equations_become_outlines_of_their_letters_with_the_numbers_of_the_moment(session):
     pytest.importorskip("ziamath")
     told = equations_of(session.snapshot, 7)
-    figure = draw_formulas(told, "Equations")
+    figure = typeset_equations(told, "Equations")
     picture = figure.captioned(cite(session))
     root, said = ET.fromstring(picture), "".join(text_of(picture).split())
     assert all("".join(f"{each.number}{each.title}".split()) in said for each in told)
     assert "<math" not in picture and "href" not in picture and "black" not in picture
     letters = [html.unescape(re.sub(r"<[^>]*>|\s", "", filled(each))) for each in told]
     assert sum(1 for _ in root.iter(f"{SVG}path")) >= len("".join(letters))
-    wide = draw_formulas([Equation("", "", "x" * 120)], "Wide")
+    wide = typeset_equations([Equation("", "", "x" * 120)], "Wide")
     assert float(re.search(r"scale\(([\d.]+)\)", wide.inside)[1]) < 0.6  # into the column
-    other = draw_formulas(equations_of(session.history[0], 7), "Equations")
+    other = typeset_equations(equations_of(session.history[0], 7), "Equations")
     assert other.inside != figure.inside
 
 
 def test_without_what_sets_equations_it_is_said(session, monkeypatch):
-    monkeypatch.setattr(formulas, "can_typeset", lambda: False)
+    monkeypatch.setattr(figures, "can_typeset", lambda: False)
     with pytest.raises(ValueError, match=r"needs ziamath: pip install 'viewimit\[plot\]'"):
-        formulas.require_typesetter()
+        figures.require_typesetter()
 
 
 def test_a_lesson_hands_out_its_figures():

@@ -18,8 +18,7 @@ import viewimit
 from viewimit.analysis.construction import construct
 from viewimit.drawing.export import panels as panels_module
 from viewimit.drawing.export.citation import cite
-from viewimit.drawing.export.dedupe import Woven, weave
-from viewimit.drawing.export.panels import MOST_MOMENTS, Appearance, farthest_off, kept_motions
+from viewimit.drawing.export.panels import MAX_MOMENTS, Appearance, DedupedHTML, dedupe, kept_motions, largest_residual
 from viewimit.drawing.images.panel import draw_images
 from viewimit.loop.script import MoveDemonstrator
 from viewimit.loop.session import Session
@@ -45,7 +44,7 @@ def told(replay):
 def images(replay, k, point):
     """The four images at a moment, as the file has them for a chosen point."""
     panels = told(replay)["panels"]
-    return Woven(**panels["images"][k])[panels["points"].index(point)]
+    return DedupedHTML(**panels["images"][k])[panels["points"].index(point)]
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +65,7 @@ def replay(session):
 def test_at_every_moment_it_shows_what_the_page_would(session, replay):
     run = told(replay)
     assert run["motions"] == list(range(len(session.history)))
-    appearance, chosen = Appearance(session.world, session.history[0]), farthest_off(session.history[0])
+    appearance, chosen = Appearance(session.world, session.history[0]), largest_residual(session.history[0])
     for k in (0, 3, len(session.history) - 1):
         moment = session.history[k]
         bodies, windows = appearance.of(moment)
@@ -98,12 +97,12 @@ def test_every_point_can_be_chosen_and_costs_little(session, replay):
 
 @given(st.lists(st.text("ab<>", max_size=12), max_size=5))
 def test_what_is_woven_comes_out_as_it_was(drawings):
-    woven = weave(drawings)
+    woven = dedupe(drawings)
     assert [woven[k] for k in range(len(drawings))] == drawings and len(set(woven.pieces)) == len(woven.pieces)
 
 
 def test_where_all_points_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
-    monkeypatch.setattr(panels_module, "MOST_IMAGES", 10)
+    monkeypatch.setattr(panels_module, "MAX_IMAGES", 10)
     small = viewimit.replay(session, chosen=6)
     panels = told(small)["panels"]
     assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["ways"]) == 1 for one in panels["images"])
@@ -156,7 +155,7 @@ def test_a_run_of_a_hundred_motions_with_many_points_stays_small():
 def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
     long = [session.history[0].with_fields(motion=k) for k in range(1000)]
     kept = kept_motions(long)
-    assert len(kept) <= MOST_MOMENTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
+    assert len(kept) <= MAX_MOMENTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
     assert kept_motions([long[k - k % 8] for k in range(1000)])[1] % 8 == 0  # what stands for others, once
 
 
@@ -236,17 +235,14 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(browser, session,
     page.keyboard.press("Home")
 
     run = told(replay)["space"]
-    columns = page.evaluate(
-        """async () => { const {space} = await unpacked("run").json(), {learner} = space.moments.at(-1);
-        let T = new Float32Array(space.bases.learner); const frames = [[...T]];
-        space.joints.forEach((joint, k) => { T = M4.mul(M4.mul(T, new Float32Array(joint.T)),
-          M4.turn(joint.axis, learner[k])); frames.push([...T]); }); return frames; }"""
+    rows = page.evaluate(
+        "() => replay.framesOf('learner', replay.moments.at(-1).learner).map(frame => Array.from(frame))"
     )
-    frames = np.array(columns).reshape(-1, 4, 4).swapaxes(1, 2)
+    frames = np.array(rows).reshape(-1, 3, 4)
     world, points = session.world, np.array(run["points"]["local"])
     placed = np.einsum("nij,nj->ni", frames[run["points"]["link"]], np.column_stack([points, np.ones(len(points))]))
     truth = world.points_world(session.history[-1].theta, world.T_world_own)
-    assert np.allclose(placed[:, :3], truth, atol=2e-4)  # m; coordinates are kept to a tenth of a mm
+    assert np.allclose(placed, truth, atol=2e-4)  # m; coordinates are kept to a tenth of a mm
 
     page.keyboard.press("d")
     assert page.evaluate("getComputedStyle(document.body).color") == "rgb(240, 242, 245)"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.affine import centred, fit_affine_fundamental, scatter
+from viewimit.geometry.affine import centred, cross_scatter, fit_affine_fundamental
 from viewimit.geometry.small_matrices import extreme_eigenvalues, smallest_eigenpair
 
 
@@ -97,8 +97,8 @@ def test_scatter_of_one_image_against_many_is_scatter_of_each():
     rng = np.random.default_rng(6)
     one, many = rng.normal(size=(7, 4)), rng.normal(size=(5, 7, 4))
     expected = np.einsum("ij,gik->jkg", one, many)
-    np.testing.assert_allclose(scatter(one, many), expected, atol=1e-13)
-    np.testing.assert_allclose(scatter(np.broadcast_to(one, many.shape), many), expected, atol=1e-13)
+    np.testing.assert_allclose(cross_scatter(one, many), expected, atol=1e-13)
+    np.testing.assert_allclose(cross_scatter(np.broadcast_to(one, many.shape), many), expected, atol=1e-13)
     mean, about = centred(many)
     np.testing.assert_allclose(about + mean[:, None], many, atol=1e-14)
     np.testing.assert_allclose(about.sum(1), 0, atol=1e-13)

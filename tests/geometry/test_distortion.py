@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.distortion import Radial
+from viewimit.geometry.distortion import RadialDistortion
 
 LENSES = [(-0.3, 0.1), (0.16, -0.5), (0.5, -0.3), (1.0, -0.5), (0.3, -0.1), (0.2, -0.05), (5.0, 5.0), (-0.1, 0.0),
           (-2.0, 2.0), (0.05, 0.0), (0.1, -0.25)]  # fmt: skip
 
 
-def halved(by: Radial, seen: float) -> float:
+def halved(by: RadialDistortion, seen: float) -> float:
     """r by halving, of what is seen within `rim`."""
-    low, high = 0.0, min(by.reach, 100.0)
+    low, high = 0.0, min(by.max_radius, 100.0)
     for _ in range(200):
         middle = (low + high) / 2
         low, high = (middle, high) if middle * (1 + by.k1 * middle**2 + by.k2 * middle**4) < seen else (low, middle)
@@ -21,21 +21,21 @@ def halved(by: Radial, seen: float) -> float:
 @pytest.mark.parametrize("k1, k2", [(10.01, 0.0), (0.0, -10.01), (np.nan, 0.0), (0.0, np.inf)])
 def test_what_no_lens_has_is_refused(k1, k2):
     with pytest.raises(ValueError, match="is none of a lens: both are within ±10, in focal lengths"):
-        Radial(k1, k2)
+        RadialDistortion(k1, k2)
 
 
 @pytest.mark.parametrize("k1, k2", LENSES)
 def test_what_is_undone_is_where_it_was(k1, k2):
-    by = Radial(k1, k2)
-    r = np.linspace(0, 0.999 * min(by.reach, 4.0), 60)
+    by = RadialDistortion(k1, k2)
+    r = np.linspace(0, 0.999 * min(by.max_radius, 4.0), 60)
     seen = r * (1 + k1 * r**2 + k2 * r**4)
-    found = seen * by.undone(seen**2)
+    found = seen * by.inverse_factor(seen**2)
     assert found == pytest.approx(r, rel=1e-6)  # digits are lost as the square root towards the rim
     assert found[::7] == pytest.approx([halved(by, each) for each in seen[::7]], rel=1e-6, abs=1e-12)
 
 
 @pytest.mark.parametrize("k1, k2", LENSES)
 def test_what_is_seen_farther_out_is_farther_out(k1, k2):
-    by = Radial(k1, k2)
-    seen = np.linspace(0, 3 * min(by.rim, 4.0), 500)
-    assert (np.diff(seen * by.undone(seen**2)) > 0).all()
+    by = RadialDistortion(k1, k2)
+    seen = np.linspace(0, 3 * min(by.max_distorted_radius, 4.0), 500)
+    assert (np.diff(seen * by.inverse_factor(seen**2)) > 0).all()

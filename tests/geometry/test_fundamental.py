@@ -8,7 +8,7 @@ from viewimit.geometry.fundamental import (
     epipoles,
     fit_fundamental,
     fit_fundamental_with_prior,
-    neighbours,
+    perturbed_fundamentals,
     sampson_distance,
 )
 
@@ -26,7 +26,9 @@ def test_unweighted_it_is_opencvs_eight_point_algorithm():
     cv2 = pytest.importorskip("cv2")
     left, right, _ = matches(head(12, *UNLIKE), np.random.default_rng(1))
     theirs, _ = cv2.findFundamentalMat(left, right, cv2.FM_8POINT)
-    np.testing.assert_allclose(up_to_scale(fit_fundamental(left, right, rounds=0)), up_to_scale(theirs), atol=1e-7)
+    np.testing.assert_allclose(
+        up_to_scale(fit_fundamental(left, right, n_reweightings=0)), up_to_scale(theirs), atol=1e-7
+    )
 
 
 def test_with_noise_matches_are_as_far_from_it_as_the_noise_is_large():
@@ -49,7 +51,7 @@ def test_among_all_of_rank_2_it_is_the_one_nearest_to_the_matches():
     for _ in range(5):
         left, right = flat_matches(rng)
         F = fit_fundamental(left, right)
-        for way in neighbours(F, left, right) - F:
+        for way in perturbed_fundamentals(F, left, right) - F:
             moved = [F, F + way, F - way]
             here, ahead, behind = ((sampson_distance(matrix, left, right) ** 2).sum() for matrix in moved)
             curvature = ahead + behind - 2 * here
@@ -64,7 +66,9 @@ def test_its_neighbours_are_as_far_away_as_noise_moves_it():
         left, right = flat_matches(rng)
         F = fit_fundamental(left, right)
         found.append(where(F))
-        said.append(((np.array([where(near) for near in neighbours(F, left, right)]) - where(F)) ** 2).sum(0))
+        said.append(
+            ((np.array([where(near) for near in perturbed_fundamentals(F, left, right)]) - where(F)) ** 2).sum(0)
+        )
     np.testing.assert_allclose(np.sqrt(np.median(said, 0)), np.std(found, 0), rtol=0.15)
 
 

@@ -32,7 +32,9 @@ def page():
     page.page.touch("point", "3")
     page.page.put(CONTROLS["rays"](True))
     landscape = page.page.model.landscape
-    fine = lambda made: made is not None and made.about is None and made.hills  # an empty one is about nothing, too
+    fine = lambda made: (
+        made is not None and made.to_refine is None and made.shades
+    )  # an empty one has nothing to refine, too
     page.tick_until(lambda: fine(landscape.made))
     page.tick(10.0)
     return page

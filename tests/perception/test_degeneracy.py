@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.estimation.views import VIEWS, FourViews
-from viewimit.sensing.point_checks import why_degenerate
+from viewimit.estimation.views import VIEWS, FourViews, why_degenerate
 
 RNG = np.random.default_rng(0)
 SHAPE, SOLID = RNG.normal(0, 50, (10, 3)), RNG.normal(0, 1, (3, 8))

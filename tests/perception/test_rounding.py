@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.sensing.point_checks import MIN_COORDINATES, rounding_std
+from viewimit.estimation.noise import MIN_GRID_COORDINATES, rounding_std
 
 
 def scattered(rng, *shape):
@@ -46,14 +46,14 @@ def test_what_is_not_seen_tells_nothing():
 def test_of_what_lies_on_no_grid_it_is_nothing():
     for seed in range(200):
         rng = np.random.default_rng(seed)
-        points = scattered(rng, MIN_COORDINATES, 8)
+        points = scattered(rng, MIN_GRID_COORDINATES, 8)
         assert rounding_std(points, seen(points)) == 0.0 == rounding_std(np.round(points, 2), seen(points))
         partly = np.where(rng.random((40, 1)) < 0.5, (many := scattered(rng, 40, 8)).round(), many)
         assert rounding_std(partly, seen(partly)) == 0.0
 
 
 def test_of_few_equal_or_arranged_coordinates_it_is_nothing():
-    whole = to_grid(scattered(np.random.default_rng(3), MIN_COORDINATES - 1, 4), 1.0)
+    whole = to_grid(scattered(np.random.default_rng(3), MIN_GRID_COORDINATES - 1, 4), 1.0)
     board = 40.0 * np.stack(np.meshgrid(*[np.arange(8)] * 2), -1).reshape(-1, 2)
     for points in (whole, np.full((30, 4), 7.0), board, np.empty((0, 4))):
         assert rounding_std(points, seen(points)) == 0.0

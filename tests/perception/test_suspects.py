@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from axle_markers import axle_markers, one_pair
 
+from viewimit.estimation.noise import views_rounding_std
+from viewimit.estimation.outliers import SWAP_MIN_POINTS, find_outliers
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.draws import draw_scene, resize
-from viewimit.geometry.distortion import Radial
-from viewimit.loop.suspects import FEWEST_POINTS, rounding_of, suspects
+from viewimit.geometry.distortion import RadialDistortion
 from viewimit.simulation.camera import undistort_points
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -35,7 +36,7 @@ def panda(points):
 
 
 def named(views):
-    return [(suspect.kind, suspect.points, suspect.views) for suspect in suspects(views).found]
+    return [(suspect.kind, suspect.points, suspect.views) for suspect in find_outliers(views).found]
 
 
 @pytest.mark.parametrize("scenes", [6, pytest.param(200, marks=pytest.mark.slow)])
@@ -48,7 +49,7 @@ def test_clean_images_raise_no_alarm(any_head, scenes):
         world = World(drawn.scene, drawn.points)
         resize(world, drawn.size)
         for frames, noise_px, alike in product((1, FRAMES), (0.0, 0.5), (True, False)):
-            assert suspects(looks(world, rng, frames, noise_px, alike)).found == ()
+            assert find_outliers(looks(world, rng, frames, noise_px, alike)).found == ()
 
 
 @pytest.mark.parametrize("count", [10, 16, 20])
@@ -59,7 +60,7 @@ def test_a_point_at_a_wrong_place_in_one_image_is_named_alone(count, frames, noi
     for column, pair in ((1, ("l", "r")), (3, ("l", "r")), (1, ("L", "R")), (3, ("L", "R"))):
         views, point = looks(panda(count), rng, frames, noise_px, alike=False), int(rng.integers(count))
         (views.demo if pair == ("l", "r") else views.own)[:, point, column] += rng.choice((-60, 60))
-        (found,) = suspects(views).found
+        (found,) = find_outliers(views).found
         assert (found.kind, found.points, found.views) == ("misplaced", (point,), pair)
         assert found.frames == tuple(range(frames)) and found.score > 20
 
@@ -75,7 +76,7 @@ def test_in_a_single_frame_of_any_head_a_point_at_a_wrong_place_is_named_alone(n
             continue
         turned += 1
         views, point = looks(world, rng, 1, noise_px, alike=False), int(rng.integers(len(world.body)))
-        assert suspects(views).found == ()
+        assert find_outliers(views).found == ()
         views.demo[:, point, 1] += 60
         assert named(views) == [("misplaced", (point,), ("l", "r"))]
 
@@ -94,7 +95,7 @@ def test_rounding_raises_no_alarm_however_many_rows_it_makes_equal(any_head, ste
         world = World(drawn.scene, drawn.points)
         resize(world, drawn.size)
         for frames, share in product((1, FRAMES), (0.0, 0.1, 0.3, 0.5)):
-            assert suspects(on_grid(looks(world, rng, frames, share * step, alike=False), step)).found == ()
+            assert find_outliers(on_grid(looks(world, rng, frames, share * step, alike=False), step)).found == ()
 
 
 @pytest.mark.parametrize("count", [10, 16])
@@ -111,8 +112,8 @@ def test_in_whole_pixels_a_point_at_a_wrong_place_is_named_alone(count, frames, 
 def test_in_whole_pixels_arms_in_one_posture_have_nobody_swapped_and_a_swapped_pair_is_told():
     rng = np.random.default_rng(9)
     views = looks(panda(16), rng, FRAMES)
-    assert suspects(on_grid(views, 1.0)) == suspects(views)
-    assert named(on_grid(views.with_exchanged(((3, 8),)), 1.0)) == [("exchanged", (3, 8), ("l", "r"))]
+    assert find_outliers(on_grid(views, 1.0)) == find_outliers(views)
+    assert named(on_grid(views.permuted(((3, 8),)), 1.0)) == [("swapped", (3, 8), ("l", "r"))]
 
 
 def test_images_that_were_undistorted_after_they_were_rounded_lie_on_no_grid_and_are_told_by_how_much():
@@ -120,11 +121,13 @@ def test_images_that_were_undistorted_after_they_were_rounded_lie_on_no_grid_and
 
     def straight(images):
         halves = np.split(images, 2, axis=-1)
-        return np.concatenate([undistort_points(half, (256, 256), (320, 120), Radial(1e-3, 0)) for half in halves], -1)
+        return np.concatenate(
+            [undistort_points(half, (256, 256), (320, 120), RadialDistortion(1e-3, 0)) for half in halves], -1
+        )
 
     views = FourViews(straight(rounded.demo), straight(rounded.own), rounded.visible)
-    assert rounding_of(views) == 0 and suspects(views).found
-    assert suspects(views, rounding_px=rounding_of(rounded)).found == ()
+    assert views_rounding_std(views) == 0 and find_outliers(views).found
+    assert find_outliers(views, rounding_px=views_rounding_std(rounded)).found == ()
 
 
 def test_its_score_is_its_distance_in_deviations_of_the_others():
@@ -132,7 +135,7 @@ def test_its_score_is_its_distance_in_deviations_of_the_others():
     rng = np.random.default_rng(1)
     views = looks(panda(20), rng, FRAMES, 0.5)
     views.demo[3:5, 7, 1] += 40
-    (found,) = suspects(views).found
+    (found,) = find_outliers(views).found
     others = np.concatenate([views.demo, views.own], 1)
     rows = np.delete(others[..., 1] - others[..., 3], 7, axis=1)
     deviation = rows.std() / np.sqrt(2)
@@ -144,9 +147,9 @@ def test_what_is_little_in_each_frame_shows_in_many():
     rng = np.random.default_rng(2)
     views = looks(panda(16), rng, 40, 0.5)
     views.demo[:, 4, 1] += 3.0  # 4 deviations
-    (found,) = suspects(views).found
+    (found,) = find_outliers(views).found
     assert found.points == (4,) and found.frames == tuple(range(40))
-    assert suspects(FourViews(views.demo[:1], views.own[:1], views.visible[:1])).found == ()
+    assert find_outliers(FourViews(views.demo[:1], views.own[:1], views.visible[:1])).found == ()
 
 
 @pytest.mark.parametrize("count", [10, 16, 20])
@@ -156,17 +159,17 @@ def test_a_swapped_pair_is_named_alone_and_so_is_how_far_E_falls(count, frames):
     for _ in range(4):
         pair = tuple(sorted(rng.permutation(count)[:2].tolist()))
         clean = looks(panda(count), rng, frames)
-        (found,) = suspects(clean.with_exchanged((pair,))).found
-        assert (found.kind, found.points, found.views) == ("exchanged", pair, ("l", "r"))
-        assert found.E > 10 * found.E_exchanged and found.score >= 10
+        (found,) = find_outliers(clean.permuted((pair,))).found
+        assert (found.kind, found.points, found.views) == ("swapped", pair, ("l", "r"))
+        assert found.E > 10 * found.E_swapped and found.score >= 10
 
 
 def test_with_noise_a_swapped_pair_is_named_or_none_is():
     rng, alone = np.random.default_rng(3), 0
     for _ in range(20):
         pair = tuple(sorted(rng.permutation(16)[:2].tolist()))
-        found = named(looks(panda(16), rng, FRAMES, 0.5).with_exchanged((pair,)))
-        assert found in ([], [("exchanged", pair, ("l", "r"))])
+        found = named(looks(panda(16), rng, FRAMES, 0.5).permuted((pair,)))
+        assert found in ([], [("swapped", pair, ("l", "r"))])
         alone += bool(found)
     assert alone >= 15
 
@@ -175,16 +178,16 @@ def test_in_other_postures_nobody_is_called_swapped_and_that_is_said():
     rng = np.random.default_rng(4)
     for pairs in ((), ((2, 5),)):
         for _ in range(10):
-            views = looks(panda(10), rng, FRAMES, alike=False).with_exchanged(pairs)
-            told = suspects(views)
+            views = looks(panda(10), rng, FRAMES, alike=False).permuted(pairs)
+            told = find_outliers(views)
             assert told.found == () and "arms in one posture would tell" in told.undecided[0]
 
 
 def test_a_wrong_point_and_a_swapped_pair_are_told_apart():
     rng = np.random.default_rng(5)
-    views = looks(panda(16), rng, FRAMES).with_exchanged(((3, 8),))
+    views = looks(panda(16), rng, FRAMES).permuted(((3, 8),))
     views.own[:, 11, 1] += 60
-    assert named(views) == [("misplaced", (11,), ("L", "R")), ("exchanged", (3, 8), ("l", "r"))]
+    assert named(views) == [("misplaced", (11,), ("L", "R")), ("swapped", (3, 8), ("l", "r"))]
 
 
 def iiwa(body, head=""):
@@ -205,7 +208,7 @@ def test_no_exchange_is_named_that_makes_the_learner_a_mirror_image_of_the_demon
     demo, own = (np.array([getattr(views, body) for views in seen]) for body in ("demo", "own"))
     noise = noise_px * rng.standard_normal((2, *demo.shape))
     views = FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
-    told = suspects(views.with_exchanged(((12, 13),)))
+    told = find_outliers(views.permuted(((12, 13),)))
     assert told.found == () and "where it must not reflect; arms in one posture would tell" in told.undecided[0]
 
 
@@ -215,16 +218,16 @@ def test_a_swapped_pair_is_named_although_a_reflection_fits_without_the_exchange
     """All other points lie in one plane, about which that pair is symmetric."""
     views = looks(iiwa(one_pair, head), np.random.default_rng(12), FRAMES, noise_px)
     assert named(views) == []
-    assert named(views.with_exchanged(((16, 17),))) == [("exchanged", (16, 17), ("l", "r"))]
+    assert named(views.permuted(((16, 17),))) == [("swapped", (16, 17), ("l", "r"))]
 
 
 @pytest.mark.parametrize("noise_px", [0.05, 0.25, 1.0])
 def test_the_noise_is_that_of_an_image_coordinate(noise_px):
     views = looks(panda(16), np.random.default_rng(13), FRAMES, noise_px, alike=False)
-    assert suspects(views).noise_px == pytest.approx(noise_px, rel=0.1)
-    assert suspects(views.select(np.arange(5))).noise_px is not None
+    assert find_outliers(views).noise_px == pytest.approx(noise_px, rel=0.1)
+    assert find_outliers(views.select(np.arange(5))).noise_px is not None
     few = FourViews(views.demo[:1], views.own[:1], views.visible[:1]).select(np.arange(5))
-    assert suspects(few).noise_px is None
+    assert find_outliers(few).noise_px is None
 
 
 def test_points_that_are_not_seen_count_for_nothing():
@@ -234,23 +237,23 @@ def test_points_that_are_not_seen_count_for_nothing():
     views.visible[2, 4] = False
     views.own[5] = 1e6
     views.visible[5] = False
-    assert suspects(views).found == () == suspects(views).undecided
+    assert find_outliers(views).found == () == find_outliers(views).undecided
 
 
 def test_too_few_points_leave_it_undecided():
     rng = np.random.default_rng(7)
     five = looks(panda(10), rng, 1).select(np.arange(5))
-    told = suspects(five)
+    told = find_outliers(five)
     assert told.found == () and [why.split(":")[0] for why in told.undecided] == ["misplaced points", "swapped points"]
-    seven = looks(panda(10), rng, FRAMES).select(np.arange(FEWEST_POINTS - 1)).with_exchanged(((1, 4),))
-    told = suspects(seven)
+    seven = looks(panda(10), rng, FRAMES).select(np.arange(SWAP_MIN_POINTS - 1)).permuted(((1, 4),))
+    told = find_outliers(seven)
     assert told.found == () and "no frame has 8 points" in told.undecided[0]
 
 
 def test_points_without_any_order_are_left_undecided():
     rng = np.random.default_rng(8)
     demo, own = rng.uniform(0, 300, (2, 4, 12, 4))
-    assert suspects(FourViews(demo, own, np.ones(demo.shape, bool))).found == ()
+    assert find_outliers(FourViews(demo, own, np.ones(demo.shape, bool))).found == ()
 
 
 def test_of_very_many_points_a_wrong_one_is_named_in_as_little_memory():

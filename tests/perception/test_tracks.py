@@ -8,7 +8,7 @@ from drawn import RESIDUALS, written_path
 
 from viewimit import TRANSFERS
 from viewimit.commands.options import option
-from viewimit.drawing import standalone
+from viewimit.drawing.export import figures
 from viewimit.estimation.views import VIEW_NAMES, VIEWS, FourViews, view_of
 from viewimit.sensing.tracks import read_files, read_tidy, read_view, write_tidy
 from viewimit.simulation.scene import load_scene
@@ -93,7 +93,7 @@ def suspicious(tmp_path):
     """Three frames of 16 points, the learner in the demonstrator's posture: p2 and p9 are swapped, p5 is misplaced."""
     world, lines = World(load_scene("panda"), 16), ["frame,view,point,x,y,confidence"]
     for frame, theta in enumerate(np.radians([(45, -90), (20, -40), (70, -140)])):
-        seen = world.look(theta, theta).with_exchanged(((2, 9),))
+        seen = world.look(theta, theta).permuted(((2, 9),))
         seen.own[5, 1] += 60 * (frame == 1)
         for view, points in images(seen).items():
             lines += [f"{10 + frame},{view},<p{k}>,{x!r},{y!r},0.9" for k, (x, y) in enumerate(points.tolist())]
@@ -109,9 +109,9 @@ def test_points_that_are_likely_wrong_are_listed_with_their_score(ask, ask_json,
         "kind": "misplaced", "points": ["<p5>"], "views": ["own_left", "own_right"], "frames": [11],
     }  # fmt: skip
     assert misplaced["score"] > 100 and "E" not in misplaced
-    assert (swapped["kind"], swapped["points"]) == ("exchanged", ["<p2>", "<p9>"])
+    assert (swapped["kind"], swapped["points"]) == ("swapped", ["<p2>", "<p9>"])
     assert swapped["views"] == ["demo_left", "demo_right"]
-    assert swapped["E"] > 10 * swapped["E_exchanged"] and told["undecided"] == []
+    assert swapped["E"] > 10 * swapped["E_swapped"] and told["undecided"] == []
     _, out, _ = ask("evaluate", suspicious)
     page = (tmp_path / "report.html").read_text()
     assert "<p5>  misplaced in own_left or own_right: " in out and "off; frame 11" in out
@@ -191,7 +191,7 @@ def test_coordinates_as_shares_of_the_picture_are_refused(tmp_path, tidy):
 
 
 def test_a_png_that_cannot_be_made_is_refused_with_what_can(ask, tidy, tmp_path, monkeypatch):
-    monkeypatch.setattr(standalone, "can_render", lambda: False)
+    monkeypatch.setattr(figures, "can_render", lambda: False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "report.png")
     assert status == 2 and "pip install" in err
     instead = re.search(r"(\.\w+) does not", err)[1]
@@ -235,7 +235,7 @@ def test_a_report_shows_points_and_residuals_to_one_scale(ask, ask_json, tidy, t
 def test_a_report_is_a_picture_too(ask, tidy, tmp_path, monkeypatch):
     assert ask("evaluate", tidy, "--out", tmp_path / "report.png")[0] == 0
     assert (tmp_path / "report.png").read_bytes().startswith(b"\x89PNG")
-    monkeypatch.setattr("viewimit.drawing.standalone.can_render", lambda: False)
+    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda: False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "other.png")
     assert status == 2 and "pip install 'viewimit[plot]'" in err
 

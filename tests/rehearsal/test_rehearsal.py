@@ -9,7 +9,7 @@ from viewimit.app.sessions import codec
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.trust_region.state import FIRST_RADIUS
+from viewimit.servo.trust_region.options import TrustRegionOptions
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import Scene
 
@@ -80,7 +80,7 @@ def test_where_points_have_moved_it_notices_and_probes():
     assert [moment.E for moment in session.history] == [moment.E for moment in alone.history]
     session.pose(np.radians((60.0, -60.0)))
     alone.pose(np.radians((60.0, -60.0)))
-    assert session.snapshot.servo_state.radius == FIRST_RADIUS
+    assert session.snapshot.servo_state.region.radius == TrustRegionOptions().first_radius
     assert session.run(60).E == alone.run(60).E and error_deg(session.snapshot) < 0.5
 
 

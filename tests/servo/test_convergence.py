@@ -5,37 +5,39 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewimit.servo.trust_region.convergence import CHECK, EQUAL, NEAR, NOISY_CHECK, certify, curvature_directions
-from viewimit.servo.trust_region.local_model import UNTOLD, Surroundings
+from viewimit.servo.trust_region.convergence import ROUNDING, certify, curvature_directions
+from viewimit.servo.trust_region.local_model import LocalModel
+from viewimit.servo.trust_region.options import TrustRegionOptions
 
 POINTS, OPEN = 10, np.full(2, 9.0)
+OPTIONS = TrustRegionOptions()
 FLAT, STEEP = 60.0, 600.0  # px²/rad²: as in the default scene
 
 
-def surroundings(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
+def model_of(away_deg, curvatures=(FLAT, STEEP), true=None, **changes):
     """Visits away from the best, E measured as the `true` curvatures make it, by default those predicted."""
     away, predicted = np.radians(np.reshape(away_deg, (-1, 2))), np.diag(curvatures).astype(float)
     rise = 0.5 * np.einsum("ka,a,ka->k", away, np.array(curvatures if true is None else true, float), away)
-    here = Surroundings(
+    here = LocalModel(
         hessian=predicted,
-        foreseen=predicted,
+        hessian_all_points=predicted,
         E=1e-9,
-        points=POINTS,
-        seen=POINTS,
-        left=np.zeros(2),
-        gradients=np.zeros((1, 2)),
-        by_slopes=np.zeros((1, 2)),
-        head=np.zeros((0, 2)),
-        slopes=np.diag([2e4, 2e4]),
-        away=away,
-        rise=rise,
+        n_points=POINTS,
+        n_visible=POINTS,
+        newton_step=np.zeros(2),
+        grad_samples_images=np.zeros((1, 2)),
+        grad_samples_jacobian=np.zeros((1, 2)),
+        grad_bias_per_rig=np.zeros((0, 2)),
+        image_gram=np.diag([2e4, 2e4]),
+        offsets=away,
+        increase=rise,
         hessians=np.repeat(predicted[None], len(away), 0),
-        whole=predicted,
-        low=-OPEN,
-        high=OPEN,
+        hessian_single=predicted,
+        lower=-OPEN,
+        upper=OPEN,
         noise_px=0.0,
     )
-    return replace(here, **{"whole": changes.get("hessian", predicted), **changes})
+    return replace(here, **{"hessian_single": changes.get("hessian", predicted), **changes})
 
 
 BOTH = (2, 0), (0, 2)
@@ -48,139 +50,143 @@ def test_points_that_a_homography_of_space_and_the_joints_fit_by_themselves_allo
     """3 coordinates a point against 15 numbers and the joints: 18 and 17, 21 and 17; 24 and 22, 27 and 22."""
     away, hessian = np.radians(2) * np.eye(joints), 600.0 * np.eye(joints)
     here = replace(
-        surroundings(BOTH),
+        model_of(BOTH),
         hessian=hessian,
-        foreseen=hessian,
-        left=np.zeros(joints),
-        gradients=np.zeros((1, joints)),
-        by_slopes=np.zeros((1, joints)),
-        head=np.zeros((0, joints)),
-        slopes=2e4 * np.eye(joints),
-        away=away,
-        rise=0.5 * np.einsum("ka,ab,kb->k", away, hessian, away),
+        hessian_all_points=hessian,
+        newton_step=np.zeros(joints),
+        grad_samples_images=np.zeros((1, joints)),
+        grad_samples_jacobian=np.zeros((1, joints)),
+        grad_bias_per_rig=np.zeros((0, joints)),
+        image_gram=2e4 * np.eye(joints),
+        offsets=away,
+        increase=0.5 * np.einsum("ka,ab,kb->k", away, hessian, away),
         hessians=np.repeat(hessian[None], joints, 0),
-        whole=hessian,
-        low=np.full(joints, -9.0),
-        high=np.full(joints, 9.0),
-        seen=seen,
+        hessian_single=hessian,
+        lower=np.full(joints, -9.0),
+        upper=np.full(joints, 9.0),
+        n_visible=seen,
     )
-    assert certify(here).claim == claim
+    assert certify(here).status == claim
 
 
 def test_visits_that_show_a_rise_along_every_direction_allow_the_claim():
-    found = certify(surroundings(BOTH))
-    assert found.shown and found.told.all() and not found.check.any() and found.claim == "converged"
+    found = certify(model_of(BOTH))
+    assert (
+        found.verified and found.observable.all() and not found.verification_step.any() and found.status == "converged"
+    )
 
 
 @pytest.mark.parametrize("away_deg, asked", [([], 0), ([(0, 2)], 0), ([(2, 0)], 1), ([(1, 3), (0, 2)], 0)])
 def test_without_a_visit_along_it_a_direction_is_asked_by_a_motion_the_flattest_first(away_deg, asked):
     """Nor is a visit evidence at which another direction makes most of the rise."""
-    found = certify(surroundings(away_deg))
-    assert found.claim == "settled" and np.linalg.norm(found.check) == pytest.approx(CHECK)
-    assert np.abs(found.check).argmax() == asked
+    found = certify(model_of(away_deg))
+    assert found.status == "settled" and np.linalg.norm(found.verification_step) == pytest.approx(
+        OPTIONS.verification_step
+    )
+    assert np.abs(found.verification_step).argmax() == asked
 
 
 def test_a_visit_is_no_evidence_of_one_direction_whose_rise_by_the_points_seen_there_another_makes_half_of():
     """By fewer points the directions are no eigenvectors: what they share makes the sum small, and either one large."""
-    here = surroundings([(1, 3), (0, 2)])
+    here = model_of([(1, 3), (0, 2)])
     fewer = np.array([[540.0, -90.0], [-90.0, 60.0]])
     one, three = np.radians((1, 3))
     alone = 0.5 * 540 * one**2
-    assert alone == pytest.approx(0.5 * 60 * three**2) == pytest.approx(0.5 * here.away[0] @ fewer @ here.away[0])
-    hessians, rise = np.stack([fewer, here.hessians[1]]), np.array([alone, here.rise[1]])
-    found = certify(replace(here, hessians=hessians, rise=rise))
-    assert found.claim == "settled" and np.abs(found.check).argmax() == 0
+    assert alone == pytest.approx(0.5 * 60 * three**2) == pytest.approx(0.5 * here.offsets[0] @ fewer @ here.offsets[0])
+    hessians, rise = np.stack([fewer, here.hessians[1]]), np.array([alone, here.increase[1]])
+    found = certify(replace(here, hessians=hessians, increase=rise))
+    assert found.status == "settled" and np.abs(found.verification_step).argmax() == 0
 
 
 def test_a_rise_that_the_other_directions_make_is_no_evidence_of_a_flat_one():
     """Two thirds of what is predicted there are the first joint's, which tells nothing; more than half is measured, as
     the second's curvature is half as large again as predicted."""
-    here = surroundings([(6, 1.36), (0, 2)], true=(0, 1.5 * STEEP))
-    predicted = 0.5 * here.away[0] @ here.hessian @ here.away[0]
+    here = model_of([(6, 1.36), (0, 2)], true=(0, 1.5 * STEEP))
+    predicted = 0.5 * here.offsets[0] @ here.hessian @ here.offsets[0]
     own = 0.5 * FLAT * np.radians(6) ** 2
-    assert own == pytest.approx(2 / 3 * predicted, rel=0.02) and here.rise[0] >= 0.5 * predicted
+    assert own == pytest.approx(2 / 3 * predicted, rel=0.02) and here.increase[0] >= 0.5 * predicted
     found = certify(here)
-    assert found.claim == "settled" and np.abs(found.check).argmax() == 0
+    assert found.status == "settled" and np.abs(found.verification_step).argmax() == 0
 
 
-@pytest.mark.parametrize("far_deg", [0.9, np.degrees(NEAR) + 0.1])
+@pytest.mark.parametrize("far_deg", [0.9, np.degrees(OPTIONS.max_evidence) + 0.1])
 def test_what_is_too_near_or_too_far_is_no_evidence(far_deg):
-    assert not certify(surroundings([(far_deg, 0), (0, 2)])).shown
+    assert not certify(model_of([(far_deg, 0), (0, 2)])).verified
 
 
 @pytest.mark.parametrize("share, claim", [(0.6, "converged"), (0.4, "settled"), (0.001, "unobservable")])
 def test_a_curvature_that_was_only_predicted_is_no_evidence(share, claim):
     """Along the first joint E rises by a share of what is predicted; where it does not rise the joint is not told."""
-    found = certify(surroundings(BOTH, true=(share * FLAT, STEEP)))
-    assert found.claim == claim and found.told.tolist() == [claim != "unobservable", True]
-    assert np.isfinite(found.expected).tolist() == found.told.tolist()
+    found = certify(model_of(BOTH, true=(share * FLAT, STEEP)))
+    assert found.status == claim and found.observable.tolist() == [claim != "unobservable", True]
+    assert np.isfinite(found.std_error).tolist() == found.observable.tolist()
 
 
 def test_thresholds_scale_with_the_camera():
     """With pixels half as large all px² are four times as many, and nothing else changes."""
     for true in ((FLAT, STEEP), (0.4 * FLAT, STEEP), (0.001 * FLAT, STEEP)):
-        here = surroundings(BOTH, true=true)
-        names = "hessian", "E", "slopes", "rise", "hessians", "whole"
+        here = model_of(BOTH, true=true)
+        names = "hessian", "E", "image_gram", "increase", "hessians", "hessian_single"
         finer = replace(here, noise_px=2 * here.noise_px, **{name: 4 * getattr(here, name) for name in names})
-        assert certify(finer).claim == certify(here).claim
-        np.testing.assert_allclose(certify(finer).expected, certify(here).expected)
+        assert certify(finer).status == certify(here).status
+        np.testing.assert_allclose(certify(finer).std_error, certify(here).std_error)
 
 
 def test_a_joint_that_a_pixel_turns_by_20_degrees_is_not_told():
-    flattest = 1 / (POINTS * UNTOLD**2)
+    flattest = 1 / (POINTS * OPTIONS.max_std_per_px**2)
     for curvature, told in ((0.9 * flattest, False), (1.1 * flattest, True)):
-        here = surroundings(BOTH, (curvature, STEEP), slopes=np.diag([1e3, 1e3]))
-        assert certify(here).told.tolist() == [told, True]
+        here = model_of(BOTH, (curvature, STEEP), image_gram=np.diag([1e3, 1e3]))
+        assert certify(here).observable.tolist() == [told, True]
 
 
 def test_what_points_seen_rarely_should_tell_can_be_learned():
     """Then a check motion is worth more than to look for other points elsewhere."""
     level, tells = np.diag([1e-9, STEEP]), np.diag([FLAT, STEEP])
-    for foreseen, learnable in ((level, False), (tells, True)):
-        found = certify(surroundings([], hessian=level, foreseen=foreseen))
-        assert found.claim == "unobservable" and found.learnable == learnable
-        assert np.abs(found.check).argmax() == 0
-    assert not certify(surroundings(BOTH)).learnable
+    for all_points, needs_data in ((level, False), (tells, True)):
+        found = certify(model_of([], hessian=level, hessian_all_points=all_points))
+        assert found.status == "unobservable" and found.needs_more_data == needs_data
+        assert np.abs(found.verification_step).argmax() == 0
+    assert not certify(model_of(BOTH)).needs_more_data
 
 
 @pytest.mark.filterwarnings("error")
 def test_where_noise_explains_all_curvature_nothing_is_told_and_nothing_overflows():
-    here = replace(surroundings(BOTH, hessian=np.zeros((2, 2))), noise_px=0.1, gradients=np.ones((3, 2)))
+    here = replace(model_of(BOTH, hessian=np.zeros((2, 2))), noise_px=0.1, grad_samples_images=np.ones((3, 2)))
     found = certify(here)
-    assert found.claim == "unobservable" and not found.told.any() and np.isinf(found.expected).all()
+    assert found.status == "unobservable" and not found.observable.any() and np.isinf(found.std_error).all()
 
 
 def test_noise_hides_rises_and_asks_for_longer_motions():
-    here = replace(surroundings([(6, 0), (0, 6)]), noise_px=0.05)
-    assert certify(here).shown
+    here = replace(model_of([(6, 0), (0, 6)]), noise_px=0.05)
+    assert certify(here).verified
     loud = certify(replace(here, noise_px=1.0))
-    assert not loud.shown and np.linalg.norm(loud.check) >= NOISY_CHECK
-    assert certify(surroundings([], noise_px=0.01)).check.any()
+    assert not loud.verified and np.linalg.norm(loud.verification_step) >= OPTIONS.verification_step_noisy
+    assert certify(model_of([], noise_px=0.01)).verification_step.any()
 
 
 def test_between_two_limits_what_they_leave_is_asked():
     """In a corner the flattest direction is barred both ways: a motion of each joint alone is evidence instead."""
     turned = np.array([[1, 1], [-1, 1]]) / np.sqrt(2)
     hessian = turned.T @ np.diag([FLAT, STEEP]) @ turned
-    corner = {"hessian": hessian, "low": np.array([-9.0, -9.0]), "high": np.array([0.0, 0.0])}
+    corner = {"hessian": hessian, "lower": np.array([-9.0, -9.0]), "upper": np.array([0.0, 0.0])}
     away = np.radians([(-2, 0), (0, -2), (-1.5, -1.5)])
     if abs(np.linalg.eigh(hessian)[1][:, 0] @ (1, 1)) > 1:
-        corner |= {"low": np.array([-9.0, 0.0]), "high": np.array([0.0, 9.0])}
+        corner |= {"lower": np.array([-9.0, 0.0]), "upper": np.array([0.0, 9.0])}
         away = np.radians([(-2, 0), (0, 2), (-1.5, 1.5)])
     rise = 0.5 * np.einsum("ka,ab,kb->k", away, hessian, away)
-    here = surroundings(np.degrees(away), **corner, rise=rise, hessians=np.repeat(hessian[None], 3, 0))
-    assert certify(here).shown
-    one = replace(here, away=away[:1], rise=rise[:1], hessians=hessian[None])
-    check = certify(one).check
-    assert check.any() and (check >= here.low).all() and (check <= here.high).all()
+    here = model_of(np.degrees(away), **corner, increase=rise, hessians=np.repeat(hessian[None], 3, 0))
+    assert certify(here).verified
+    one = replace(here, offsets=away[:1], increase=rise[:1], hessians=hessian[None])
+    check = certify(one).verification_step
+    assert check.any() and (check >= here.lower).all() and (check <= here.upper).all()
 
 
 def test_the_expected_error_is_of_what_is_left_of_E_if_that_is_more_than_noise():
-    quiet = surroundings(BOTH)
-    freedom = quiet.freedom
+    quiet = model_of(BOTH)
+    freedom = quiet.degrees_of_freedom
     loud = replace(quiet, E=0.5 * freedom / POINTS * 0.2**2)  # as residuals of 0.2 px make it
-    np.testing.assert_allclose(certify(loud).expected, 0.2 * certify(quiet).spread)
-    np.testing.assert_allclose(certify(replace(loud, noise_px=0.3)).expected, 0.3 * certify(quiet).spread)
+    np.testing.assert_allclose(certify(loud).std_error, 0.2 * certify(quiet).std_per_px)
+    np.testing.assert_allclose(certify(replace(loud, noise_px=0.3)).std_error, 0.3 * certify(quiet).std_per_px)
 
 
 class TestOwnNoise:
@@ -190,11 +196,11 @@ class TestOwnNoise:
     NOISE = 0.02
 
     def test_it_adds_to_what_is_expected(self):
-        quiet = certify(surroundings(self.AWAY, noise_px=self.NOISE))
+        quiet = certify(model_of(self.AWAY, noise_px=self.NOISE))
         moved = np.radians((0.3, -0.02))
         gradients = np.stack([1, -1])[:, None] * moved * (FLAT, STEEP)
-        loud = certify(surroundings(self.AWAY, noise_px=self.NOISE, gradients=gradients))
-        np.testing.assert_allclose(loud.expected**2 - quiet.expected**2, moved**2, rtol=1e-6)
+        loud = certify(model_of(self.AWAY, noise_px=self.NOISE, grad_samples_images=gradients))
+        np.testing.assert_allclose(loud.std_error**2 - quiet.std_error**2, moved**2, rtol=1e-6)
 
     @pytest.mark.parametrize("times, asks", [(0.5, False), (2.0, True)])
     def test_a_direction_that_it_hides_more_than_the_demonstrators_does_is_asked_again_and_stays_shown(
@@ -203,21 +209,21 @@ class TestOwnNoise:
         """What is expected of the error counts it already."""
         of_demo = self.NOISE * np.sqrt(1 / (FLAT * POINTS))
         gradients = np.array([[times * of_demo * FLAT, 0.0]])
-        found = certify(surroundings(self.AWAY, noise_px=self.NOISE, gradients=gradients))
-        assert found.check.any() == asks and found.shown
-        assert not asks or np.abs(found.check).argmax() == 0
+        found = certify(model_of(self.AWAY, noise_px=self.NOISE, grad_samples_images=gradients))
+        assert found.verification_step.any() == asks and found.verified
+        assert not asks or np.abs(found.verification_step).argmax() == 0
 
     @pytest.mark.parametrize("times, asks", [(0.5, False), (2.0, True)])
     def test_where_slopes_hide_more_it_asks_too_but_what_was_shown_stays_shown(self, times, asks):
         of_demo = self.NOISE * np.sqrt(1 / (FLAT * POINTS))
         by_slopes = np.array([[times * of_demo * FLAT, 0.0]])
-        quiet = certify(surroundings(self.AWAY, noise_px=self.NOISE))
-        found = certify(surroundings(self.AWAY, noise_px=self.NOISE, by_slopes=by_slopes))
-        assert found.shown and found.check.any() == asks
-        assert found.expected[0] == pytest.approx(np.hypot(quiet.expected[0], times * of_demo))
+        quiet = certify(model_of(self.AWAY, noise_px=self.NOISE))
+        found = certify(model_of(self.AWAY, noise_px=self.NOISE, grad_samples_jacobian=by_slopes))
+        assert found.verified and found.verification_step.any() == asks
+        assert found.std_error[0] == pytest.approx(np.hypot(quiet.std_error[0], times * of_demo))
 
     def test_without_noise_no_direction_is_asked_again(self):
-        assert certify(surroundings(BOTH, gradients=np.array([[1e3, 0.0]]))).shown
+        assert certify(model_of(BOTH, grad_samples_images=np.array([[1e3, 0.0]]))).verified
 
 
 def hessian_along(*directions):
@@ -236,9 +242,9 @@ def hessian_along(*directions):
     ],
 )
 def test_the_joint_that_turns_most_turns_forwards_whatever_is_rounded(flattest, steepest, expected, seed):
-    noise = EQUAL / 100 * np.random.default_rng(seed).normal(size=(2, 2))
+    noise = ROUNDING / 100 * np.random.default_rng(seed).normal(size=(2, 2))
     found = curvature_directions(hessian_along(flattest, steepest) + noise + noise.T)
-    np.testing.assert_allclose(found[:, 0], expected / np.linalg.norm(expected), atol=EQUAL)
+    np.testing.assert_allclose(found[:, 0], expected / np.linalg.norm(expected), atol=ROUNDING)
 
 
 def test_directions_are_the_eigenvectors_the_flattest_first():
@@ -249,8 +255,8 @@ def test_directions_are_the_eigenvectors_the_flattest_first():
 
 
 def test_what_other_heads_would_move_the_least_by_is_expected_as_well():
-    here = surroundings(BOTH)
+    here = model_of(BOTH)
     away = np.radians(((0.3, 0.0), (0.4, 0.2)))  # by each of two
-    told = certify(replace(here, head=away * (FLAT, STEEP)))
-    without = certify(here).expected
-    np.testing.assert_allclose(told.expected, np.sqrt(without**2 + np.radians((0.5, 0.2)) ** 2))
+    told = certify(replace(here, grad_bias_per_rig=away * (FLAT, STEEP)))
+    without = certify(here).std_error
+    np.testing.assert_allclose(told.std_error, np.sqrt(without**2 + np.radians((0.5, 0.2)) ** 2))

@@ -13,7 +13,8 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import MATCH
-from viewimit.servo.trust_region.correspondences import exchanged, likely_exchange, with_exchanged
+from viewimit.servo.trust_region.correspondences import find_swapped_matches, with_swapped
+from viewimit.servo.trust_region.correspondences import swapped as swapped_points
 
 replace = msgspec.structs.replace
 
@@ -35,7 +36,7 @@ def asked(session):
     seen = session.observation(session.snapshot)
     start = session.settings.start_rad
     predict = lambda displacement: session.world.own_images(np.moveaxis(displacement + start, -1, 0))[0]
-    return likely_exchange(predict, session.predicted_residuals(session.snapshot), seen.lower, seen.upper, 1.0)
+    return find_swapped_matches(predict, session.predicted_residuals(session.snapshot), seen.lower, seen.upper, 1.0)
 
 
 @pytest.mark.parametrize("points, share", [(10, 0.2), (16, 0.2), (20, 0.1)])
@@ -54,7 +55,7 @@ def test_the_conflict_of_exchanged_own_points_is_that_of_the_demonstrators_excha
     straight = Session(replace(session.settings, swapped=0.0))
     pairs = tuple(swapped(session.settings, 16))
     own = session.snapshot.views.own + np.random.default_rng(0).normal(size=(3, 16, 4))
-    told = with_exchanged(session.predicted_residuals(session.snapshot), pairs)
+    told = with_swapped(session.predicted_residuals(session.snapshot), pairs)
     E, expected = ((e**2).sum((1, 2)) for e in (told(own), straight.predicted_residuals(straight.snapshot)(own)))
     np.testing.assert_allclose(E, expected, rtol=1e-9)
 
@@ -63,15 +64,15 @@ def test_the_conflict_of_exchanged_own_points_is_that_of_the_demonstrators_excha
 def test_exchanging_moves_the_demonstrators_points_only_and_twice_nothing(pairs):
     rng = np.random.default_rng(1)
     views = FourViews(*rng.normal(size=(2, 5, 4)), rng.random((5, 4)) < 0.5)
-    once = views.with_exchanged(pairs)
+    once = views.permuted(pairs)
     order = list(range(5))
     for i, j in pairs:
         order[i], order[j] = order[j], order[i]
     np.testing.assert_array_equal(once.demo, views.demo[order])
     np.testing.assert_array_equal(once.visible, np.concatenate([views.visible[order, :2], views.visible[:, 2:]], 1))
-    np.testing.assert_array_equal(exchanged(views.demo, pairs), once.demo)
+    np.testing.assert_array_equal(swapped_points(views.demo, pairs), once.demo)
     assert once.own is views.own
-    np.testing.assert_array_equal(once.with_exchanged(pairs).demo, views.demo)
+    np.testing.assert_array_equal(once.permuted(pairs).demo, views.demo)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.2])
@@ -121,6 +122,8 @@ def test_where_the_images_are_hardly_known_nothing_is_exchanged_and_nothing_fail
     two_joints = np.zeros(2), np.ones(2)
     unknown = lambda theta: np.full((*theta.shape[:-1], 10, 4), np.nan)
     assert (
-        likely_exchange(unknown, lambda own, transfer=None, noise_reference=None: own[..., :1, :], *two_joints, 1.0)
+        find_swapped_matches(
+            unknown, lambda own, transfer=None, noise_reference=None: own[..., :1, :], *two_joints, 1.0
+        )
         == ()
     )

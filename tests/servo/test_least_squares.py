@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit.servo.least_squares import minimise
-from viewimit.servo.trust_region.convergence import deviations
+from viewimit.servo.trust_region.convergence import standard_deviations
 
 RNG = np.random.default_rng(0)
 A, B = RNG.normal(0, 100, (8, 4, 3)), RNG.normal(0, 30, (8, 4))
@@ -35,8 +35,10 @@ def test_the_spread_is_that_of_solutions_over_many_draws_of_the_noise():
     noise = RNG.normal(0, 2.0, (2000, 8, 4))
     solved = np.linalg.lstsq(A.reshape(32, 3), (noise - B).reshape(-1, 32).T, rcond=None)[0]
     found = minimise(linear, np.zeros((1, 3)), *OPEN)
-    spread = 2.0 * deviations(found.hessian, found.points)
-    np.testing.assert_allclose(spread, solved.std(1), rtol=0.1)  # 6 standard deviations of a deviation of 2,000
+    spread = 2.0 * standard_deviations(found.hessian, found.points)
+    np.testing.assert_allclose(
+        spread, solved.std(1), rtol=0.1
+    )  # 6 standard standard_deviations of a deviation of 2,000
 
 
 def test_starts_that_come_to_one_minimum_are_asked_about_once():
@@ -56,7 +58,7 @@ def test_what_is_left_to_the_place_is_known_though_it_is_not_worth_a_round():
     starts = SOLUTION + RNG.uniform(-0.3, 0.3, (5, 3))
     for few in (starts, starts[:1]):
         found = minimise(bent, few, *OPEN)
-        theta = found.theta + found.left
+        theta = found.theta + found.newton_step
         np.testing.assert_allclose(theta + 0.1 * theta**2, SOLUTION, atol=1e-6)
 
 

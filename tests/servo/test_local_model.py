@@ -10,13 +10,13 @@ from viewimit.servo.least_squares import minimise
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.convergence import certify
 from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
-from viewimit.servo.trust_region.local_model import Known, survey
+from viewimit.servo.trust_region.local_model import EstimationData, local_model
 
 POINTS = 9
 PLACES = np.radians([(0, 0), (15, 0), (0, 15), (10, 10), (-10, 5), (3, -8), (0.5, 0.5)])
 
 
-def known_with(times_seen: int) -> tuple[Known, np.ndarray]:
+def known_with(times_seen: int) -> tuple[EstimationData, np.ndarray]:
     """The first joint moves all points alike, and what they have in common is no conflict: it is not told. The first
     point is seen at so many of the last visits, the others always."""
     rng = np.random.default_rng(2)
@@ -35,18 +35,18 @@ def known_with(times_seen: int) -> tuple[Known, np.ndarray]:
 
     model = GaussianProcessImages.fit(list(visits), best, 0.0)
     observed = SimpleNamespace(noise_px=0.0, motion=0, lower=np.full(2, -9.0), upper=np.full(2, 9.0))
-    return Known(visits, best, 0.0, np.ones(POINTS, bool), model, observed, residual_of), place
+    return EstimationData(visits, best, 0.0, np.ones(POINTS, bool), model, observed, residual_of), place
 
 
 @pytest.mark.parametrize("times_seen, looks_told", [(len(PLACES), False), (1, True)])
 def test_a_point_whose_motion_was_not_seen_tells_nothing(times_seen, looks_told):
     known, place = known_with(times_seen)
-    found = minimise(lambda theta: known.residual_of(known.model.predict(theta)), place[None], place - 0.1, place + 0.1)
-    here = survey(known, found, place)
-    assert (found.hessian[0, 0] > 10) == looks_told == (here.foreseen[0, 0] > 10)
-    assert here.points == POINTS - looks_told and here.hessian[0, 0] < 0.5 < here.hessian[1, 1]
+    found = minimise(lambda theta: known.residuals(known.model.predict(theta)), place[None], place - 0.1, place + 0.1)
+    here = local_model(known, found, place)
+    assert (found.hessian[0, 0] > 10) == looks_told == (here.hessian_all_points[0, 0] > 10)
+    assert here.n_points == POINTS - looks_told and here.hessian[0, 0] < 0.5 < here.hessian[1, 1]
     certificate = certify(here)
-    assert certificate.told.tolist() == [False, True] and certificate.learnable == looks_told
+    assert certificate.observable.tolist() == [False, True] and certificate.needs_more_data == looks_told
 
 
 @pytest.mark.parametrize("reach_deg, hides", [(1.5, True), (30.0, False)])
@@ -61,20 +61,24 @@ def test_what_noise_hides_near_by_can_be_learned_from_farther_away(reach_deg, hi
     model, place = GaussianProcessImages.fit(list(visits), len(visits) - 1, noise_px), places[-1]
     residual_of = lambda own: (own - images[-1]) - (own - images[-1]).mean(-2, keepdims=True)
     found = minimise(lambda theta: residual_of(model.predict(theta)), place[None], place - 0.1, place + 0.1)
-    known = Known(visits, len(visits) - 1, 0.5, np.ones(POINTS, bool), model, observed, residual_of)
-    certificate = certify(survey(known, found, place))
-    assert certificate.told.all() != hides == certificate.learnable and (not hides or certificate.check.any())
+    known = EstimationData(visits, len(visits) - 1, 0.5, np.ones(POINTS, bool), model, observed, residual_of)
+    certificate = certify(local_model(known, found, place))
+    assert certificate.observable.all() != hides == certificate.needs_more_data and (
+        not hides or certificate.verification_step.any()
+    )
 
 
 def test_a_point_by_which_E_was_not_measured_adds_nothing_to_what_noise_moves():
     """It may be predicted anywhere: on pictures one that was 30 px off made 0.7° to 11°."""
     known, place = known_with(len(PLACES))
-    known = replace(known, points=np.arange(POINTS) > 0, seen=SimpleNamespace(**vars(known.seen) | {"noise_px": 0.1}))
-    found = minimise(lambda theta: known.residual_of(known.model.predict(theta)), place[None], place - 0.1, place + 0.1)
-    astray = lambda own: known.residual_of(own + 40.0 * (np.arange(POINTS) == 0)[:, None] * (1, -1, 1, 1))
-    both = known.residual_of, astray
-    right, wrong = (survey(replace(known, residual_of=one, others=(one,)), found, place) for one in both)
-    np.testing.assert_array_equal(wrong.by_slopes, right.by_slopes)
-    np.testing.assert_array_equal(wrong.gradients, right.gradients)
+    known = replace(
+        known, points=np.arange(POINTS) > 0, observation=SimpleNamespace(**vars(known.observation) | {"noise_px": 0.1})
+    )
+    found = minimise(lambda theta: known.residuals(known.model.predict(theta)), place[None], place - 0.1, place + 0.1)
+    astray = lambda own: known.residuals(own + 40.0 * (np.arange(POINTS) == 0)[:, None] * (1, -1, 1, 1))
+    both = known.residuals, astray
+    right, wrong = (local_model(replace(known, residuals=one, residuals_per_rig=(one,)), found, place) for one in both)
+    np.testing.assert_array_equal(wrong.grad_samples_jacobian, right.grad_samples_jacobian)
+    np.testing.assert_array_equal(wrong.grad_samples_images, right.grad_samples_images)
     np.testing.assert_array_equal(wrong.hessian, right.hessian)
-    assert not wrong.head.any()
+    assert not wrong.grad_bias_per_rig.any()

@@ -72,11 +72,11 @@ def test_an_arm_that_moves_in_steps_comes_as_near_as_they_lead_and_knows_how_nea
     largest = np.sqrt(np.mean(off**2)) if noisy else off.max()
     assert np.degrees(largest) < disturbed["quantum_deg"]
     assert (off <= 3 * expected).all() and (off <= 2 * expected).mean() > 0.8
-    assert any(end.servo_state.strayed is not None for end in ends)
+    assert any(end.servo_state.mismatch is not None for end in ends)
 
 
 def test_an_arm_that_obeys_is_never_told_by_its_images():
-    assert all(run(k, noise_px=noise).servo_state.strayed is None for k in range(6) for noise in (0.0, 0.5))
+    assert all(run(k, noise_px=noise).servo_state.mismatch is None for k in range(6) for noise in (0.0, 0.5))
 
 
 def test_an_arm_that_is_sent_to_its_limit_and_falls_short_says_so():

@@ -5,9 +5,11 @@ import numpy as np
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
 from viewimit.servo.trust_region.image_models import ImageData
-from viewimit.servo.trust_region.subproblem import EQUAL, WELL_TOLD, last_least, measure
+from viewimit.servo.trust_region.options import TrustRegionOptions
+from viewimit.servo.trust_region.subproblem import SAME_E, argmin_last, evaluate_visits
 
 POINTS, FEW, MANY = 14, 7, 12
+OPTIONS = TrustRegionOptions()
 FAR = np.radians((40.0, 0.0))  # what was seen there tells next to nothing here
 
 
@@ -18,9 +20,9 @@ def visit(away, count):
 
 
 def test_of_postures_as_good_but_for_rounding_the_last_is_the_best():
-    assert last_least(np.array([3.0, 1.0, 1.0 + EQUAL / 2, 2.0])) == 2
-    assert last_least(np.array([3.0, 1.0, 1.0 + 2 * EQUAL, 2.0])) == 1
-    assert last_least(np.array([np.inf, np.inf, 4.0])) == 2 and last_least(np.array([0.0, 1e-30])) == 0
+    assert argmin_last(np.array([3.0, 1.0, 1.0 + SAME_E / 2, 2.0])) == 2
+    assert argmin_last(np.array([3.0, 1.0, 1.0 + 2 * SAME_E, 2.0])) == 1
+    assert argmin_last(np.array([np.inf, np.inf, 4.0])) == 2 and argmin_last(np.array([0.0, 1e-30])) == 0
 
 
 def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
@@ -37,7 +39,7 @@ def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():
         return residual
 
     for share, best in ((0.5, 1), (0.1, 0)):
-        measured = measure(ImageData(visits, 0.0), residuals(share), None)
+        measured = evaluate_visits(ImageData(visits, 0.0), residuals(share), None, 0, OPTIONS)
         assert measured.count.tolist() == [FEW, MANY] and measured.best == best
 
 
@@ -57,8 +59,10 @@ def test_under_noise_a_point_that_is_not_seen_tells_e_only_if_it_is_told_as_well
     spread = GaussianProcessImages.fit(list(visits), len(visits) - 1, 0.08).prediction_std(
         visits[-1].displacement[None]
     )[0, -1]
-    assert 0.08 < spread < WELL_TOLD
+    assert 0.08 < spread < OPTIONS.max_prediction_std_px
     near, far = residual_of(0.1), residual_of(1.0)  # E of 0.02 and of 2 px²
-    assert measure(ImageData(visits, 0.08), near, None).count.tolist() == [POINTS] * len(away) + [MANY]
-    assert measure(ImageData(visits, 0.08), far, None).count.tolist() == [POINTS] * len(visits)
-    assert measure(ImageData(visits, 0.0), near, None).count.tolist() == [POINTS] * len(visits)
+    assert evaluate_visits(ImageData(visits, 0.08), near, None, 0, OPTIONS).count.tolist() == [POINTS] * len(away) + [
+        MANY
+    ]
+    assert evaluate_visits(ImageData(visits, 0.08), far, None, 0, OPTIONS).count.tolist() == [POINTS] * len(visits)
+    assert evaluate_visits(ImageData(visits, 0.0), near, None, 0, OPTIONS).count.tolist() == [POINTS] * len(visits)

@@ -7,21 +7,21 @@ import pytest
 from linear_world import LinearWorld
 
 from viewimit import Session, Settings
+from viewimit.estimation.noise import affine_whitening
 from viewimit.estimation.residuals import conflict
-from viewimit.estimation.transfers import linear_combination, projective
-from viewimit.estimation.transfers.noise import noise_weight
+from viewimit.estimation.transfers import linear, projective
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.algorithm import TrustRegion
-from viewimit.servo.trust_region.convergence import EQUAL
-from viewimit.servo.trust_region.motions import aside, farthest
+from viewimit.servo.trust_region.convergence import ROUNDING
+from viewimit.servo.trust_region.motions import maximin, offset_inside_limits
 from viewimit.simulation.disturbances import NOISE, disturb
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
-FITS = {None: projective.fit, "linear": linear_combination.fit}
+FITS = {None: projective.fit, "linear": linear.fit}
 
 
 class Learner:
@@ -49,7 +49,8 @@ class Learner:
             return (
                 e
                 if noise_reference is None or noise_reference.own is None
-                else e @ noise_weight(views.with_own(noise_reference.own[known]), noise_reference.own_variance_ratio)
+                else e
+                @ affine_whitening(views.with_own(noise_reference.own[known]), noise_reference.own_variance_ratio)
             )
 
         for motion in range(most):
@@ -121,14 +122,16 @@ def test_a_motion_aside_goes_along_its_direction_unless_limits_leave_less_there(
         motion=3,
     )
     place, away = np.radians((0.2, 0.3)) + rounding, np.radians((1.9, 0.6))
-    np.testing.assert_allclose(aside(seen, place, away), place + way * away, atol=1e-12)
+    np.testing.assert_allclose(offset_inside_limits(seen, place, away), place + way * away, atol=1e-12)
 
 
 def test_of_places_equally_far_from_all_visits_the_first_is_taken():
     visits = (Visit(np.zeros(2), np.zeros((5, 4)), np.ones((5, 2), bool)),)
-    places = np.array([[0.1, 0.0], [0.0, 0.3], [0.3 + EQUAL / 2, 0.0]])
-    np.testing.assert_array_equal(farthest(visits, places), places[1])
-    np.testing.assert_array_equal(farthest(visits, places + np.array([EQUAL, 0.0])), places[2] + np.array([EQUAL, 0]))
+    places = np.array([[0.1, 0.0], [0.0, 0.3], [0.3 + ROUNDING / 2, 0.0]])
+    np.testing.assert_array_equal(maximin(visits, places), places[1])
+    np.testing.assert_array_equal(
+        maximin(visits, places + np.array([ROUNDING, 0.0])), places[2] + np.array([ROUNDING, 0])
+    )
 
 
 def test_corners_of_the_range_are_reached_from_the_opposite_ones():
@@ -262,4 +265,4 @@ def test_where_too_few_points_are_foretold_for_any_E_nothing_is_certified():
     session = Session(settings)
     session.run(60, 5)
     certificates = [moment.certificate for moment in session.history if moment.certificate is not None]
-    assert certificates and not any(np.isnan(one.spread).any() for one in certificates)
+    assert certificates and not any(np.isnan(one.std_per_px).any() for one in certificates)

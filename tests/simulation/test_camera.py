@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.distortion import Radial
+from viewimit.geometry.distortion import RadialDistortion
 from viewimit.geometry.rigid import look_rotation, rigid_transform, rotation_from_rpy
 from viewimit.simulation.camera import Camera, Cameras, Lens, StereoHead, triangulate, undistort_points
 
 LENS = Lens((256, 256), (320, 120))
 OBLONG = Lens((241.5, 263.0), (310, 125))
-BARREL, PINCUSHION = (Lens((256, 250), (310, 125), Radial(*k)) for k in ((-0.12, 0.02), (0.1, 0.03)))
+BARREL, PINCUSHION = (Lens((256, 250), (310, 125), RadialDistortion(*k)) for k in ((-0.12, 0.02), (0.1, 0.03)))
 HEAD = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, LENS, LENS)
 
 
@@ -58,13 +58,13 @@ def test_an_image_rid_of_its_distortion_is_that_of_the_ideal_lens():
 
 def test_what_is_undone_by_other_numbers_than_the_lenss_is_what_one_sees():
     """Distorted by one, then undone by the other, with its rays and both at once in a pair."""
-    lens = Lens(BARREL.focal, BARREL.centre, BARREL.distortion, Radial(-0.08, 0.01))
+    lens = Lens(BARREL.focal, BARREL.centre, BARREL.distortion, RadialDistortion(-0.08, 0.01))
     camera = Camera(640, 240, lens, HEAD.gaze([2, -0.7, 1])[0].T_world_camera)
     points = scattered(np.random.default_rng(6))
     image, visible = camera.project(points)
     raw, _ = Camera(640, 240, BARREL, camera.T_world_camera).project(points)
     np.testing.assert_allclose(
-        image.T[visible], undistort_points(raw.T[visible], lens.focal, lens.centre, lens.undone), atol=1e-7
+        image.T[visible], undistort_points(raw.T[visible], lens.focal, lens.centre, lens.correction), atol=1e-7
     )
     along = camera.ray(image.T[visible])
     away = points.T[visible] - camera.T_world_camera[:3, 3]
@@ -73,7 +73,7 @@ def test_what_is_undone_by_other_numbers_than_the_lenss_is_what_one_sees():
 
 
 def test_a_barrel_does_not_fold_what_is_far_outside_back_into_the_image():
-    lens = Lens((256, 256), (320, 120), Radial(-0.2))
+    lens = Lens((256, 256), (320, 120), RadialDistortion(-0.2))
     across = np.linspace(0.01, 30, 3000)
     image, visible = Camera(640, 240, lens, np.eye(4)).project(np.stack([across, 0 * across, 1 + 0 * across]))
     assert (np.diff(image[0]) > 0).all()

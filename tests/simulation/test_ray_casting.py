@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from viewimit.geometry.rigid import rigid_transform, rotation_about_axis
-from viewimit.simulation.meshes import distances, first_hit
+from viewimit.simulation.meshes import first_hit, ray_distances
 from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -25,7 +25,7 @@ def test_a_box_is_met_where_its_planes_are(origin):
     half, origin = np.array([0.3, 0.5, 0.2]), np.array(origin)
     box = trimesh.creation.box(2 * half)
     aims = RNG.uniform(-0.9, 0.9, (200, 3)) - origin
-    found = np.array([distances(np.asarray(box.triangles), origin, aim).min() for aim in aims])
+    found = np.array([ray_distances(np.asarray(box.triangles), origin, aim).min() for aim in aims])
     true = np.array([slab_distance(half, origin, aim) for aim in aims])
     np.testing.assert_allclose(found, true, rtol=1e-9)
     assert np.isfinite(true).any() and (np.isinf(true).any() or np.abs(origin).max() < 1)
@@ -34,7 +34,7 @@ def test_a_box_is_met_where_its_planes_are(origin):
 def test_what_lies_behind_or_beside_is_not_met():
     square = np.array([[[0, 1, 0], [1, 1, 0], [0, 1, 1]], [[1, 1, 1], [1, 1, 0], [0, 1, 1]]], float)
     for aim, met in (((0.4, 1, 0.3), 1), ((-0.4, -1, -0.3), 0), ((1.1, 1, 0.3), 0), ((1, 0, 0), 0)):
-        assert np.isfinite(distances(square, np.zeros(3), np.array(aim, float))).sum() == met
+        assert np.isfinite(ray_distances(square, np.zeros(3), np.array(aim, float))).sum() == met
 
 
 def test_the_nearest_link_is_met_and_the_place_is_in_its_frame():

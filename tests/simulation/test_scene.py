@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from viewimit.geometry.distortion import Radial
+from viewimit.geometry.distortion import RadialDistortion
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.camera import Lens
@@ -50,7 +50,9 @@ def test_an_editors_mark_of_utf_8_is_no_part_of_a_file(scene_file):
 def test_each_eye_may_have_a_lens_of_its_own_and_takes_the_heads_for_what_it_does_not_say(scene_file):
     text = 'extends = "panda"\n[head]\ntoe_in_deg = 5\n[head.left]\nfocal = [250, 260]\ndistortion = [-0.1, 0.01]\n'
     head = load_scene(scene_file(text)).stereo_head()
-    assert head.left == Lens((250, 260), (320, 120), Radial(-0.1, 0.01)) and head.right == Lens((256, 256), (320, 120))
+    assert head.left == Lens((250, 260), (320, 120), RadialDistortion(-0.1, 0.01)) and head.right == Lens(
+        (256, 256), (320, 120)
+    )
     assert head.toe_in == np.radians(5)
 
 

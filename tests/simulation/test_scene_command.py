@@ -55,7 +55,7 @@ def test_it_says_above_each_line_what_it_means(ask, urdf):
     assert status == 0 and out.startswith("# Made from a URDF by `viewimit scene`")
     for line in (
         "#   2 lift: -114.59° … 114.59°",
-        "# How far they turn here, degrees\nrange_deg = [[-45, 45], [-45, 45]]",
+        "# Their ranges in this scene, degrees\nrange_deg = [[-45, 45], [-45, 45]]",
     ):
         assert line in out
     assert re.search(r"^  \[3, .*\],  # moved by elbow$", out, re.MULTILINE) and "]  # base" not in out

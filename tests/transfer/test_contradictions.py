@@ -1,14 +1,14 @@
-"""What one camera shows of a point and the other contradicts is not believed; what agrees is left as it is."""
+"""What one camera shows of a point and the other contradicts is rejected; what agrees is left as it is."""
 
 import msgspec
 import numpy as np
 import pytest
 
+from viewimit.estimation.outliers import reject_outliers
 from viewimit.estimation.views import FourViews
-from viewimit.loop.contradictions import believed
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.disturbances import GROSS_PX
+from viewimit.simulation.disturbances import OUTLIER_PX
 
 ONE_FRAME = Settings(points=16, frames=1)
 
@@ -18,8 +18,12 @@ def spoilt(views, rng, share):
     wrong = rng.random((2, len(views.own))) < share
     moved = [images.copy() for images, _ in views.bodies]
     for images, these in zip(moved, wrong):
-        images[these, 2:] += rng.uniform(-GROSS_PX, GROSS_PX, (these.sum(), 2))
+        images[these, 2:] += rng.uniform(-OUTLIER_PX, OUTLIER_PX, (these.sum(), 2))
     return FourViews(*moved, views.visible), wrong
+
+
+def reject(views, moments, noise_px, seed):
+    return reject_outliers(views, [moment.views for moment in moments], moments[-1].rectification, noise_px, seed)
 
 
 @pytest.mark.parametrize("scene", ["panda", "panda-toed", "panda-verged", "panda-facing"])
@@ -30,7 +34,7 @@ def test_a_look_that_agrees_with_itself_and_those_before_is_the_very_same(scene,
     session = Session(settings)
     session.run(8)
     for now in session.history:
-        assert believed(now.views, moments, noise_px, now.look) is now.views
+        assert reject(now.views, moments, noise_px, now.look) is now.views
         moments.append(now)
 
 
@@ -40,7 +44,7 @@ def test_points_that_are_moved_out_of_their_epipolar_lines_are_unseen_in_both_im
     session.run(6)
     moments, rng = list(session.history), np.random.default_rng(3)
     views, wrong = spoilt(moments[-1].views, rng, 0.15)
-    told = believed(views, moments[:-1], 0.0, 9)
+    told = reject(views, moments[:-1], 0.0, 9)
     unseen = np.stack([~told.visible[:, :2].any(-1), ~told.visible[:, 2:].any(-1)])
     assert wrong.sum() >= 4 and np.array_equal(unseen, wrong)
     assert np.array_equal(told.demo, views.demo) and views.visible.all()

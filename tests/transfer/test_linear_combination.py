@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit.estimation.residuals import conflict
-from viewimit.estimation.transfers import linear_combination
+from viewimit.estimation.transfers import linear
 from viewimit.estimation.views import FourViews
 
 
@@ -30,7 +30,7 @@ def by_least_squares(views):
 @pytest.mark.parametrize("seed", range(5))
 def test_recovers_the_least_squares_fit_on_the_affine_shape(seed):
     views = perspective_views(np.random.default_rng(seed))
-    transfer = linear_combination.fit(views)
+    transfer = linear.fit(views)
     expected = by_least_squares(views)
     np.testing.assert_allclose(transfer.recover(views.demo_left, views.demo_right), expected, atol=1e-9)
     E = np.sum((views.own - expected) ** 2) / (2 * 10)
@@ -47,7 +47,7 @@ def test_an_affine_motion_of_the_demonstrators_shape_changes_nothing():
 
     def E(demo):
         views = FourViews(demo, own, np.ones((10, 4), bool))
-        return conflict(linear_combination.fit(views).residual(views))
+        return conflict(linear.fit(views).residual(views))
 
     assert E(shape @ rng.normal(size=(3, 4)) * 50) == pytest.approx(E(shape @ rng.normal(size=(3, 4)) * 80), rel=1e-9)
 
@@ -57,7 +57,7 @@ def test_coplanar_points_are_recognised():
     rng = np.random.default_rng(7)
     plane = rng.normal(size=(10, 2)) * 60
     views = FourViews.from_images(*(plane @ rng.normal(size=(2, 2)) + rng.uniform(0, 300, 2) for _ in range(4)))
-    transfer = linear_combination.fit(views)
+    transfer = linear.fit(views)
     assert transfer.condition > 1e8
     np.testing.assert_allclose(transfer.recover(views.demo_left, views.demo_right), views.own, atol=1e-7)
 
@@ -68,6 +68,6 @@ def test_condition_grows_as_the_body_flattens():
     conditions = []
     for flat in (1, 1e-2, 1e-4):
         views = FourViews.from_images(*(body * [1, 1, flat] @ camera for camera in cameras))
-        conditions.append(float(linear_combination.fit(views).condition))
+        conditions.append(float(linear.fit(views).condition))
     assert conditions[1] > 10 * conditions[0]
     assert conditions[2] == pytest.approx(100 * conditions[1], rel=0.05)

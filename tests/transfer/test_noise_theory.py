@@ -20,16 +20,15 @@ from functools import partial
 import numpy as np
 import pytest
 
+from viewimit.estimation.noise import HomographyResiduals, affine_whitening
 from viewimit.estimation.residuals import NoiseReference
-from viewimit.estimation.transfers import linear_combination, rank3
-from viewimit.estimation.transfers.noise import noise_weight
-from viewimit.estimation.transfers.weighted import Weighted
+from viewimit.estimation.transfers import linear, rank3
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.draws import draw_scene, resize, write_scene
 from viewimit.geometry.rectification import level, rectification_of
-from viewimit.loop.prediction import PredictedResiduals
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import predicted_residuals
 from viewimit.simulation.world import World
 
 PX = 0.005  # so little that squares of the noise have no part
@@ -82,12 +81,12 @@ def drawn_squares(views, own_variance_ratio, residual_of, rng):
 
 def asked(now, about, noisy):
     """e of noisy views as a servo asks it, weighted about an own image."""
-    ask = PredictedResiduals(now.with_fields(views=noisy), noise_px=PX)
+    ask = predicted_residuals(now.with_fields(views=noisy), noise_px=PX)
     return ask(noisy.own, noise_reference=NoiseReference(about, 1.0))
 
 
 def affinely_weighted(weight, noisy):
-    return linear_combination.fit(noisy).residual(noisy) @ weight
+    return linear.fit(noisy).residual(noisy) @ weight
 
 
 def mean_off(squares, freedom):
@@ -110,7 +109,7 @@ def test_exactly_weighted_E_is_chi_square_less_the_parameters_of_a_homography(an
     offs = []
     for k in range(RIGS):
         views, head, _, rng = rig_of(any_head, k)
-        by = Weighted.like(views, head, own_variance_ratio)
+        by = HomographyResiduals.whitened_at(views, head, own_variance_ratio)
         squares = drawn_squares(views, own_variance_ratio, by.residual, rng)
         offs.append(mean_off(squares, 4 * len(views.demo) - 15))
     assert_together(offs)
@@ -121,7 +120,7 @@ def test_a_point_that_one_camera_alone_sees_has_half_the_degrees_of_freedom():
     for k in range(RIGS):
         views, head, _, rng = rig_of(True, k)
         views = half_seen(views, rng)
-        by = Weighted.like(views, head, 0.3)
+        by = HomographyResiduals.whitened_at(views, head, 0.3)
         squares = drawn_squares(views, 0.3, by.residual, rng)
         offs.append(mean_off(squares, 2 * int(views.visible[:, :2].sum()) - 15))
     assert_together(offs)
@@ -149,7 +148,7 @@ def test_affine_weights_make_E_chi_square_less_four_points(own_variance_ratio):
     for k in range(RIGS):
         rng = np.random.default_rng([2, k])
         views = affine_views(rng)
-        weighted = partial(affinely_weighted, noise_weight(views, own_variance_ratio))
+        weighted = partial(affinely_weighted, affine_whitening(views, own_variance_ratio))
         squares = drawn_squares(views, own_variance_ratio, weighted, rng)
         offs.append(mean_off(squares, 4 * (len(views.demo) - 4)))
     assert_together(offs)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from viewimit.app.sessions.codec import decode, encode
 
-from viewimit.loop.rectifying import POOLED
+from viewimit.estimation.rectification import MAX_LOOKS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import TrustRegion
@@ -41,10 +41,10 @@ def test_with_parallel_axes_a_run_is_to_the_last_bit_that_without(scene, noise_p
 
 def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
     session = Session(msgspec.structs.replace(TOED, servo="gradient-retuned", noise_px=0.1, frames=1))
-    session.run(POOLED + 4)
+    session.run(MAX_LOOKS + 4)
     left = [moment.rectification.left.tolist() for moment in session.history]
-    assert len({str(H) for H in left[: POOLED + 1]}) == POOLED + 1
-    assert left[POOLED] == left[POOLED + 1] == left[POOLED + 4]
+    assert len({str(H) for H in left[: MAX_LOOKS + 1]}) == MAX_LOOKS + 1
+    assert left[MAX_LOOKS] == left[MAX_LOOKS + 1] == left[MAX_LOOKS + 4]
 
 
 def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
@@ -60,7 +60,7 @@ def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     last = session.run().last
     seen, residuals = session.observation(last), session.predicted_residuals(last)
     of_heads = [
-        TrustRegion().step(last.servo_state, replace(seen, heads=heads), residuals)[0].certificate.expected
+        TrustRegion().step(last.servo_state, replace(seen, heads=heads), residuals)[0].certificate.std_error
         for heads in (0, 7)
     ]
     assert (of_heads[1] > of_heads[0]).all()

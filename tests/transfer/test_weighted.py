@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from viewimit.estimation.noise import HomographyResiduals
 from viewimit.estimation.residuals import conflict
-from viewimit.estimation.transfers.weighted import Weighted
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.bound import bound
 from viewimit.geometry.rectification import rectification_of
@@ -41,7 +41,7 @@ def noisy(views, rng, demo_px, own_px):
 
 
 def found_near(world, views, rectification, own_share):
-    by = Weighted.like(views, rectification, own_share)
+    by = HomographyResiduals.whitened_at(views, rectification, own_share)
     low, high = THERE - 0.3, THERE + 0.3
     return minimise(lambda theta: by.residual(views.with_own(own_at(world, theta))), THERE[None], low, high).theta
 
@@ -49,7 +49,9 @@ def found_near(world, views, rectification, own_share):
 def test_E_is_zero_in_the_demonstrators_posture_and_there_only(world, rectification):
     views = world.look(THERE, THERE)
     around = THERE + np.radians(np.stack(np.meshgrid(*[np.arange(-10, 11, 2.0)] * 2, indexing="ij"), -1))
-    E = conflict(Weighted.like(views, rectification, 0.1).residual(views.with_own(own_at(world, around))))
+    E = conflict(
+        HomographyResiduals.whitened_at(views, rectification, 0.1).residual(views.with_own(own_at(world, around)))
+    )
     assert E[5, 5] < 1e-18
     assert np.delete(E.ravel(), 60).min() > 1e-3
 
@@ -67,7 +69,10 @@ def test_a_point_that_one_camera_alone_sees_tells_too_and_what_the_other_would_s
     views = half_seen(world.look(THERE, THERE), np.random.default_rng(5))
     around = THERE + np.radians(np.stack(np.meshgrid(*[np.arange(-10, 11, 2.0)] * 2, indexing="ij"), -1))
     own = own_at(world, around)
-    for by in (Weighted.even(views, rectification), Weighted.like(views, rectification, 0.1)):
+    for by in (
+        HomographyResiduals.unweighted(views, rectification),
+        HomographyResiduals.whitened_at(views, rectification, 0.1),
+    ):
         e = by.residual(views.with_own(own))
         E = conflict(e)
         assert E[5, 5] < 1e-18 and np.delete(E.ravel(), 60).min() > 1e-4
@@ -85,16 +90,21 @@ def test_points_half_seen_tell_a_joint_that_the_others_leave_open(world, rectifi
     visible = views.visible.copy()
     visible[base, :2] = False
     without = FourViews(views.demo, views.own, visible).select(~base)
-    assert conflict(Weighted.even(without, rectification).residual(without.with_own(turned[:, ~base]))).max() < 1e-12
+    assert (
+        conflict(
+            HomographyResiduals.unweighted(without, rectification).residual(without.with_own(turned[:, ~base]))
+        ).max()
+        < 1e-12
+    )
     visible[base, 0] = True
     lines = FourViews(views.demo, views.own, visible)
-    E = conflict(Weighted.even(lines, rectification).residual(lines.with_own(turned)))
+    E = conflict(HomographyResiduals.unweighted(lines, rectification).residual(lines.with_own(turned)))
     assert E[0] < 1e-18 and E[1] > 0.1
 
 
 def test_images_of_a_batch_are_answered_as_each_of_them(world, rectification):
     views = world.look(THERE, THERE)
-    by = Weighted.like(views, rectification, 0.1)
+    by = HomographyResiduals.whitened_at(views, rectification, 0.1)
     own = own_at(world, THERE + np.random.default_rng(1).uniform(-0.2, 0.2, (2, 3, 2)))
     together = by.residual(views.with_own(own))
     for index in np.ndindex(2, 3):
@@ -103,11 +113,11 @@ def test_images_of_a_batch_are_answered_as_each_of_them(world, rectification):
 
 def test_what_noise_leaves_is_that_noise_but_for_the_fifteen_parameters_of_G(world, rectification):
     exact, rng, px = world.look(THERE, THERE), np.random.default_rng(2), 0.1
-    by = Weighted.like(exact, rectification, 1.0)
+    by = HomographyResiduals.whitened_at(exact, rectification, 1.0)
     squares = [np.square(by.residual(noisy(exact, rng, px, px))).sum() for _ in range(100)]
     assert np.mean(squares) == pytest.approx(px**2 * (4 * 16 - 15), rel=0.06)
     half = half_seen(exact, np.random.default_rng(5))  # four points, each with half of its images
-    by = Weighted.like(half, rectification, 1.0)
+    by = HomographyResiduals.whitened_at(half, rectification, 1.0)
     squares = [np.square(by.residual(noisy(half, rng, px, px))).sum() for _ in range(100)]
     assert np.mean(squares) == pytest.approx(px**2 * (4 * 16 - 2 * 4 - 15), rel=0.06)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.affine import INTO, SOURCE
+from ..geometry.affine import LINE_VIEWS, POINT_VIEWS
 from ..loop.snapshot import Snapshot
 
 FD_STEP_PX = 0.5
@@ -18,7 +18,7 @@ FD_OFFSETS = FD_STEP_PX * np.concatenate([np.eye(4), -np.eye(4), np.zeros((1, 4)
 CHI2_95 = -2 * np.log(0.05)  # 95 % quantile of χ² with two degrees of freedom
 SHAPE_RANK = 3  # of centred points in space
 CROSSING = np.array(
-    [[np.flatnonzero((INTO == into) & (SOURCE == eye))[0] for eye in (0, 1)] for into in (2, 3)]
+    [[np.flatnonzero((LINE_VIEWS == into) & (POINT_VIEWS == eye))[0] for eye in (0, 1)] for into in (2, 3)]
 )  # in L, R
 
 

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimation.outliers import select_matches
 from ..estimation.transfers import TRANSFERS
-from ..estimation.views import FourViews
+from ..estimation.views import FourViews, dimensions
 from ..geometry.affine import MIN_POINTS
-from ..geometry.fundamental import FREE, fit_fundamental_with_prior, sampson_distance
+from ..geometry.fundamental import DEGREES_OF_FREEDOM, fit_fundamental_with_prior, sampson_distance
 from ..geometry.rectification import Rectification, rectification_of, rectification_with_prior, rectify
-from ..loop.suspects import telling
-from ..sensing.point_checks import dimensions
 
 FRAMES, POINTS = 50, 50  # evenly spaced: frames, and points of each, that are left out one by one
 MATCH_FRAMES, MAX_MATCHES = 200, 2000  # frames whose matches determine a rectification, and matches of those
@@ -64,7 +63,7 @@ def leave_one_out(views: FourViews, rectifying: bool = True) -> LeaveOneOut:
     if found is not None:
         ratio, bound = _ratio(made, MAX_NOISE_RATIO * _noise_px(matches))
         if bound is None:
-            found = rectification_of(*np.split(telling(views), 2, axis=1))
+            found = rectification_of(*np.split(select_matches(views), 2, axis=1))
         elif bound > MAX_RATIO:
             found = None
     return LeaveOneOut(
@@ -196,7 +195,7 @@ def _noise_px(matches: NDArray) -> float:
     """Standard deviation of matches from their fundamental matrix."""
     left, right = np.split(matches, 2, axis=1)
     away = sampson_distance(fit_fundamental_with_prior(left, right), left, right)
-    return float(np.sqrt(away @ away / max(len(away) - FREE, 1)))
+    return float(np.sqrt(away @ away / max(len(away) - DEGREES_OF_FREEDOM, 1)))
 
 
 def _matches(views: FourViews, frames: NDArray) -> tuple[NDArray, NDArray]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, flatness
 from ..loop.snapshot import Snapshot
-from ..servo.trust_region.local_model import UNTOLD
+from ..servo.trust_region.options import MAX_STD_PER_PX
 from ..simulation.robot import BodyPoints
 from ..simulation.world import World
 
@@ -54,7 +54,7 @@ def uncertainty(J: ArrayLike) -> NDArray[np.float64]:
 def unobservable_joints(std_per_px: ArrayLike) -> list[int]:
     """Return the indices of the joints that cannot be observed, those with the largest error first."""
     std = np.asarray(std_per_px, float)
-    return [int(j) for j in np.argsort(-std, kind="stable") if std[j] >= UNTOLD]
+    return [int(j) for j in np.argsort(-std, kind="stable") if std[j] >= MAX_STD_PER_PX]
 
 
 def weak_joints(std_per_px: ArrayLike) -> list[int]:

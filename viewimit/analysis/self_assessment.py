@@ -16,7 +16,7 @@ from ..servo.least_squares import Minimum, minimise
 from ..servo.observation import ScaledResiduals, Visit, in_units, unit_of
 from ..servo.trust_region.convergence import Certificate, certify
 from ..servo.trust_region.gaussian_process import MIN_NOISE_PX, GaussianProcessImages
-from ..servo.trust_region.local_model import Known, survey
+from ..servo.trust_region.local_model import EstimationData, local_model
 
 MAX_VISITS = 60  # used for the image model, evenly spaced over all motions
 SEARCH_RADIUS_RAD = np.radians(8.0)  # within which a lower E is looked for
@@ -35,7 +35,7 @@ class Assessment:
     @property
     def std_per_px(self) -> NDArray[np.float64]:
         """(m,) rad/px, the standard error of each joint per pixel of noise."""
-        return self.certificate.spread
+        return self.certificate.std_per_px
 
     @property
     def at_local_minimum(self) -> bool:
@@ -74,11 +74,13 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
     if certificate is None:
         points = np.asarray(np.isfinite(model.at_centre).all(-1))
         certificate = certify(
-            survey(Known(visits, len(visits) - 1, seen.E, points, model, seen, residuals), found, here)
+            local_model(EstimationData(visits, len(visits) - 1, seen.E, points, model, seen, residuals), found, here)
         )
         certificate = certificate.per_pixel(unit_px)
     distance = float(np.abs(found.theta - here).max())
-    return Assessment(certificate, _max_displacement(seen.E, found), distance, certificate.named(now.status))
+    return Assessment(
+        certificate, _max_displacement(seen.E, found), distance, certificate.reportable_joints(now.status)
+    )
 
 
 def _max_displacement(E: float, found: Minimum) -> float:

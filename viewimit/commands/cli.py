@@ -15,7 +15,7 @@ import sys
 from typing import NoReturn
 
 from .. import __version__
-from ..geometry import blas_threads as threads
+from ..geometry.blas_threads import limit_blas_threads
 from ..sensing.files import escape
 from . import BadInput
 
@@ -39,7 +39,7 @@ COMMANDS = {
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command and return its exit status. `viewimit` alone serves the page."""
-    threads.take_one()
+    limit_blas_threads()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console of another encoding, or a file, may lack ≤ and −

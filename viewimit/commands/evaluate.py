@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
-from ..drawing.metrics import AMBER
+from ..drawing.images.panel import AMBER
+from ..estimation.noise import views_rounding_std
+from ..estimation.outliers import find_outliers, select_matches
+from ..estimation.rectification import fit_transfer
 from ..estimation.residuals import conflict
-from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS, TransferMethod, default_transfer
-from ..estimation.transfers.rectified import fit
-from ..estimation.transfers.transfer import FLAT, FLATNESS
-from ..estimation.views import VIEW_NAMES, VIEWS, FourViews
+from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
+from ..estimation.transfers.registry import FLAT, FLATNESS, PROJECTIVE_MIN_POINTS
+from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
-from ..loop.suspects import rounding_of, suspects, telling
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..sensing.point_checks import extents, why_degenerate
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
 from ..simulation.camera import undistort_points
 from . import BadInput, evaluate_report, evaluate_suspects, evaluate_transfers
@@ -92,13 +92,13 @@ def run(args: argparse.Namespace) -> int:
     images = tracked.views(args.min_confidence)
     views = _pinhole(args, images)
     transfer = args.transfer or default_transfer(_usual_count(views))
-    found = suspects(views, rounding_px=rounding_of(images))
-    without = found.left_out(views)
+    found = find_outliers(views, rounding_px=views_rounding_std(images))
+    without = found.corrected(views)
     compared = leave_one_out(without, args.rectify != "off")
     rectification = compared.rectification
     frames = evaluate_frames(tracked.frames, tracked.points, views, transfer, rectification)
     if found.noise_px is not None:
-        _find_mirrored(frames, telling(without), rectification, found.noise_px)
+        _find_mirrored(frames, select_matches(without), rectification, found.noise_px)
     rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
     result = {
         "transfer": transfer,
@@ -154,7 +154,7 @@ def evaluate_frames(
 def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | None) -> Iterator[dict]:
     """Of frames whose points are all seen, and no degenerate ones."""
     method = TRANSFERS[transfer]
-    fitted = fit(method, seen, rectification)
+    fitted = fit_transfer(method, seen, rectification)
     recovered = fitted.recover(seen.demo_left, seen.demo_right)
     image = dict(zip(VIEWS, (seen.demo_left, seen.demo_right, seen.own_left, seen.own_right)))
     pairs = [fit_affine_fundamental(image[p], image[q]) for p, q in PAIRS]
@@ -201,13 +201,13 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
         raise BadInput("--undistort and --lens go together: a distortion is about a centre, in focal lengths")
     if args.undistort is None:
         return views
-    (fx, fy, *centre), by = args.lens, Radial(*args.undistort)
+    (fx, fy, *centre), by = args.lens, RadialDistortion(*args.undistort)
     for name, image in zip(VIEWS, (views.demo_left, views.demo_right, views.own_left, views.own_right)):
         farthest = np.nanmax(np.linalg.norm((image - centre) / (fx, fy), axis=-1), initial=0.0)
-        if not farthest < by.rim:
+        if not farthest < by.max_distorted_radius:
             raise BadInput(
-                f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.rim:.3g} focal lengths on, where "
-                f"it folds its image; a point of {VIEW_NAMES[name]} is {farthest:.3g} from the centre"
+                f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.max_distorted_radius:.3g} focal "
+                f"lengths on, where it folds its image; a point of {VIEW_NAMES[name]} is {farthest:.3g} from the centre"
             )
 
     def pair(images: NDArray) -> NDArray:
@@ -219,10 +219,10 @@ def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
 
 def _weak(method: TransferMethod, count: int, condition: float, demo: NDArray, own: NDArray) -> str | None:
     """What speaks against the result of a frame of `count` points. demo, own: their extents, (4,) px each."""
-    if method is TRANSFERS["projective"] and count < PROJECTIVE_FROM:
-        return f"{count} points: fewer than {PROJECTIVE_FROM} fit the projective transfer wherever the arms are"
+    if method is TRANSFERS["projective"] and count < PROJECTIVE_MIN_POINTS:
+        return f"{count} points: fewer than {PROJECTIVE_MIN_POINTS} fit the projective transfer wherever the arms are"
     if condition >= AMBER:
-        return f"{method.condition_name} {condition:.3g}: {method.ill}"
+        return f"{method.condition_name} {condition:.3g}: {method.degenerate_message}"
     for of, sigma in (("", demo), (" of [L R]", own)):
         if sigma[0] >= AMBER * sigma[2]:
             return f"{FLATNESS}{of} {sigma[0] / sigma[2]:.3g}: {FLAT}"

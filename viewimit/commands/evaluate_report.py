@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..drawing import standalone
-from ..drawing.tracked import draw_view, draw_views
+from ..drawing.export import figures
+from ..drawing.images.tracked import draw_view, draw_views
 from ..estimation.views import VIEW_NAMES
 from . import evaluate_suspects, evaluate_transfers
 
@@ -31,7 +31,7 @@ def require_format(path: Path) -> None:
     if suffix not in FORMATS:
         raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(FORMATS)}")
     if suffix == ".png":
-        standalone.require_renderer(path, ".html")
+        figures.require_renderer(path, ".html")
 
 
 def write(path: Path, result: dict) -> None:
@@ -40,7 +40,7 @@ def write(path: Path, result: dict) -> None:
     if path.suffix.lower() == ".png":
         heading = f"frame {frame['frame']}, {result['transfer']} transfer, E = {_E(frame)} px²"
         drawing = draw_views(frame["seen"], frame["recovered"], frame["usable"], heading)
-        standalone.write(path, standalone.standalone(drawing, heading))
+        figures.write(path, figures.standalone(drawing, heading))
     else:
         path.write_text(_page(result, frame), encoding="utf-8")
 
@@ -56,10 +56,10 @@ def _page(result: dict, frame: dict) -> str:
         residuals.append([html.escape(name), *(f"{px:.3f}" for px in away)])
     matrices = [[pair, *(f"{value:.5g}" for value in f.values())] for pair, f in frame["fundamental"].items()]
     return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>viewimit evaluate</title>
-<style>{standalone.styles_of("".join(panels))}
-{standalone.resolved(STYLE)}</style>
+<style>{figures.used_rules("".join(panels))}
+{figures.with_light_colours(STYLE)}</style>
 <h1>Tracked points, {result["transfer"]} transfer</h1>
-<p>Frame {frame["frame"]}: {standalone.resolved(LEGEND)}. Pixels; E = {_E(frame)} px².</p>
+<p>Frame {frame["frame"]}: {figures.with_light_colours(LEGEND)}. Pixels; E = {_E(frame)} px².</p>
 {_mirrored(result["frames"])}{"".join(panels)}
 <h2>Transfers</h2>{_transfers(result)}
 <h2>Suspects</h2>{_suspects(result)}

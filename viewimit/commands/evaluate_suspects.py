@@ -2,24 +2,22 @@
 
 from collections.abc import Sequence
 
+from ..estimation.outliers import Outlier, OutlierReport
 from ..estimation.views import VIEW_NAMES
-from ..loop.suspects import Suspect, Suspects
 
 SHOWN = 6  # frames that are named in words
 
 
-def told(suspects: Suspects, points: Sequence[str], numbers: Sequence[int]) -> list[dict]:
-    """points: names; numbers: of the frames. E and E_exchanged, px², are of swapped points only."""
+def told(suspects: OutlierReport, points: Sequence[str], numbers: Sequence[int]) -> list[dict]:
+    """points: names; numbers: of the frames. E and E_swapped, px², are of swapped points only."""
     return [_told(suspect, points, numbers) for suspect in suspects.found]
 
 
 def in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
     """The points, what is wrong with them, and how much speaks for that. frames: how many there are."""
     named, where = " and ".join(suspect["points"]), " or ".join(suspect["views"])
-    if suspect["kind"] == "exchanged":
-        falls = (
-            f"E {suspect['E']:.3g} px², {suspect['E_exchanged']:.3g} px² exchanged: falls {suspect['score']:.3g} times"
-        )
+    if suspect["kind"] == "swapped":
+        falls = f"E {suspect['E']:.3g} px², {suspect['E_swapped']:.3g} px² permuted: falls {suspect['score']:.3g} times"
         return named, f"swapped in {where.replace(' or ', ', ')}", falls
     seen = suspect["frames"]
     those = ", ".join(map(str, seen[:SHOWN])) + (" …" if len(seen) > SHOWN else "")
@@ -27,7 +25,7 @@ def in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
     return named, f"misplaced in {where}", f"{suspect['score']:.3g} standard deviations of the others off; {which}"
 
 
-def _told(suspect: Suspect, points: Sequence[str], numbers: Sequence[int]) -> dict:
+def _told(suspect: Outlier, points: Sequence[str], numbers: Sequence[int]) -> dict:
     said = {
         "kind": suspect.kind,
         "points": [points[k] for k in suspect.points],
@@ -35,6 +33,6 @@ def _told(suspect: Suspect, points: Sequence[str], numbers: Sequence[int]) -> di
         "frames": [numbers[k] for k in suspect.frames],
         "score": suspect.score,
     }
-    if suspect.kind == "exchanged":
-        said |= {"E": suspect.E, "E_exchanged": suspect.E_exchanged}
+    if suspect.kind == "swapped":
+        said |= {"E": suspect.E, "E_swapped": suspect.E_swapped}
     return said

@@ -133,7 +133,7 @@ def _told(known: Assessment | None, joint: int) -> bool | None:
     """Whether its points tell a joint, by index; None where the visits that there are leave that open."""
     if known is None:
         return None
-    if known.certificate.told[joint]:
+    if known.certificate.observable[joint]:
         return True
     return False if joint in known.unobservable else None
 
@@ -142,7 +142,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
     """`converged`, `expected_error_deg` and `told` are the learner's own claims; `error_deg`, of the worst joint, is
     true; `travel_deg` sums the joint that moved most in each motion, or one joint's motions."""
     last, known = session.snapshot, assess(session)
-    expected = None if known is None else known.certificate.expected
+    expected = None if known is None else known.certificate.std_error
     rehearsed = {}
     if last.calibration is not None:
         rehearsed = {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
@@ -150,7 +150,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
         "error_deg": np.degrees(np.max(np.abs(last.theta - last.theta_demo))),
-        "expected_error_deg": None if known is None else np.degrees(known.certificate.worst),
+        "expected_error_deg": None if known is None else np.degrees(known.certificate.simultaneous_std_error),
         "joints": [
             {
                 "name": f"theta{joint}",

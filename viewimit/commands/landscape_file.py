@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..analysis.landscape import Landscape
-from ..drawing import standalone
+from ..drawing.export import figures
 from ..drawing.landscape import LandscapePicture
 from ..drawing.plots import described
 from ..loop.snapshot import Snapshot
@@ -22,7 +22,7 @@ def require_format(path: Path) -> None:
     if suffix not in TABLES + PICTURES:
         raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES + PICTURES)}")
     if suffix == ".png":
-        standalone.require_renderer(path, ".svg")
+        figures.require_renderer(path, ".svg")
 
 
 def write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) -> None:
@@ -39,4 +39,4 @@ def write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) ->
     else:
         picture = LandscapePicture(landscape, scene, snapshot, contours="E in px²")
         drawing = picture.draw_alone(snapshot.settings)
-        standalone.write(path, standalone.standalone(drawing, TITLE, described(snapshot.settings)))
+        figures.write(path, figures.standalone(drawing, TITLE, described(snapshot.settings)))

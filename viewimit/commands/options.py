@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from ..estimation.transfers import PROJECTIVE_FROM, TRANSFERS
+from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS, TRANSFERS
 from ..estimation.views import VIEW_NAMES
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..loop.embodiment import within, workspace
 from ..loop.settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
 from ..sensing.files import MAX_NAME_CHARS, escape
@@ -44,7 +44,7 @@ SHOWN_IN = {
     "L": "the learner itself, by the left camera",
     "R": "the learner itself, by the right camera",
 }
-DEFAULT_TRANSFER = f"projective from {PROJECTIVE_FROM} points on, epipolar below"  # `default_transfer` in words
+DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar below"  # `default_transfer` in words
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
@@ -102,7 +102,7 @@ def radial(text: str) -> tuple[float, float]:
     """A type for argparse: k1 and k2."""
     k1, k2 = _numbers(text, 2, "-0.05,0.01")
     try:
-        Radial(k1, k2)
+        RadialDistortion(k1, k2)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
     return k1, k2

@@ -9,7 +9,7 @@ from typing import Any
 from tqdm import tqdm
 
 from ..analysis.trajectory import MOTIONS, load_motion
-from ..drawing import standalone
+from ..drawing.export import figures
 from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment
 from ..experiments.experiment import claims_json, write
 from ..experiments.paper import claims
@@ -58,10 +58,8 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             args.out.mkdir(parents=True, exist_ok=True)
-        if not standalone.can_render():
-            print(
-                f"viewimit reproduce: no .png; that needs {standalone.RENDERER}: {standalone.INSTALL}", file=sys.stderr
-            )
+        if not figures.can_render():
+            print(f"viewimit reproduce: no .png; that needs {figures.RENDERER}: {figures.INSTALL}", file=sys.stderr)
     told, said = {}, []
     for name in names:
         experiment = experiments[name]

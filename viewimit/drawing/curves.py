@@ -1,4 +1,4 @@
-"""E and the joint angles over the motions, with direct labels instead of legends."""
+"""Curves of E and of the joint angles over the motions, with labels at the curves instead of legends."""
 
 from collections.abc import Sequence
 
@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from ..analysis.convergence import RECENT
 from ..loop.snapshot import Snapshot
 from . import svg
-from .axes import Axes, Tick, decade_ticks, decades, log10
-from .over.links import link
+from .plots import Axes, Tick, decade_ticks, decades, log10
 
-SIDE_BY_SIDE = 600  # px of width from which the plots stand beside each other
-CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot
+SIDE_BY_SIDE = 600  # px: drawings of this width or more have the plots side by side
+CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot, side by side and otherwise
 PAIRED_WIDTH = 424  # px of each plot of a pair
-LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20
-LIMIT, DOT_LIMIT = 90, 48  # vertices of a curve; motions up to which each has a dot
-STEPS = (1, 2, 4, 5, 10)  # x 10^k: the x axis ends at four of them
-FLOOR_E = 1e-3  # px² below which E is drawn as this: nobody could see that conflict
+LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20  # px around a plot
+GAP = 28, 6  # px between the plots, side by side and below each other
+MAX_VERTICES, MAX_DOTS = 90, 48  # of a curve; longer curves have no dots
+STEPS = (2, 4, 5, 10)  # times a power of ten: the x axis ends at four of them
+MIN_E = 1e-3  # px²: a smaller E is drawn as this, because nobody could see that conflict
 
-Box = tuple[float, float, float, float]  # left, top, right, bottom px of a plot
+Box = tuple[float, float, float, float]  # left, top, right, bottom of a plot, px
 
 
 def draw_curves(
@@ -30,95 +30,88 @@ def draw_curves(
     width: int = 424,
     errors_deg: Sequence[float] = (),
 ) -> str:
-    """HTML of both plots. E_true: E with the learner in the demonstrator's posture, truth for the viewer;
-    joints: numbers of the moving joints, from 1; width: px, of the drawing's units; errors_deg: the largest joint
-    error of each moment up to the cursor."""
-    kept = svg.thinned(len(history), LIMIT, cursor)
-    snapshots = [history[k] for k in kept]
-    motions = np.array(kept, float)
-    box, step = _box(width), _x_step(len(history) - 1)
-    first = _draw_E(box, step, snapshots, motions, cursor, E_true)
-    second = _draw_angles(box, step, snapshots, motions, cursor, joints)
-    second += svg.text(box[2] + RIGHT, 12, following(errors_deg), "vi-end")
-    return f'<div class="vi-panel">{_plots(width, first, second)}</div>'
+    """Draw both plots as HTML.
+
+    Parameters
+    ----------
+    history
+        All snapshots; those after the cursor are drawn faint.
+    cursor
+        Index of the snapshot that is shown.
+    E_true
+        E with the learner in the demonstrator's posture, px², which the learner does not know.
+    joints
+        Numbers of the moving joints, from 1.
+    width
+        Width of the drawing in its own px.
+    errors_deg
+        Largest joint error of each snapshot up to the cursor.
+
+    Returns
+    -------
+    str
+        HTML of the panel.
+    """
+    box = plot_box(width)
+    first, second = _draw_both(history, cursor, E_true, joints, box)
+    second += svg.text(box[2] + RIGHT, 12, describe_errors(errors_deg), "vi-end")
+    return f'<div class="vi-panel">{arrange_plots(width, first, second)}</div>'
 
 
 def draw_curve_pair(
     history: Sequence[Snapshot], cursor: int, E_true: float | None, joints: Sequence[int]
 ) -> tuple[str, str]:
-    """HTML of each plot by itself, of E and of the joint angles, to stand beside or under each other: `draw_curves`."""
-    kept = svg.thinned(len(history), LIMIT, cursor)
-    snapshots, motions = [history[k] for k in kept], np.array(kept, float)
-    box, step = _box(PAIRED_WIDTH), _x_step(len(history) - 1)
-    first = _draw_E(box, step, snapshots, motions, cursor, E_true)
-    return _alone(first), _alone(_draw_angles(box, step, snapshots, motions, cursor, joints))
+    """Draw the plots of E and of the joint angles as separate HTML; parameters as for `draw_curves`."""
+    first, second = _draw_both(history, cursor, E_true, joints, plot_box(PAIRED_WIDTH))
+    wrap = f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {PAIRED_WIDTH} {TAB_HEIGHT}">{{}}</svg></div>'
+    return wrap.format(first), wrap.format(second)
 
 
 def paired_axis(last: int) -> tuple[float, float, int]:
-    """The x axis of each of a pair: shares of the drawing's width at which it begins and ends, and the motions at its
-    end. last: motion."""
-    left, _, right, _ = _box(PAIRED_WIDTH)
-    return left / PAIRED_WIDTH, right / PAIRED_WIDTH, 4 * _x_step(last)
-
-
-def moment_links(address: str, last: int, width: int = 424) -> str:
-    """HTML that lies over both plots: a cell around each moment that their axis has room for, of which Tab stops at
-    those with a number below. It stays the same until the axis changes, so that a click survives a motion."""
-    left, top, right, bottom = box = _box(width)
-    step, every = _x_step(last), _between_links(last)
-    axes, motions = Axes(box, (0.0, 4.0 * step), (0.0, 1.0)), np.arange(0, 4 * step + 1, every)
-    edges = axes.x_px(np.append(motions - every / 2, motions[-1] + every / 2))
-    edges[0], edges[-1] = left - 4, right + 4
-    cells = "".join(
-        link(
-            address,
-            f"moment/{motion}",
-            f"after {motion} motions",
-            f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
-            stop=motion % step == 0,
-        )
-        for k, motion in enumerate(motions.tolist())
-    )
-    group = f'<g class="vi-moments">{cells}</g>'
-    return f'<div class="vi-panel vi-links">{_plots(width, group, group)}</div>'
+    """Locate the x axis of a paired plot: its ends as shares of the width, and the motions at its end."""
+    left, _, right, _ = plot_box(PAIRED_WIDTH)
+    return left / PAIRED_WIDTH, right / PAIRED_WIDTH, axis_end(last)
 
 
 def axis_end(last: int) -> int:
-    """Motions at the end of the x axis, for which `moment_links` are the same as for the last one made."""
-    return 4 * _x_step(last)
+    """Return the motions at the end of the x axis: four of the smallest nice steps that hold the last motion."""
+    scale = 1
+    while True:
+        for step in STEPS:
+            if 4 * step * scale >= last:
+                return 4 * step * scale
+        scale *= 10
 
 
-def moments_made(last: int) -> str:
-    """A style that hides the links to moments after the last."""
-    return f"<style>.vi-moments a:nth-child(n+{last // _between_links(last) + 2}){{display:none}}</style>"
+def plot_box(width: int) -> Box:
+    """Return the box of each plot in a drawing of this width, px."""
+    if width >= SIDE_BY_SIDE:
+        return LEFT, TOP, (width - GAP[0]) / 2 - RIGHT, CARD_HEIGHT - BOTTOM
+    return LEFT, TOP, width - RIGHT, TAB_HEIGHT - BOTTOM
 
 
-def _between_links(last: int) -> int:
-    """Motions from one link to the next: there are LIMIT at most, and one."""
-    return -(-4 * _x_step(last) // LIMIT)
-
-
-def _box(width: int) -> Box:
-    """Of each plot."""
-    beside = width >= SIDE_BY_SIDE
-    return LEFT, TOP, ((width - 28) / 2 if beside else width) - RIGHT, (CARD_HEIGHT if beside else TAB_HEIGHT) - BOTTOM
-
-
-def _alone(inside: str) -> str:
-    return f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {PAIRED_WIDTH} {TAB_HEIGHT}">{inside}</svg></div>'
-
-
-def _plots(width: int, first: str, second: str) -> str:
-    """A drawing of two plots, beside or under each other."""
-    beside, (_, _, right, bottom) = width >= SIDE_BY_SIDE, _box(width)
+def arrange_plots(width: int, first: str, second: str) -> str:
+    """Place two plots side by side or below each other in an `<svg>`."""
+    _, _, right, bottom = plot_box(width)
     height = bottom + BOTTOM
-    shift = f"{right + RIGHT + 28:.1f} 0" if beside else f"0 {height + 6}"
-    total = height if beside else 2 * height + 6
+    shift, total = f"0 {height + GAP[1]}", 2 * height + GAP[1]
+    if width >= SIDE_BY_SIDE:
+        shift, total = f"{right + RIGHT + GAP[0]:.1f} 0", height
     return f'<svg class="vi" viewBox="0 0 {width} {total}">{first}<g transform="translate({shift})">{second}</g></svg>'
 
 
+def _draw_both(
+    history: Sequence[Snapshot], cursor: int, E_true: float | None, joints: Sequence[int], box: Box
+) -> tuple[str, str]:
+    kept = svg.thinned(len(history), MAX_VERTICES, cursor)
+    snapshots, motions = [history[k] for k in kept], np.array(kept, float)
+    step = axis_end(len(history) - 1) // 4
+    first = _draw_E(box, step, snapshots, motions, cursor, E_true)
+    return first, _draw_angles(box, step, snapshots, motions, cursor, joints)
+
+
 def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Sequence[Tick]) -> str:
-    """Title, rules with their labels, motions below, the cursor. step: motions, a quarter of the axis."""
+    """Draw title, rules, numbers and the cursor. step: motions, a quarter of the axis."""
     x = axes.x_px(cursor)
     parts = [
         axes.title(title, note, 0, 12) + axes.rules(ticks),
@@ -131,8 +124,8 @@ def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Seq
 
 
 def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cursor: int, E_true: float | None) -> str:
-    E = np.maximum([snapshot.E for snapshot in snapshots], FLOOR_E)
-    E_true = max(E_true, FLOOR_E) if E_true is not None and np.isfinite(E_true) else None
+    E = np.maximum([snapshot.E for snapshot in snapshots], MIN_E)
+    E_true = max(E_true, MIN_E) if E_true is not None and np.isfinite(E_true) else None
     y = decades(E if E_true is None else np.append(E, E_true))
     axes = Axes(box, (0.0, 4.0 * step), y, up=log10)
     parts = [_frame(axes, step, cursor, "Conflict E", "px², log; hollow = probe", decade_ticks(*y))]
@@ -181,14 +174,17 @@ def _draw_angles(
 
 
 def _curve(points: NDArray, done: int, probes: NDArray, role: str) -> str:
-    """A line with a dot a motion, hollow for probes; what comes after the cursor is faint."""
+    """Draw a line with a dot per motion, hollow for probes; the part after the cursor is faint.
+
+    points: (k, 2) px; done: number of points up to the cursor; probes: (k,) bool.
+    """
     parts = []
     if done < len(points):
         parts.append(f'<path class="vi-line-{role} vi-later" d="{svg.path(points[max(done - 1, 0) :])}"/>')
     points, probes = points[:done], probes[:done]
     parts.append(f'<path class="vi-line-{role}" d="{svg.path(points)}"/>')
     seen = np.isfinite(points[:, 1])
-    if done <= DOT_LIMIT:
+    if done <= MAX_DOTS:
         parts.append(f'<path class="vi-dot-{role}" d="{svg.dots(points[seen & ~probes])}"/>')
         if probes.any():
             parts.append(f'<path class="vi-probe-{role}" d="{svg.circles(points[seen & probes], 2.6)}"/>')
@@ -197,18 +193,8 @@ def _curve(points: NDArray, done: int, probes: NDArray, role: str) -> str:
     return "".join(parts)
 
 
-def _x_step(last: int) -> int:
-    """A quarter of the x axis: the smallest nice step with room for the last motion."""
-    scale = 1
-    while True:
-        for step in STEPS[1:]:
-            if 4 * step * scale >= last:
-                return step * scale
-        scale *= 10
-
-
-def following(errors_deg: Sequence[float]) -> str:
-    """How far off a learner is, and was in the last RECENT motions; nothing before the first motion."""
+def describe_errors(errors_deg: Sequence[float]) -> str:
+    """Say how far off the learner is now and was in the last RECENT motions; "" before the first motion."""
     recent = np.array(errors_deg[1:][-RECENT:])
     if len(recent) == 0:
         return ""

@@ -8,7 +8,7 @@ from latex2mathml.converter import convert
 from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
-from ..estimation.transfers.rectified import RectifiedTransfer
+from ..estimation.rectification import RectifiedTransfer
 from ..geometry.rectification import Rectification
 from ..loop.snapshot import Snapshot
 from ..servo import LastMotion

@@ -1,12 +1,11 @@
-"""What the numbers and names on the page mean: one file, shown at a "?" beside each and in the help.
+"""The glossary: the meaning of numbers and names, read from one file and shown at a "?" beside each.
 
-A "?" is a button that opens a popover by its id, without a script; the popovers stand in an html of their own, so that
-none is closed when the numbers beside its "?" change. Buttons are inputs, as the page's keys are no commands there:
-Escape closes the card, and Space asks.
+A "?" is a button that opens a popover by its id, without a script. The popovers are a separate piece of HTML, so that
+none closes when the numbers beside its "?" change. Escape closes a card; Space opens it.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -16,43 +15,40 @@ from ..assets import ROOT
 from ..loop.settings import PAPER_FIELDS, Settings
 from . import svg
 from .equations import mathml
-from .over.links import link, sink
 
 FILE = ROOT / "glossary.toml"
 
 
 class Scale(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Of a number, logarithmic, between its ends; up to good, or down to it, it is good, and from bad on bad."""
+    """A logarithmic scale of a number."""
 
     ends: tuple[float, float]
-    good: float
-    bad: float
+    good: float  # values on this side of it are good
+    bad: float  # values beyond it are bad; below `good` if large values are good
     unit: str = ""
 
     def share(self, value: float) -> float:
-        """Of the scale's length, 0 … 1, that lies before a value."""
+        """Return where a value lies on the scale, from 0 to 1."""
         low, high = self.ends
         return math.log(min(max(value, low), high) / low) / math.log(high / low)
 
 
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """name: a few words; symbol: as the page has it; formula: LaTeX; good, bad: in words, from where on; show: settings
-    in which it is bad, or is seen at all, the rest as the paper's; plays: whether that takes motions; scale: of a
-    number that the page knows at every moment."""
+    """One word of the glossary."""
 
-    name: str
-    symbol: str
+    name: str  # a few words
+    symbol: str  # as the page writes it
     sentence: str
-    show: Settings
-    plays: bool = False
-    formula: str = ""
-    good: str = ""
+    show: Settings  # an example, a bad one if possible; fields that the file omits are the paper's
+    plays: bool = False  # whether the example takes motions
+    formula: str = ""  # LaTeX
+    good: str = ""  # which values are good, in words
     bad: str = ""
-    scale: Scale | None = None
+    scale: Scale | None = None  # of a number that the page knows at every moment
 
 
 def load(path: Path = FILE) -> dict[str, Entry]:
-    """By key, in the file's order. Raises ValueError that names file, entry and field."""
+    """Read entries by key in the file's order. Raises ValueError that names file, entry and field."""
     try:
         read = msgspec.toml.decode(path.read_bytes(), type=dict[str, dict])
     except msgspec.DecodeError as error:
@@ -70,88 +66,41 @@ def load(path: Path = FILE) -> dict[str, Entry]:
 
 @cache
 def glossary() -> dict[str, Entry]:
-    """The shipped one."""
+    """Return the entries of the package's file by key."""
     return load()
 
 
 def key_of(symbol: str) -> str | None:
-    """Of the entry with this symbol; None if it has none, as methods from outside may."""
+    """Find the key of the entry with this symbol; None if there is none, as for a user's own method."""
     return next((key for key, entry in glossary().items() if entry.symbol == symbol), None)
 
 
 @lru_cache(256)
 def ask(key: str, style: str = "") -> str:
-    """HTML of a "?". Of one entry there should be one at a time: its card opens at the last."""
+    """Build a "?" for an entry. If a page has several of one entry, its card opens at the last. style: CSS."""
     name = svg.escape(glossary()[key].symbol)
     place = f' style="{style}"' if style else ""
-    told = f'popovertarget="vi-word-{key}" aria-label="What is {name}?"{place}'
-    return f'<button type="button" class="vi-ask" {told}></button>'
+    attributes = f'popovertarget="vi-word-{key}" aria-label="What is {name}?"{place}'
+    return f'<button type="button" class="vi-ask" {attributes}></button>'
 
 
-def asks(keys: Iterable[str]) -> str:
-    """A line of symbols, each with its "?"."""
-    asked = "".join(f"<span>{svg.escape(glossary()[key].symbol)} {ask(key)}</span>" for key in keys)
-    return f'<div class="vi-asked">{asked}</div>'
-
-
-def beside(key: str) -> str:
-    """A "?" at the label of the control that follows, where it takes no room."""
-    return f'<div class="vi-at-label">{ask(key)}</div>'
-
-
-def cards(address: str | None = None) -> str:
-    """HTML of all popovers, which are seen only when opened, each at the "?" that asks for it. address: that the links
-    to what they show begin with, None for none."""
+def cards(links: Callable[[str], str] = lambda key: "") -> str:
+    """Build all popovers, each at the "?" that opens it. links: HTML to add to the card of a key."""
     anchors = "".join(
         f".vi-ask[popovertarget=vi-word-{key}]{{anchor-name:--vi-word-{key}}}#vi-word-{key}{{position-anchor:--vi-word-{key}}}"
         for key in glossary()
     )
     words = "".join(
         f'<div class="vi-word" id="vi-word-{key}" popover="auto"><button type="button" class="vi-close"'
-        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"></button>{_show(address, key)}'
-        f"{_give_back(address)}{_described(entry)}</div>"
+        f' aria-label="Close" popovertarget="vi-word-{key}" popovertargetaction="hide"></button>{links(key)}'
+        f"{describe_entry(entry)}</div>"
         for key, entry in glossary().items()
     )
-    return f"<style>{anchors}</style>{words}{sink() if address else ''}"
+    return f"<style>{anchors}</style>{words}"
 
 
-def listed(address: str | None = None) -> str:
-    """HTML of all entries, for the help."""
-    return "".join(
-        f'<div class="vi-entry">{_show(address, key)}{_described(entry)}</div>' for key, entry in glossary().items()
-    )
-
-
-def told_now(values: Mapping[str, float], shown: str | None = None) -> str:
-    """A style that says on the cards' scales what the numbers are now, by key; those that are NaN are not said. The
-    cards themselves stay as they are, and so open. shown: the entry whose card offers to give back what was there."""
-    rules = [] if shown is None else [f"#vi-word-{shown} .vi-give-back{{display:block}}"]
-    for key, value in values.items():
-        scale = glossary()[key].scale
-        if scale is not None and math.isfinite(value):
-            told = f"now {svg.short(value)}{scale.unit}"
-            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--told:"{told}"}}')
-    return f"<style>{''.join(rules)}</style>"
-
-
-def _show(address: str | None, key: str) -> str:
-    """The link to what an entry shows."""
-    if address is None:
-        return ""
-    entry = glossary()[key]
-    words = "Show me a bad one" if entry.bad else "Show me"
-    return f'<span class="vi-show">{link(address, f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'
-
-
-def _give_back(address: str | None) -> str:
-    """The link that takes it away again, unseen until it is shown."""
-    if address is None:
-        return ""
-    back = link(address, "restore/0", "Give it back: what was here before", "Give it back")
-    return f'<span class="vi-show vi-give-back">{back}</span>'
-
-
-def _described(entry: Entry) -> str:
+def describe_entry(entry: Entry) -> str:
+    """Build the HTML of an entry: its words, formula, scale, and what is good and bad."""
     parts = [f"<p><b>{svg.escape(entry.symbol)}</b> <em>{svg.escape(entry.name)}</em></p>"]
     parts.append(f"<p>{svg.escape(entry.sentence)}</p>")
     if entry.formula:
@@ -164,7 +113,7 @@ def _described(entry: Entry) -> str:
 
 
 def _scale(scale: Scale) -> str:
-    """A bar with its ends, and from where on it is good and bad; where it is now is told apart."""
+    """Draw a bar with its ends and limits; a style that changes with the number marks its value."""
     marks = {value: f"{100 * scale.share(value):.1f}%" for value in (*scale.ends, scale.good, scale.bad)}
     numbers = "".join(f'<span style="left:{place}">{value:g}</span>' for value, place in marks.items())
     kind = "vi-scale" if scale.good < scale.bad else "vi-scale vi-scale-up"

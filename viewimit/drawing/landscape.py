@@ -16,10 +16,9 @@ from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import relief, svg
 from .labels import Label, led
-from .observability import described, draw_observability
-from .path_labels import NOW, PathLabels
+from .observability import describe_costs, draw_observability
 from .plots import figure
-from .posture_plane import PosturePlane
+from .posture_plane import NOW, PathLabels, PosturePlane
 from .theme import OBSERVED
 
 CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than that: an inset of ±CLOSE_DEG, px wide
@@ -59,7 +58,7 @@ class LandscapePicture:
             inside = plane.message("nowhere are five points seen in all four images")
         else:
             inside = self._draw(landscape, snapshot)
-        note = described(joints, spread) if spread is not None else ""
+        note = describe_costs(joints, spread) if spread is not None else ""
         self._ground = (
             plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.camera])
         )
@@ -178,3 +177,33 @@ def _marks(points: NDArray) -> str:
         f'<path class="vi-seen" d="{svg.diamonds(points[:1], OBSERVED + 1)}"/>'
         f'<path class="vi-cross" d="M{x - 6:.1f} {y:.1f}h12M{x:.1f} {y - 6:.1f}v12"/>'
     )
+
+
+# Small landscapes of E, to be seen beside each other: one a transfer, of the same demonstrator.
+
+WIDTH = 207  # px
+MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
+
+
+def small_plane(scene: Scene, most_high: float) -> PosturePlane:
+    """most_high: px."""
+    return PosturePlane(scene, WIDTH, most_high, MARGINS)
+
+
+def draw_small(plane: PosturePlane, found: Landscape, minima: NDArray, theta_demo: NDArray) -> str:
+    """Relief, axes, the demonstrator's diamond and a cross at the smallest E, smaller ones at other minima.
+
+    minima: (k, 2) rad, the lowest first; theta_demo: (2,) rad.
+    """
+    parts = [plane.frame("vi-plane")]
+    E = found.E
+    if np.isnan(E).all():
+        parts.append(plane.message("nowhere are five points seen"))
+    else:
+        grid = plane.grid(found.axes)
+        parts += [relief.shading(grid, E, plane.box), relief.contours(grid, E)]
+    demo = plane.place(np.degrees(theta_demo))
+    parts.append(f'<path class="vi-seen" d="{svg.diamonds(demo[None], OBSERVED + 1)}"/>')
+    for k, place in enumerate(plane.place(np.degrees(minima[np.isfinite(minima).all(1)]))):
+        parts.append(svg.cross(place, 5.5 if k == 0 else 3.0))
+    return "".join(parts) + plane.ends()

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
-from ..servo.trust_region.local_model import UNTOLD
+from ..servo.trust_region.options import MAX_STD_PER_PX
 from ..simulation.scene import Scene
 from . import svg
 
@@ -21,7 +21,7 @@ def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray, assessment: 
     rows, many = [], len(theta) >= MANY
     band = np.zeros(len(theta))
     if assessment is not None:
-        band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], UNTOLD)
+        band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], MAX_STD_PER_PX)
     width = NARROW if many else WIDTH
     limits = zip(scene.lower.tolist(), scene.upper.tolist())
     for k, (joint, own, demo, (low, high)) in enumerate(

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.observability import unobservable_joints, weak_joints
-from ..servo.trust_region.local_model import UNTOLD
+from ..servo.trust_region.options import MAX_STD_PER_PX
 from . import svg
 
 WIDTH, HEIGHT = 424, 229  # px of the drawing where a landscape has no place
@@ -22,7 +22,9 @@ def draw_observability(joints: Sequence[int], spread: NDArray) -> str:
     row = min(ROW, (HEIGHT - 96) / len(joints))
     bars = f'<g transform="translate(0 38)">{draw_bars(joints, spread, WIDTH, row)}</g>'
     y = 38 + row * len(joints) + 20
-    words = [svg.text(0, y + 15 * k, line, "" if k else "vi-b") for k, line in enumerate(sentences(joints, spread))]
+    words = [
+        svg.text(0, y + 15 * k, line, "" if k else "vi-b") for k, line in enumerate(describe_weakness(joints, spread))
+    ]
     return head + bars + "".join(words)
 
 
@@ -48,7 +50,7 @@ def draw_bars(joints: Sequence[int], spread: NDArray, width: float, row: float) 
     return "".join(parts)
 
 
-def sentences(joints: Sequence[int], spread: NDArray) -> list[str]:
+def describe_weakness(joints: Sequence[int], spread: NDArray) -> list[str]:
     """Which joints are not observable, or weakly, in short lines."""
     degrees, untold = np.degrees(spread), unobservable_joints(spread)
     weak = [k for k in weak_joints(spread) if k not in untold]
@@ -70,7 +72,7 @@ def sentences(joints: Sequence[int], spread: NDArray) -> list[str]:
     return [f"{_named(joints, weak)} weakly observable:", f"1 px costs {costs} there, {most} at the others."]
 
 
-def described(joints: Sequence[int], spread: NDArray) -> str:
+def describe_costs(joints: Sequence[int], spread: NDArray) -> str:
     """All joints in a few words, for a caption."""
     untold, degrees = unobservable_joints(spread), np.degrees(spread)
     told = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in untold]
@@ -85,7 +87,7 @@ def _named(joints: Sequence[int], indices: Sequence[int]) -> str:
 
 
 def _cost(degrees: float) -> str:
-    return "not observable" if degrees >= np.degrees(UNTOLD) else svg.number(degrees) + "°"
+    return "not observable" if degrees >= np.degrees(MAX_STD_PER_PX) else svg.number(degrees) + "°"
 
 
 def _listed(words: Sequence[str]) -> str:

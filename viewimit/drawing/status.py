@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
-from ..estimation.transfers.transfer import FLAT, FLATNESS
+from ..estimation.transfers.registry import FLAT, FLATNESS
 from ..geometry.affine import MIN_POINTS
 from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus
-from ..servo.trust_region.local_model import UNTOLD
+from ..servo.trust_region.options import MAX_STD_PER_PX
 from . import svg
 from .glossary import ask, glossary
-from .metrics import AMBER, RED
+from .images.panel import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # off, which reads as 0.0°
@@ -144,10 +144,10 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
     why = f"; {says}." if says else "."
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status.is_claim:
-        if known is not None and known.worst > EXACT:
-            why = f"; expects to be about {svg.short(float(np.degrees(known.worst)))}° off."
+        if known is not None and known.simultaneous_std_error > EXACT:
+            why = f"; expects to be about {svg.short(float(np.degrees(known.simultaneous_std_error)))}° off."
         return Said("arrived", f"{E} {after}{why}")
-    untold = [] if known is None else known.named(snapshot.status)
+    untold = [] if known is None else known.reportable_joints(snapshot.status)
     if known is not None and untold:
         names = " and ".join(svg.joint_symbol(joints[k]) for k in untold)
         return Said(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
@@ -163,9 +163,9 @@ def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:
     """What makes joints untold: the cost of noise, or that E was seen not to rise."""
-    costly = [k for k in known.untold if known.spread[k] >= UNTOLD]
+    costly = [k for k in known.unobservable_joints if known.std_per_px[k] >= MAX_STD_PER_PX]
     by = "by " if len(costly) == 1 else ""
-    each = [f"{svg.joint_symbol(joints[k])} {by}{_angle(known.spread[k])}" for k in costly]
+    each = [f"{svg.joint_symbol(joints[k])} {by}{_angle(known.std_per_px[k])}" for k in costly]
     return f"1 px of noise would turn {', '.join(each)}." if costly else "E was seen not to rise."
 
 
@@ -199,7 +199,7 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
     if condition < AMBER:
         return ""
     high = ", far too high" if condition >= RED else ""
-    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.ill}."
+    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.degenerate_message}."
 
 
 def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -> str:

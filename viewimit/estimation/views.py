@@ -1,16 +1,17 @@
-"""What the learner sees: image points in four views, and which of them it sees."""
+"""The four views: image points of demonstrator and learner, which of them are visible, and whether they suffice."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.affine import image_points
+from ..geometry.affine import MIN_POINTS, centred, image_points
 
-Pairs = tuple[tuple[int, int], ...]  # of points
+Pairs = tuple[tuple[int, int], ...]  # swapped points, by index
 VIEWS = ("l", "r", "L", "R")  # the paper's names: demonstrator left, right; own left, right
-# Of the same views in files, columns, options and JSON: many a file system takes l for L
+# Names of the same views in files, columns, options and JSON: many file systems do not distinguish l from L
 VIEW_NAMES = dict(zip(VIEWS, ("demo_left", "demo_right", "own_left", "own_right")))
 
 
@@ -18,27 +19,34 @@ VIEW_NAMES = dict(zip(VIEWS, ("demo_left", "demo_right", "own_left", "own_right"
 class FourViews:
     """N body points, matched by index, in the learner's two stereo pairs.
 
-    demo: (..., N, 4) px, the demonstrator's points [l, r] as x_l, y_l, x_r, y_r.
-    own: (..., N, 4) px, the learner's own points [L, R].
-    visible: (..., N, 4) bool, seen in l, r, L, R. Coordinates of unseen points mean nothing: transfers take `used`.
+    Coordinates of invisible points mean nothing: transfers take `used`.
     """
 
-    demo: NDArray
-    own: NDArray
-    visible: NDArray
+    demo: NDArray[np.float64]  # (..., N, 4) px, the demonstrator's points [l, r] as x_l, y_l, x_r, y_r
+    own: NDArray[np.float64]  # (..., N, 4) px, the learner's own points [L, R]
+    visible: NDArray[np.bool_]  # (..., N, 4), visible in l, r, L, R
 
     @classmethod
-    def from_images(cls, demo_left: ArrayLike, demo_right: ArrayLike, own_left: ArrayLike, own_right: ArrayLike):
-        """Tracked points, (..., N, 2) px a view, or OpenCV's (..., N, 1, 2). A point with NaN in a view, or masked, was
-        not seen there.
+    def from_images(
+        cls, demo_left: ArrayLike, demo_right: ArrayLike, own_left: ArrayLike, own_right: ArrayLike
+    ) -> "FourViews":
+        """Collect tracked points.
 
-        Raises ValueError if the views do not hold the same number of points.
+        Parameters
+        ----------
+        demo_left, demo_right, own_left, own_right : (..., N, 2) array_like
+            Points of each view [px], or OpenCV's (..., N, 1, 2). A point that is NaN or masked is not visible there.
+
+        Raises
+        ------
+        ValueError
+            If the views do not hold the same number of points.
         """
         return cls.from_arrays(*map(image_points, map(_unmasked, (demo_left, demo_right, own_left, own_right))))
 
     @classmethod
-    def from_arrays(cls, *images: NDArray) -> "FourViews":
-        """The same of four arrays (..., N, 2) px that are never OpenCV's, as of T frames of one point."""
+    def from_arrays(cls, *images: NDArray[np.float64]) -> "FourViews":
+        """Collect points of four arrays (..., N, 2) px, which are never taken for OpenCV's: N may be 1."""
         for name, image in zip(VIEW_NAMES.values(), images):
             if image.ndim < 2 or image.shape[-1] != 2:
                 raise ValueError(f"{name}: need points of shape (..., N, 2), got {image.shape}")
@@ -54,33 +62,33 @@ class FourViews:
         )
 
     @property
-    def demo_left(self) -> NDArray:
-        """[l]: (..., N, 2) px"""
+    def demo_left(self) -> NDArray[np.float64]:
+        """[l]: (..., N, 2) px."""
         return self.demo[..., :2]
 
     @property
-    def demo_right(self) -> NDArray:
-        """[r]: (..., N, 2) px"""
+    def demo_right(self) -> NDArray[np.float64]:
+        """[r]: (..., N, 2) px."""
         return self.demo[..., 2:]
 
     @property
-    def own_left(self) -> NDArray:
-        """[L]: (..., N, 2) px"""
+    def own_left(self) -> NDArray[np.float64]:
+        """[L]: (..., N, 2) px."""
         return self.own[..., :2]
 
     @property
-    def own_right(self) -> NDArray:
-        """[R]: (..., N, 2) px"""
+    def own_right(self) -> NDArray[np.float64]:
+        """[R]: (..., N, 2) px."""
         return self.own[..., 2:]
 
     @property
-    def bodies(self) -> tuple[tuple[NDArray, NDArray], tuple[NDArray, NDArray]]:
-        """Images (..., N, 4) px of the demonstrator and of the learner, with whether points are seen, (..., N, 2)."""
+    def bodies(self) -> tuple[tuple[NDArray[np.float64], NDArray[np.bool_]], ...]:
+        """Images (..., N, 4) px and visibility (..., N, 2), of the demonstrator and of the learner."""
         return (self.demo, self.visible[..., :2]), (self.own, self.visible[..., 2:])
 
     @cached_property
-    def matches(self) -> tuple[NDArray, NDArray]:
-        """Of the demonstrator and of the learner, the points that both cameras see: (..., M, 4) px each.
+    def matches(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Points of the demonstrator and of the learner that both cameras see: (..., M, 4) px each.
 
         Raises ValueError for a batch of postures that show different points.
         """
@@ -91,54 +99,54 @@ class FourViews:
 
     @cached_property
     def complete(self) -> bool:
-        """Whether every point is seen in every view."""
+        """Whether every point is visible in every view."""
         return bool(self.visible.all())
 
     @cached_property
-    def usable(self) -> NDArray:
-        """(..., N) bool: seen in all four views, as every transfer needs it."""
+    def usable(self) -> NDArray[np.bool_]:
+        """(..., N): visible in all four views, as every transfer needs it."""
         return np.asarray(self.visible.all(-1))
 
     @property
-    def half_seen(self) -> NDArray:
-        """(..., N) bool: points of the demonstrator that one camera alone sees."""
+    def partially_visible(self) -> NDArray[np.bool_]:
+        """(..., N): points of the demonstrator that one camera alone sees."""
         return self.visible[..., 0] != self.visible[..., 1]
 
     @property
     def used(self) -> "FourViews":
-        """The views of the usable points only. Raises ValueError for a batch of postures that show different points."""
+        """Views of the usable points. Raises ValueError for a batch of postures that show different points."""
         return self if self.complete else self.select(_same_in_all(self.usable))
 
-    def select(self, points: NDArray) -> "FourViews":
-        """The views of some points only. points: (N,) bool or indices, for all postures of a batch."""
+    def select(self, points: NDArray[np.bool_] | NDArray[np.int_]) -> "FourViews":
+        """Select points by (N,) bool or indices, the same for all postures of a batch."""
         if np.ndim(points) != 1:
             raise ValueError(f"points must be (N,) bool or indices, for all postures, got shape {np.shape(points)}")
         return FourViews(self.demo[..., points, :], self.own[..., points, :], self.visible[..., points, :])
 
-    def with_exchanged(self, pairs: Pairs) -> "FourViews":
-        """The demonstrator's points of each pair taken for each other."""
+    def permuted(self, pairs: Pairs) -> "FourViews":
+        """Swap the demonstrator's points of each pair."""
         if not pairs:
             return self
-        order = exchange(np.arange(self.demo.shape[-2]), pairs)
+        order = permute(np.arange(self.demo.shape[-2]), pairs)
         visible = np.concatenate([self.visible[..., order, :2], self.visible[..., 2:]], -1)
         return FourViews(self.demo[..., order, :], self.own, visible)
 
-    def with_own(self, own: NDArray) -> "FourViews":
-        """The same demonstrator beside other own images: (..., N, 4) px."""
+    def with_own(self, own: NDArray[np.float64]) -> "FourViews":
+        """Replace the own images, (..., N, 4) px."""
         return replace(self, own=own)
 
 
 def view_of(name: str) -> str:
-    """The paper's name of a view: l of demo_left, and of l. Raises ValueError for a name of no view."""
+    """Return the paper's name of a view: l for demo_left, and for l. Raises ValueError for any other name."""
     for view, full in VIEW_NAMES.items():
         if name in (view, full):
             return view
     raise ValueError(f"{name!r} is none of {', '.join(VIEW_NAMES.values())}")
 
 
-def _same_in_all(points: NDArray) -> NDArray:
-    """(..., N) bool → (N,) bool, the points of every posture."""
-    first: NDArray = points.reshape(-1, points.shape[-1])[0]
+def _same_in_all(points: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(..., N) → (N,), the points of every posture."""
+    first: NDArray[np.bool_] = points.reshape(-1, points.shape[-1])[0]
     if not (points == first).all():
         raise ValueError(
             "the postures of this batch show different points: fit each posture by itself, "
@@ -147,16 +155,58 @@ def _same_in_all(points: NDArray) -> NDArray:
     return first
 
 
-def exchange(order: NDArray, pairs: Pairs) -> NDArray:
-    """(N,) with the entries of each pair exchanged."""
+def permute(order: NDArray[np.int_], pairs: Pairs) -> NDArray[np.int_]:
+    """Swap the entries of each pair in (N,) indices."""
     order = order.copy()
     for pair in pairs:
         order[[*pair]] = order[[*reversed(pair)]]
     return order
 
 
-def _unmasked(image: ArrayLike) -> NDArray:
-    """As numbers, NaN in place of what a masked array hides."""
+def _unmasked(image: ArrayLike) -> NDArray[np.float64]:
+    """Fill masked entries with NaN."""
     if isinstance(image, np.ma.MaskedArray):
         return np.ma.filled(image.astype(float), np.nan)
     return np.asarray(image, float)
+
+
+def unique_matches(looks: Iterable[FourViews]) -> NDArray[np.float64]:
+    """Pool the matches of left and right image, of both bodies and all looks, without repetitions: (M, 4) px."""
+    unique: dict[bytes, NDArray[np.float64]] = {}
+    for views in looks:
+        for matches in views.matches:
+            unique.setdefault(matches.tobytes(), matches)
+    return np.concatenate(list(unique.values()))
+
+
+# Degenerate configurations: E of such points is nearly 0 at any posture, so it would look best where it says nothing
+
+FLAT_EXTENT = 1e-6  # extent that counts as none, over the largest extent
+SHAPES = ("all points are in one place", "all points are on one line", "all points are in one plane")
+
+
+def extents(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute σ1 to σ4 [px] of centred points in two images, (..., N, 4) px → (..., 4)."""
+    return np.linalg.svd(centred(images)[1], compute_uv=False)
+
+
+def dimensions(images: NDArray[np.float64]) -> NDArray[np.int_]:
+    """Count the dimensions of points (..., N, 4) px: (...), 0 in one place, 1 on one line, 2 in a plane."""
+    sigma, size = extents(images), np.abs(images).max((-2, -1))
+    return (sigma > FLAT_EXTENT * np.maximum(sigma[..., :1], FLAT_EXTENT * size[..., None])).sum(-1)
+
+
+def why_degenerate(views: FourViews) -> list[str]:
+    """Explain for each of T frames why no transfer can be fitted, "" if one can. views: T x N visible points."""
+    why = np.full(len(views.demo), "", object)
+    for pair, images in (("[l, r]", views.demo), ("[L, R]", views.own)):
+        found = dimensions(images)
+        for count, shape in enumerate(SHAPES):
+            why[(found == count) & (why == "")] = f"{shape} in {pair}"
+    both = np.concatenate([views.demo, views.own], -1)
+    repeats = (np.diff(np.sort(both[..., 0], -1), axis=-1) == 0).any(-1)  # else all points differ
+    for k in np.flatnonzero(repeats & (why == "")):
+        different = len(np.unique(both[k], axis=0))
+        if different < MIN_POINTS:
+            why[k] = f"only {different} points differ, at least {MIN_POINTS} must"
+    return [str(words) for words in why]

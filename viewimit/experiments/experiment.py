@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.trajectory import Imitation
-from ..drawing import standalone
+from ..drawing.export import figures
 from ..drawing.plots import described
 from ..loop.settings import Settings
 from ..simulation.scene import Scene, load_scene
@@ -109,10 +109,10 @@ def write(name: str, experiment: Experiment, result: Result, folder: Path) -> li
             written.append(folder / f"{name}-{table}.csv")
             write_csv(written[-1], columns)
     if experiment.draw is not None:
-        drawing = standalone.standalone(experiment.figure(result), experiment.title, described(result.settings))
-        for suffix in (".svg", ".png") if standalone.can_render() else (".svg",):
+        drawing = figures.standalone(experiment.figure(result), experiment.title, described(result.settings))
+        for suffix in (".svg", ".png") if figures.can_render() else (".svg",):
             written.append(folder / f"{name}{suffix}")
-            standalone.write(written[-1], drawing)
+            figures.write(written[-1], drawing)
     manifest = {
         "figure": name,
         "settings": msgspec.to_builtins(result.settings),

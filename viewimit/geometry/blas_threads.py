@@ -1,17 +1,17 @@
-"""How many threads linear algebra takes; to be said before numpy is loaded."""
+"""Number of threads of linear algebra, which must be set before numpy is imported: so this module imports nothing."""
 
 import os
 
 VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def take_one() -> None:
-    """One, unless the environment says another number: with matrices of four rows more threads only spin."""
-    for name in VARIABLES:
-        os.environ.setdefault(name, "1")
+def limit_blas_threads(override: bool = False) -> None:
+    """Use one thread, unless the environment sets another number: with matrices of four rows more threads only spin.
 
-
-def take_one_alone() -> None:
-    """One, whatever the environment says: beside a server."""
+    override: ignore the environment, as in a process beside a server.
+    """
     for name in VARIABLES:
-        os.environ[name] = "1"
+        if override:
+            os.environ[name] = "1"
+        else:
+            os.environ.setdefault(name, "1")

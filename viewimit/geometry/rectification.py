@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import centred, image_unit
-from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, neighbours
+from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, perturbed_fundamentals
 from .robust_fit import affine_distance, fundamental_distance
 
 MIN_DENOMINATOR = 0.1  # of a homography, which is 1 in the middle of the matches: no point is at infinity
@@ -120,7 +120,7 @@ def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
     found = rectify(F, left, right)
     if left_over < count * least_px**2:
         return found
-    return replace(found, others=tuple(rectify(other, left, right) for other in neighbours(F, left, right)))
+    return replace(found, others=tuple(rectify(other, left, right) for other in perturbed_fundamentals(F, left, right)))
 
 
 def rectification_with_prior(left: NDArray, right: NDArray) -> Rectification | None:

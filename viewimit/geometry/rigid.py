@@ -1,4 +1,7 @@
-"""Rotations and frames. `T_a_b` takes points of frame b to frame a; cameras look along +z, x right, y down."""
+"""Rotations and rigid transforms.
+
+`T_a_b` maps points of frame b to frame a. Cameras follow OpenCV: they look along +z, with x to the right and y down.
+"""
 
 from functools import lru_cache
 
@@ -6,34 +9,37 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-def rotation_about_axis(axis: ArrayLike, angle: ArrayLike) -> NDArray:
-    """Rodrigues' formula. axis: (3,), normalised here; angle: (...) rad → (3, 3, ...).
+def rotation_about_axis(axis: ArrayLike, angle: ArrayLike) -> NDArray[np.float64]:
+    """Rotation by an angle about an axis, by Rodrigues' formula.
 
-    The matrix axes come first so that a grid of angles stays contiguous in memory.
+    axis: (3,), of any length; angle: (...) rad → (3, 3, ...): the matrix axes come first, so that a grid of angles
+    stays contiguous in memory.
     """
     x, y, z = np.asarray(axis, float).tolist()
     K, K_squared = _skew(x, y, z)
     angle, identity = np.asarray(angle, float), np.eye(3)
     if angle.ndim:
         shape = (3, 3) + (1,) * angle.ndim
-        return _turned(K.reshape(shape), K_squared.reshape(shape), identity.reshape(shape), angle)
-    return _turned(K, K_squared, identity, angle)
+        return _rodrigues(K.reshape(shape), K_squared.reshape(shape), identity.reshape(shape), angle)
+    return _rodrigues(K, K_squared, identity, angle)
 
 
-def _turned(K: NDArray, K_squared: NDArray, identity: NDArray, angle: NDArray) -> NDArray:
+def _rodrigues(
+    K: NDArray[np.float64], K_squared: NDArray[np.float64], identity: NDArray[np.float64], angle: NDArray[np.float64]
+) -> NDArray[np.float64]:
     return identity + np.sin(angle) * K + (1 - np.cos(angle)) * K_squared
 
 
-@lru_cache(maxsize=256)  # a robot asks for the same few axes at every posture
-def _skew(x: float, y: float, z: float) -> tuple[NDArray, NDArray]:
+@lru_cache(maxsize=256)  # a robot has the same few axes at every posture
+def _skew(x: float, y: float, z: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """[a]× and [a]×² of the normalised axis."""
     x, y, z = np.array([x, y, z]) / np.linalg.norm([x, y, z])
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return K, K @ K
 
 
-def rotation_from_rpy(rpy: ArrayLike) -> NDArray:
-    """URDF's fixed-axis roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) → (3, 3)."""
+def rotation_from_rpy(rpy: ArrayLike) -> NDArray[np.float64]:
+    """Rotation of URDF's roll, pitch and yaw [rad] about fixed axes, Rz(yaw) Ry(pitch) Rx(roll): (3, 3)."""
     roll, pitch, yaw = np.asarray(rpy, float)
     return (
         rotation_about_axis([0, 0, 1], yaw)
@@ -42,16 +48,16 @@ def rotation_from_rpy(rpy: ArrayLike) -> NDArray:
     )
 
 
-def rigid_transform(rotation: ArrayLike, translation: ArrayLike = (0, 0, 0)) -> NDArray:
-    """rotation: (3, 3), translation: (3,) m → (4, 4)."""
+def rigid_transform(rotation: ArrayLike, translation: ArrayLike = (0, 0, 0)) -> NDArray[np.float64]:
+    """Homogeneous transform (4, 4) of a rotation (3, 3) and a translation (3,) m."""
     T = np.eye(4)
     T[:3, :3] = rotation
     T[:3, 3] = translation
     return T
 
 
-def look_rotation(direction: ArrayLike, up: ArrayLike = (0, 0, 1)) -> NDArray:
-    """R_world_camera of a camera that looks along `direction` with its image upright → (3, 3).
+def look_rotation(direction: ArrayLike, up: ArrayLike = (0, 0, 1)) -> NDArray[np.float64]:
+    """R_world_camera, (3, 3), of a camera that looks along `direction` with its image upright.
 
     Raises ValueError if the direction is zero or parallel to `up`.
     """

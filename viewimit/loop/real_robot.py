@@ -9,10 +9,11 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..estimation.views import FourViews
+from ..estimation.noise import rounding_std
+from ..estimation.views import FourViews, dimensions
 from ..geometry.affine import MIN_POINTS, image_unit
 from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
-from ..sensing.point_checks import dimensions, is_far_outlier, is_missing_value, rounding_std
+from ..sensing.point_checks import is_far_outlier, is_missing_value
 from .embodiment import ROUNDING_DEG, Arm, Eyes, SessionStart, degrees, round_to_degrees, waypoints, within, workspace
 from .self_calibration import Body
 from .settings import Settings

@@ -15,6 +15,9 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..estimation.outliers import reject_outliers
+from ..estimation.prediction import VELOCITY_LOOKS, target_velocity
+from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
@@ -24,12 +27,9 @@ from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
 from ..simulation.world import World
-from .contradictions import believed
 from .embodiment import Arm, Embodiment, Eyes, Observer, Opener, degrees, round_to_degrees, waypoints, within
 from .history import MAX_HISTORY, RECENT, History
-from .prediction import DRIFT_MOMENTS, PredictedResiduals, demo_drift
 from .real_robot import RealRobotOpener
-from .rectifying import POOLED, rectification_for
 from .script import (
     Action,
     Begin,
@@ -45,7 +45,7 @@ from .script import (
 from .self_calibration import MIN_POSTURES, SelfCalibration, calibration_postures
 from .settings import OWN, Settings, convert_fields, warn_of_radians
 from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
-from .snapshot import RunResult, Snapshot, exchanged, given_own, probes, status_of
+from .snapshot import RunResult, Snapshot, exchanged, given_own, predicted_residuals, probes, status_of
 
 BEGIN_ANEW = (  # what changes body or camera
     "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay", "workspace_deg",
@@ -232,11 +232,15 @@ class Session:
     def _observed(self, theta: NDArray, like: Snapshot, **changes) -> Snapshot:
         """As `observe`; with eyes of one's own where the arm now stands."""
         settings, demo = changes.get("settings", like.settings), changes.get("theta_demo", like.theta_demo)
-        look, before = changes.get("look", like.look), self.history.recent(POOLED)
+        look, before = changes.get("look", like.look), self.history.recent(MAX_LOOKS)
         views = self.observer.four_views(settings, theta, demo, look)  # posture → four views
-        views = views.with_exchanged(exchanged(changes.get("servo_state", like.servo_state)))
-        views = believed(views, before, self.observer.image_noise_std(settings), look)
-        rectification = rectification_for(settings, before, views)
+        views = views.permuted(exchanged(changes.get("servo_state", like.servo_state)))
+        past, last = [moment.views for moment in before], before[-1]
+        views = reject_outliers(views, past, last.rectification, self.observer.image_noise_std(settings), look)
+        rectification = None
+        if settings.rectify != "off":
+            anew = last.settings != settings
+            rectification = update_rectification(views, past, last.rectification, last.motion, anew)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
@@ -279,7 +283,8 @@ class Session:
     def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
         """What a servo may ask at a moment, the present one, about images that it predicts."""
         moments, noise_px = self.history.recent(RECENT), self.observer.image_noise_std(now.settings)
-        return PredictedResiduals(now, demo_drift(moments[-DRIFT_MOMENTS:]), noise_px, moments)
+        velocity = target_velocity([moment.views for moment in moments[-VELOCITY_LOOKS:]])
+        return predicted_residuals(now, velocity, noise_px, moments)
 
     def change(self, **fields) -> None:
         """New settings from here on. A new scene, layout, start or workspace begins anew; all else re-observes the

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.transfers import TRANSFERS
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..sensing.files import file_name, is_text, parse_toml
 from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..servo import SERVOS
@@ -153,7 +153,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 raise ValueError(f"{name} must be {wanted}, got {reprlib.repr(value)}")
         if self.undistort is not None:
             try:
-                Radial(*self.undistort)
+                RadialDistortion(*self.undistort)
             except ValueError as error:
                 raise ValueError(f"undistort: {error}") from None
         for low, high in self.workspace_deg or ():

@@ -1,5 +1,6 @@
 """One pass of the loop: what it leaves behind, and what follows from that."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from typing import Any, TypeVar
@@ -7,9 +8,11 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod, rectified
+from ..estimation.prediction import AT_REST, PredictedResiduals
+from ..estimation.rectification import fit_transfer, rectify_views
+from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
-from ..geometry.affine import INTO, MIN_POINTS, PairGeometry, fit_pairs, flatness
+from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, ServoMethod, ServoStatus
 from .self_calibration import SelfCalibration
@@ -83,8 +86,8 @@ class Snapshot:
     @property
     def half_shown(self) -> int:
         """How many are in sight in one image alone, for a transfer that can ask them: on a line of the other image."""
-        asked = self.method.half_seen is not None and self.settings.rectify != "off"
-        return int(np.count_nonzero(self.views.half_seen)) if asked else 0
+        asked = self.method.homography_of_space and self.settings.rectify != "off"
+        return int(np.count_nonzero(self.views.partially_visible)) if asked else 0
 
     @property
     def shows_demonstrator(self) -> bool:
@@ -100,7 +103,7 @@ class Snapshot:
 
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
         """The transfer chosen, or another one by its name, fitted to any views as this moment rectifies them."""
-        return rectified.fit(TRANSFERS[by] if by else self.method, views, self.rectification)
+        return fit_transfer(TRANSFERS[by] if by else self.method, views, self.rectification)
 
     @cached_property
     def flatness(self) -> float:
@@ -153,8 +156,8 @@ class Snapshot:
 
     @property
     def expected_error(self) -> float | None:
-        """rad, of the worst joint, as the servo reckons: `Certificate.worst`; None if it gives none."""
-        return None if self.certificate is None else self.certificate.worst
+        """rad, of the worst joint, as the servo estimates it (`Certificate.simultaneous_std_error`), or None."""
+        return None if self.certificate is None else self.certificate.simultaneous_std_error
 
     def with_fields(self, **changes) -> "Snapshot":
         """As dataclasses.replace; what was found already is not found anew if views and transfer stay.
@@ -191,7 +194,7 @@ class Snapshot:
     def fundamental(self) -> PairGeometry | None:
         """Of the six pairs of views, rectified if they are for the transfer, from the usable points, whatever the
         transfer is; None with too few of them."""
-        views = self.views if self.rectification is None else rectified.rectified(self.views, self.rectification)
+        views = self.views if self.rectification is None else rectify_views(self.views, self.rectification)
         known = None if self.transfer is None else self.transfer.fundamentals
         return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.usable], known)
 
@@ -214,7 +217,7 @@ class Snapshot:
         if by is None:
             return fundamental.lines(images.reshape(4, 2))
         lines = fundamental.lines(by.apply(images).reshape(4, 2))
-        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[INTO % 2])
+        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[LINE_VIEWS % 2])
 
 
 T = TypeVar("T")
@@ -247,6 +250,45 @@ def status_of(servo_state: Any, usual: ServoStatus) -> ServoStatus:
     if found not in OF_A_SERVO:
         raise ValueError(f"a servo's status must be one of {', '.join(OF_A_SERVO)}, got {status!r}")
     return found
+
+
+def predicted_residuals(
+    now: Snapshot, velocity: NDArray[np.float64] = AT_REST, noise_px: float = 0.0, past: Sequence[Snapshot] = ()
+) -> PredictedResiduals:
+    """Residuals that a servo may ask for at a moment.
+
+    velocity: of the demonstrator's points, px; noise_px: standard deviation of an image coordinate; past: moments
+    before, whose matches and residuals are known.
+    """
+    return PredictedResiduals(
+        now.views,
+        now.method,
+        now.rectification,
+        noise_px=noise_px,
+        velocity=velocity,
+        converged=now.converged_transfer,
+        past=[moment.views for moment in past],
+        computed=_computed(now, past),
+    )
+
+
+def _computed(now: Snapshot, past: Sequence[Snapshot]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Own images and residuals of the moments at which all else was as it is now."""
+    if now.transfer is None or not now.views.complete:
+        return
+    for moment in past:
+        if (
+            _equal(moment.views.demo, now.views.demo)
+            and _equal(moment.views.visible, now.views.visible)
+            and moment.rectification is now.rectification
+            and moment.settings.transfer == now.settings.transfer
+        ):
+            yield moment.views.own, moment.residual
+
+
+def _equal(one: NDArray, other: NDArray) -> bool:
+    """Mostly the same array; not where a session was resumed."""
+    return one is other or np.array_equal(one, other)
 
 
 FIELDS = frozenset(field.name for field in fields(Snapshot))

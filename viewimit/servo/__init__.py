@@ -14,11 +14,12 @@ from .broyden import Broyden
 from .gradient import Gradient
 from .observation import Observation
 from .recursive import GaussNewton, Kalman
-from .registry import SERVOS, ServoMethod, Servos, servo_method
+from .registry import SERVOS, ServoMethod, Servos, servo_method, trust_region
 from .servo import LastMotion, Retargetable, Servo, ServoState
 from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
 from .trust_region.convergence import Certificate
+from .trust_region.options import TrustRegionOptions
 
 __all__ = [
     "SERVOS",
@@ -38,5 +39,7 @@ __all__ = [
     "ServoStatus",
     "Servos",
     "TrustRegion",
+    "TrustRegionOptions",
     "servo_method",
+    "trust_region",
 ]

@@ -1,4 +1,9 @@
-"""The smallest E of images that a model predicts: Levenberg-Marquardt in a box, from several starts at once."""
+"""Minimise E of predicted images: Levenberg-Marquardt in a box, from several starts at once.
+
+References
+----------
+Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, section 10.3.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,48 +14,64 @@ from numpy.typing import NDArray
 
 from ..estimation.residuals import conflict
 
-ROUNDS, DIFFERENCE, SHORT = 8, 1e-5, np.radians(0.01)  # rad
-SAME = np.radians(1.0)  # starts that head for places nearer than this come to one minimum
-WORTHWHILE = 1e-4  # share of E below which a round has gained nothing
+Array = NDArray[np.float64]
+MAX_ITERATIONS = 8
+FD_STEP = 1e-5  # rad, of finite differences
+MIN_STEP = np.radians(0.01)  # rad: shorter steps are not made
+CLUSTER_TOL = np.radians(1.0)  # rad: starts that head for places nearer than this come to one minimum
+FTOL = 1e-4  # share of E, below which an iteration has gained nothing
 DAMPINGS = np.array([0.0, 1.0])
-RAISED = (DAMPINGS + 1e-9)[:, None]  # keeps the normal equations regular
-WILD = np.pi  # rad: longer steps than that are along what nothing tells
-ROUNDING = 1e-12  # of the largest curvature, below which one may be a rounding error
-
-ResidualAt = Callable[[NDArray], NDArray]
+_RAISED = (DAMPINGS + 1e-9)[:, None]  # keeps the normal equations regular
+MAX_STEP = np.pi  # rad: longer steps are along directions that E does not depend on
+ROUNDING = 1e-12  # of the largest curvature: smaller ones may be rounding errors
 
 
 @dataclass(frozen=True)
 class Minimum:
-    """theta: (m,) rad; E there and at the first start, px²; hessian: (m, m) px²/rad², Gauss and Newton's; points: N;
-    left: (m,) rad, from there to where the linear model has the least E, if that is too near to be worth a round."""
+    """Result of `minimise`."""
 
-    theta: NDArray
-    E: float
-    E_first: float
-    hessian: NDArray
-    points: int
-    left: NDArray
+    theta: Array  # (m,) rad
+    E: float  # px², there
+    E_first: float  # px², at the first start
+    hessian: Array  # (m, m) px²/rad², Gauss-Newton
+    points: int  # N, that E was evaluated with
+    newton_step: Array  # (m,) rad, to the minimum of the linear model, if that is too near to iterate; else 0
 
 
-def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArray) -> Minimum:
-    """Over the box [low, high], of E of residual_at(θ): (..., m) rad → (..., N, C) px. starts: (s, m) rad.
+def minimise(residual_at: Callable[[Array], Array], starts: Array, low: Array, high: Array) -> Minimum:
+    """Minimise E over the box [low, high].
 
-    Each round asks for the damped candidates of all starts that still gain and their difference quotients in one batch.
-    A start that heads for where another has come to with a smaller E is given up.
+    Parameters
+    ----------
+    residual_at : callable
+        Residuals at postures, (..., m) rad → (..., N, C) px.
+    starts : (s, m) array
+        Postures to start from [rad].
+    low, high : (m,) arrays
+        Bounds [rad].
+
+    Returns
+    -------
+    Minimum
+        The best of all starts.
+
+    Notes
+    -----
+    Each iteration evaluates the damped steps of all starts that still gain, and their finite differences, in one batch.
+    A start is given up if it heads for where another start has a smaller E.
     """
     s, m = starts.shape
     best, best_E, hessians = starts.copy(), np.full(s, np.inf), np.zeros((s, m, m))
     heading = starts.copy()  # where each start goes next, undamped
     live, candidates = np.arange(s), starts[:, None]
     E_first, count = np.nan, 0  # count: points
-    for _ in range(ROUNDS):
-        inward = np.where(candidates > high - DIFFERENCE, -DIFFERENCE, DIFFERENCE)
-        e = residual_at(candidates[:, :, None] + inward[:, :, None] * aside(m))
+    for _ in range(MAX_ITERATIONS):
+        inward = np.where(candidates > high - FD_STEP, -FD_STEP, FD_STEP)
+        e = residual_at(candidates[:, :, None] + inward[:, :, None] * fd_steps(m))
         count = e.shape[-2]
         E = conflict(e[:, :, 0])
         E_first = E[0, 0] if E_first is np.nan else E_first
-        (better,) = (E.min(1) < best_E[live] * (1 - WORTHWHILE)).nonzero()
+        (better,) = (E.min(1) < best_E[live] * (1 - FTOL)).nonzero()
         if not len(better):
             break
         at, live = (better, E.argmin(1)[better]), live[better]
@@ -62,28 +83,29 @@ def minimise(residual_at: ResidualAt, starts: NDArray, low: NDArray, high: NDArr
         heading[live] = candidates[:, 0]
         on = gains & _apart(heading, best_E)[live]
         if not on.any():
-            break  # by its own linear model nothing is left to gain
+            break  # by its own linear model nothing more is gained
         live, candidates = live[on], candidates[on]
     least = int(best_E.argmin())
-    left = heading[least] - best[least]
-    left = left if np.abs(left).max() < SHORT else np.zeros(m)
-    return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count, left)
+    newton_step = heading[least] - best[least]
+    newton_step = newton_step if np.abs(newton_step).max() < MIN_STEP else np.zeros(m)
+    return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count, newton_step)
 
 
-def _apart(heading: NDArray, E: NDArray) -> NDArray:
-    """(s,) bool: which starts head elsewhere than that with the least E, and this one. heading: (s, m) rad."""
+def _apart(heading: Array, E: Array) -> Array:
+    """Return which starts, (s,), head elsewhere than the start with the smallest E, or are that one."""
     least = E.argmin()
-    apart = np.abs(heading - heading[least]).max(1) > SAME
+    apart = np.abs(heading - heading[least]).max(1) > CLUSTER_TOL
     apart[least] = True
     return apart
 
 
-def _linear(
-    e: NDArray, E: NDArray, inward: NDArray, theta: NDArray, low: NDArray, high: NDArray
-) -> tuple[NDArray, NDArray, NDArray]:
-    """By the linear model at theta (l, m): its normal equations (l, m, m), damped steps (l, len(DAMPINGS), m) rad to
-    take off theta, and whether the first of them gains anything, (l,) bool. e: (l, 1 + m, N, C) px, there and a little
-    on by each joint, inward: (l, m) rad; E: (l,) px², there."""
+def _linear(e: Array, E: Array, inward: Array, theta: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """Linearise the residuals at postures, theta: (l, m) rad.
+
+    e: (l, 1 + m, N, C) px, there and at finite differences, inward: (l, m) rad; E: (l,) px², there. Returns JᵀJ,
+    (l, m, m), Levenberg-Marquardt steps to subtract for each damping, (l, len(DAMPINGS), m) rad, and whether the
+    undamped step gives a significant decrease, (l,).
+    """
     squared = 2 * e.shape[2] * E
     e = e.reshape(*e.shape[:2], -1)
     J = (e[:, 1:] - e[:, :1]) / inward[:, :, None]
@@ -92,40 +114,39 @@ def _linear(
     gradient[barred] = 0.0
     steps = _damped_steps(gradient, normal, barred)
     longest = np.abs(steps).reshape(len(steps), -1).max(1)
-    if longest.max() > WILD:
-        wild = longest > WILD
-        steps[wild] = _damped_steps(gradient[wild], _stiffened(normal[wild]), barred[wild])
+    if longest.max() > MAX_STEP:
+        long = longest > MAX_STEP
+        steps[long] = _damped_steps(gradient[long], _stiffened(normal[long]), barred[long])
         longest = np.abs(steps).reshape(len(steps), -1).max(1)
     gained = np.einsum("li,li->l", gradient, steps[:, 0])
-    return normal, steps, (gained >= WORTHWHILE * squared) & (longest >= SHORT)
+    return normal, steps, (gained >= FTOL * squared) & (longest >= MIN_STEP)
 
 
-def _stiffened(normal: NDArray) -> NDArray:
-    """(l, m, m): the same but along what nothing tells, where rounding alone would choose among all places: there as
-    stiff as along what is told best."""
+def _stiffened(normal: Array) -> Array:
+    """Replace curvatures that may be rounding errors by the largest one: else rounding would choose the step."""
     curvatures, directions = np.linalg.eigh(normal)
     largest = curvatures[:, -1:]
     curvatures = np.where(curvatures > ROUNDING * largest, curvatures, largest)
     return (directions * curvatures[:, None]) @ directions.swapaxes(1, 2)
 
 
-def _damped_steps(gradient: NDArray, normal: NDArray, barred: NDArray) -> NDArray:
-    """(H + λ diag H)⁻¹ g over the joints that are not barred, for every damping λ → (s, len(DAMPINGS), m)."""
+def _damped_steps(gradient: Array, normal: Array, barred: Array) -> Array:
+    """Return (H + λ diag H)⁻¹ g over the joints that are not at a limit, for every damping λ: (l, len(DAMPINGS), m)."""
     unit = _unit(normal.shape[1])
     own = np.einsum("lii->li", normal)
     own = own + 1e-12 * np.maximum(own.sum(1), 1e-300)[:, None]
-    damped = normal[:, None] + (RAISED * own[:, None])[..., None] * unit
+    damped = normal[:, None] + (_RAISED * own[:, None])[..., None] * unit
     if barred.any():
         damped = np.where(barred[:, None, :, None] | barred[:, None, None, :], unit, damped)
     return np.linalg.solve(damped, gradient[:, None, :, None])[..., 0]
 
 
 @cache
-def aside(joints: int) -> NDArray:
-    """(1 + m, m): nowhere, and on by each joint, of m."""
+def fd_steps(joints: int) -> Array:
+    """Return no step, and a unit step of each joint: (1 + m, m)."""
     return np.eye(1 + joints, joints, -1)
 
 
 @cache
-def _unit(joints: int) -> NDArray:
+def _unit(joints: int) -> Array:
     return np.eye(joints)

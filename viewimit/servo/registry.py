@@ -7,6 +7,7 @@ import warnings
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
 from ..estimation.residuals import ResidualFunction
+from ..geometry.kinematics.model import ProjectiveKinematics, StereoFrame
+from ..geometry.rectification import Rectification
 from .broyden import Broyden, BroydenState
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD, BroydenModel, RecursiveJacobian
@@ -22,6 +25,11 @@ from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, Kalma
 from .servo import LastMotion, Retargetable, Servo
 from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
+from .trust_region.convergence import Certificate
+from .trust_region.explanation import describe_status as describe_trust_region
+from .trust_region.explanation import equations as trust_region_equations
+from .trust_region.options import DEFAULTS, TrustRegionOptions
+from .trust_region.state import Destination, Matching, Mismatch, Phase, Region, Search, TrustRegionState
 
 SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
 DESCRIPTIONS = {  # attributes by which servos of earlier versions described themselves → fields of `ServoMethod`
@@ -52,11 +60,6 @@ class ServoMethod:
 
     def __post_init__(self) -> None:
         self.title = self.title or type(self.servo).__name__
-
-    @property
-    def fails(self) -> str:
-        """As `limitations`."""
-        return self.limitations
 
     def start(self, observation: Observation) -> Any:
         """Return the state before the first motion."""
@@ -222,7 +225,23 @@ def _gradient_method(servo: Gradient, **described: str) -> ServoMethod:
     )
 
 
-TRUST_REGION = TrustRegion()
+def trust_region(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
+    """Return the trust region with other options, as `SERVOS["trust-region"]` is with the default ones."""
+    return ServoMethod(
+        servo=TrustRegion(options),
+        title="Trust region on images",
+        assumes="That joints turn points as rigid bodies; or else that the images follow the joints smoothly.",
+        limitations="Where two postures give the same images, or every transfer misleads: it reports no progress.",
+        predicts=True,
+        stored=(
+            *(TrustRegionState, Region, Search, Destination, Matching, Mismatch, Phase),
+            *(Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
+        ),
+        equations=trust_region_equations,
+        describe_status=partial(describe_trust_region, options=options),
+    )
+
+
 SERVOS = Servos(
     {
         "gradient": _gradient_method(
@@ -264,15 +283,6 @@ SERVOS = Servos(
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,
         ),
-        "trust-region": ServoMethod(
-            servo=TRUST_REGION,
-            title=TRUST_REGION.title,
-            assumes=TRUST_REGION.assumes,
-            limitations=TRUST_REGION.fails,
-            predicts=True,
-            stored=TRUST_REGION.stored,
-            equations=TRUST_REGION.equations,
-            describe_status=TRUST_REGION.says,
-        ),
+        "trust-region": trust_region(),
     }
 )

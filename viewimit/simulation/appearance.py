@@ -1,8 +1,7 @@
-"""What both arms look like in the four views, as plain arrays for whoever draws them: silhouettes, skeletons, and
-where their points may be. The truth, for viewers only.
+"""What both arms look like in the four views: silhouettes, skeletons, and where their points can be.
 
-A silhouette is the hull of each link. Its support function is the largest projection onto a direction. Few directions,
-and the vertex that is extreme in each, give a polygon inside the hull that lacks at most 2 px at its corners.
+This is ground truth, for viewers only. A silhouette is the convex hull of each link's image. The vertices that are
+extreme in a few directions make a polygon inside the hull, at most 2 px smaller at its corners.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,10 +16,12 @@ from .camera import Cameras
 from .world import World
 
 DIRECTIONS = 12  # corners of a polygon at most
-NEAR = 0.05  # m, to which what is nearer to a camera is set back
-KEPT = 48  # directions in 3-D in which a link's vertices are kept
-POSTURES_A_JOINT, POSTURES = 9, 200  # of the grid with two joints; drawn at random with more
-NEAR_POSTURE = np.radians(20)  # a joint, with more of them
+MIN_DEPTH_M = 0.05  # nearer vertices are moved back to it
+HULL_DIRECTIONS = 48  # directions in 3-D in which a link's extreme vertices are kept
+GRID_ANGLES, MIN_SAMPLES = 9, 200  # postures: angles for each of two joints; random samples for more joints
+SAMPLE_RANGE_RAD = np.radians(20)  # of the random samples, about each posture
+
+Floats = NDArray[np.float64]
 
 
 class Moment(Protocol):
@@ -44,77 +45,77 @@ class Moment(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class ArmImages:
-    """An arm in its two images. hulls: (2, links, DIRECTIONS, 2) px, closed polygons whose corners may repeat;
-    origins: (2, n + 1, 2) px, of all links; memory: whatever those who draw it want to keep with it."""
+    """An arm in the two images of a stereo pair."""
 
-    hulls: NDArray
-    origins: NDArray
-    memory: dict[Any, Any] = field(default_factory=dict)
+    hulls: Floats  # (2, links, DIRECTIONS, 2) px, closed polygons whose corners may repeat
+    origins: Floats  # (2, n + 1, 2) px, of all links
+    memory: dict[Any, Any] = field(default_factory=dict)  # cache of the drawing code
 
 
 @dataclass(frozen=True)
 class Bodies:
-    """What is seen of both arms. demo: in l, r; own: in L, R; recovered: (2, n + 1, 2) px, what the transfer makes in
-    L, R of the demonstrator's links, None without one; frame: width and height of the images, px."""
+    """Both arms in all four images."""
 
-    demo: ArmImages
-    own: ArmImages
-    recovered: NDArray | None
-    frame: tuple[int, int]
+    demo: ArmImages  # in l, r
+    own: ArmImages  # in L, R
+    recovered: Floats | None  # (2, n + 1, 2) px in L, R: the demonstrator's links by the transfer, None without one
+    frame: tuple[int, int]  # width and height of the images [px]
 
 
 class Silhouettes:
-    """Polygons and skeletons of arms. meshes: by link (0 = base), vertices (V, 3) m in the link's frame.
+    """Projects the polygons and skeletons of both arms.
 
-    Without meshes, as of a robot from a user's own URDF, there are skeletons only.
+    Parameters
+    ----------
+    meshes : mapping
+        Vertices by link (0 = base), (V, 3) m in the link's frame. Without meshes there are skeletons only.
+    world : World
     """
 
-    def __init__(self, meshes: Mapping[int, NDArray], world: World):
+    def __init__(self, meshes: Mapping[int, Floats], world: World):
         self._world = world
         self._links = np.array(sorted(meshes), int)
         chosen = {link: extreme_vertices(np.asarray(meshes[link], float)) for link in self._links.tolist()}
         most = max(map(len, chosen.values()), default=1)
-        # of every link its origin and its vertices, (n + 1, 1 + most, 4), the last coordinate 1; short lists are filled
-        # up with their first vertex, which changes no hull
+        # homogeneous origin and vertices of every link, (n + 1, 1 + most, 4); short lists repeat their first vertex
         self._vertices = np.zeros((len(world.robot.joints) + 1, 1 + most, 4))
         self._vertices[..., 3] = 1.0
         for link, vertices in chosen.items():
             self._vertices[link, 1:, :3] = vertices[0]
             self._vertices[link, 1 : 1 + len(vertices), :3] = vertices
         self._pair, self._link = np.ogrid[:2, : len(chosen), :1][:2]
-        self._latest: dict[str, tuple[bytes, ArmImages]] = {}  # by arm: the demonstrator rests while the learner moves
+        self._latest: dict[str, tuple[bytes, ArmImages]] = {}  # by arm: the demonstrator mostly stands still
 
-    def bodies(self, snapshot: Moment) -> Bodies:
-        """Both arms where they are in truth. Of an arm that has not moved they are the same object as before."""
+    def bodies(self, moment: Moment) -> Bodies:
+        """Return both arms at their true postures. The images of an arm that has not moved are the same object."""
         world = self._world
-        demo = self._arm("demonstrator", snapshot.theta_demo, world.T_world_demo, world.demo_pair)
-        own = self._arm("learner", snapshot.theta, world.T_world_own, world.own_pair)
+        demo = self._arm("demonstrator", moment.theta_demo, world.T_world_demo, world.demo_pair)
+        own = self._arm("learner", moment.theta, world.T_world_own, world.own_pair)
         found = None
-        if snapshot.transfer is not None:
-            recovered = snapshot.transfer.recover(demo.origins[0], demo.origins[1])
+        if moment.transfer is not None:
+            recovered = moment.transfer.recover(demo.origins[0], demo.origins[1])
             found = np.stack([recovered[:, :2], recovered[:, 2:]])
         return Bodies(demo, own, found, world.scene.head.image)
 
-    def _arm(self, arm: str, theta: NDArray, T_world_base: NDArray, cameras: Cameras) -> ArmImages:
+    def _arm(self, arm: str, theta: Floats, T_world_base: Floats, cameras: Cameras) -> ArmImages:
         key, latest = theta.tobytes(), self._latest.get(arm)
         if latest is None or latest[0] != key:
             seen = self.seen(self._world.link_frames(theta, T_world_base), cameras)
             latest = self._latest[arm] = key, ArmImages(*seen)
         return latest[1]
 
-    def seen(self, T_world_links: NDArray, cameras: Cameras) -> tuple[NDArray, NDArray]:
-        """By a stereo pair: closed polygons of the links, (2, links, DIRECTIONS, 2) px, whose corners may repeat, and
-        the origins of all links, (2, n + 1, 2) px."""
-        images = cameras.images_on(T_world_links, self._vertices, NEAR)
+    def seen(self, T_world_links: Floats, cameras: Cameras) -> tuple[Floats, Floats]:
+        """Return polygons (2, links, DIRECTIONS, 2) px and the links' origins (2, n + 1, 2) px in a stereo pair."""
+        images = cameras.images_on(T_world_links, self._vertices, MIN_DEPTH_M)
         corners = images[:, self._links, 1:]
         largest = (corners @ _COMPASS.T).argmax(2)  # (2, links, DIRECTIONS)
         return corners[self._pair, self._link, largest], images[:, :, 0]
 
 
-def extreme_vertices(vertices: NDArray) -> NDArray:
-    """Those that reach farthest in some of KEPT directions spread over the sphere (Fibonacci's spiral)."""
-    i = np.arange(KEPT) + 0.5
-    z, turn = 1 - 2 * i / KEPT, np.pi * (1 + 5**0.5) * i
+def extreme_vertices(vertices: Floats) -> Floats:
+    """Return the vertices that are farthest in some direction of a Fibonacci spiral on the sphere: (V, 3) -> (K, 3)."""
+    i = np.arange(HULL_DIRECTIONS) + 0.5
+    z, turn = 1 - 2 * i / HULL_DIRECTIONS, np.pi * (1 + 5**0.5) * i
     level = np.sqrt(1 - z * z)
     directions = np.stack([level * np.cos(turn), level * np.sin(turn), z])
     return vertices[np.unique((vertices @ directions).argmax(0))]
@@ -124,22 +125,22 @@ _ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 _COMPASS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1)
 
 
-def reachable_image_points(world: World, held: Sequence[NDArray] = ()) -> dict[str, NDArray]:
-    """Where both arms' points can be: (k, 2) px by view.
+def reachable_image_points(world: World, held: Sequence[Floats] = ()) -> dict[str, Floats]:
+    """Return image points of both arms over their range, (k, 2) px by view.
 
-    held: postures, (m,) rad. With more than two joints an arm reaches nearly everywhere, so that it is where the points
-    are near these postures, not over the whole range.
+    With more than two joints an arm reaches nearly everywhere. So the postures are near the demonstrator's and near
+    `held`, (m,) rad each.
     """
-    theta = _postures(world, held)
+    theta = _sample_postures(world, held)
     return _by_view(world.demo_images(theta), world.own_images(theta))
 
 
-def arm_image_points(world: World, snapshot: Moment) -> dict[str, NDArray]:
-    """Where both arms' points are, as they would be seen without noise: (k, 2) px by view."""
-    return _by_view(world.demo_images(snapshot.theta_demo), world.own_images(snapshot.theta))
+def arm_image_points(world: World, moment: Moment) -> dict[str, Floats]:
+    """Return the image points of both arms without noise, (k, 2) px by view."""
+    return _by_view(world.demo_images(moment.theta_demo), world.own_images(moment.theta))
 
 
-def _by_view(demo: tuple[NDArray, NDArray], own: tuple[NDArray, NDArray]) -> dict[str, NDArray]:
+def _by_view(demo: tuple[Floats, Floats], own: tuple[Floats, Floats]) -> dict[str, Floats]:
     points = {}
     for pair, (images, visible) in (("lr", demo), ("LR", own)):
         for side, view in enumerate(pair):
@@ -147,14 +148,14 @@ def _by_view(demo: tuple[NDArray, NDArray], own: tuple[NDArray, NDArray]) -> dic
     return points
 
 
-def _postures(world: World, held: Sequence[NDArray]) -> list[NDArray]:
-    """The moving joints' angles, one flat array a joint: over the range of two, or near the postures to be held."""
+def _sample_postures(world: World, held: Sequence[Floats]) -> list[Floats]:
+    """Angles of the moving joints, one flat array each: a grid over the range of two, or samples near `held`."""
     lower, upper = world.scene.lower, world.scene.upper
     if len(lower) <= 2:
-        axes = [np.linspace(low, high, POSTURES_A_JOINT) for low, high in zip(lower, upper)]
+        axes = [np.linspace(low, high, GRID_ANGLES) for low, high in zip(lower, upper)]
         return [axis.ravel() for axis in np.meshgrid(*axes)]
     centres = np.array([np.radians(world.scene.posture_deg)[world.scene.moving], *held])
     near = np.random.default_rng(0).uniform(
-        -NEAR_POSTURE, NEAR_POSTURE, (len(centres), -(-POSTURES // len(centres)), len(lower))
+        -SAMPLE_RANGE_RAD, SAMPLE_RANGE_RAD, (len(centres), -(-MIN_SAMPLES // len(centres)), len(lower))
     )
     return list(np.clip(centres[:, None] + near, lower, upper).reshape(-1, len(lower)).T)

@@ -1,4 +1,11 @@
-"""Cameras and the learner's stereo head."""
+"""Lenses, cameras and the learner's stereo head.
+
+Camera frames have OpenCV's axes: x to the right, y down, z forward.
+
+References
+----------
+Hartley and Zisserman, Multiple View Geometry in Computer Vision, 2nd ed. 2004, chapters 6 and 7.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,68 +14,83 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..geometry.rigid import look_rotation, rigid_transform, rotation_about_axis
 
 WORLD = np.eye(4)
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Lens:
-    """focal: (fx, fy), centre: px; distortion: of the lens; undone: the one that its images are rid of, which is the
-    lens's own as far as its owner knows it."""
+    """Intrinsic parameters of a camera whose images may be corrected for radial distortion."""
 
-    focal: tuple[float, float]
-    centre: tuple[float, float]
-    distortion: Radial = Radial()
-    undone: Radial = Radial()
+    focal: tuple[float, float]  # focal lengths fx, fy [px]
+    centre: tuple[float, float]  # principal point [px]
+    distortion: RadialDistortion = RadialDistortion()  # of the lens
+    correction: RadialDistortion = RadialDistortion()  # removed from the images, as far as the lens is calibrated
 
     @cached_property
     def is_distorted(self) -> bool:
-        """Whether images are not those of a pinhole."""
-        return self.distortion != self.undone
+        """Whether the corrected images differ from those of a pinhole camera."""
+        return self.distortion != self.correction
 
     @property
     def aspect(self) -> float:
         """fy/fx, 1 for square pixels."""
         return self.focal[1] / self.focal[0]
 
-    def stretch(self, squared: NDArray) -> NDArray:
-        """How many times as far from the centre an image is as a pinhole's. squared: r², of that, in focal lengths."""
-        factor = self.distortion.stretch(squared)
-        return factor * self.undone.undone(squared * factor * factor) if self.undone.bends else factor
+    def stretch(self, squared: Floats) -> Floats:
+        """Return the factor by which a pinhole image moves outwards, given its radius squared [focal lengths²]."""
+        factor = self.distortion.factor(squared)
+        return factor * self.correction.inverse_factor(squared * factor * factor) if self.correction.bends else factor
 
-    def direction(self, image: NDArray) -> NDArray:
-        """image: (..., 2) px → (..., 2), where its ray meets the plane one focal length ahead."""
+    def direction(self, image: Floats) -> Floats:
+        """Return where the ray of a pixel meets the plane at depth 1: (..., 2) px -> (..., 2)."""
         on_plane = (image - self.centre) / self.focal
         if not self.is_distorted:
             return on_plane
         squared = (on_plane * on_plane).sum(-1)
-        factor = self.undone.stretch(squared)
-        return on_plane * (factor * self.distortion.undone(squared * factor * factor))[..., None]
+        factor = self.correction.factor(squared)
+        return on_plane * (factor * self.distortion.inverse_factor(squared * factor * factor))[..., None]
 
-    def shows(self, image: NDArray) -> bool:
-        """Whether what is seen in all of image, (..., 2) px, can be told."""
-        seen = np.hypot(*((image - self.centre) / self.focal).reshape(-1, 2).T)
-        return bool((seen < min(self.distortion.rim, self.undone.reach)).all())
+    def covers(self, image: Floats) -> bool:
+        """Return whether every pixel, (..., 2) px, has a ray: beyond its rim a distorted image would fold back."""
+        radius = np.hypot(*((image - self.centre) / self.focal).reshape(-1, 2).T)
+        return bool((radius < min(self.distortion.max_distorted_radius, self.correction.max_radius)).all())
 
 
-def undistort_points(points: NDArray, focal: tuple[float, float], centre: tuple[float, float], by: Radial) -> NDArray:
-    """(..., 2) px of a lens with that distortion → px of a pinhole."""
+def undistort_points(
+    points: Floats, focal: tuple[float, float], centre: tuple[float, float], by: RadialDistortion
+) -> Floats:
+    """Return the pixels of a pinhole camera for those of a lens with distortion `by`: (..., 2) px -> (..., 2) px."""
     return Lens(focal, centre, by).direction(points) * focal + centre
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera behind a lens. width, height: px; T_world_camera: (4, 4), metres, OpenCV axes."""
+    """A camera with a lens."""
 
-    width: int
-    height: int
+    width: int  # px
+    height: int  # px
     lens: Lens
-    T_world_camera: NDArray
+    T_world_camera: Floats  # (4, 4), m
 
-    def project(self, points: NDArray, T_world_points: NDArray = WORLD) -> tuple[NDArray, NDArray]:
-        """points: (3, ...) m in a frame → image (2, ...) px and visible (...): in front and inside the image."""
+    def project(self, points: Floats, T_world_points: Floats = WORLD) -> tuple[Floats, NDArray[np.bool_]]:
+        """Project many points, components first.
+
+        Parameters
+        ----------
+        points : (3, ...) array
+            Points in a frame [m].
+        T_world_points : (4, 4) array
+            That frame.
+
+        Returns
+        -------
+        (2, ...) and (...) arrays
+            Image points [px], and whether they are in front of the camera and inside the image.
+        """
         R_camera_world = self.T_world_camera[:3, :3].T
         rotation = R_camera_world @ T_world_points[:3, :3]
         offset = R_camera_world @ (T_world_points[:3, 3] - self.T_world_camera[:3, 3])
@@ -89,8 +111,8 @@ class Camera:
             visible &= coordinate <= size
         return image.reshape((2,) + points.shape[1:]), visible.reshape(points.shape[1:])
 
-    def ray(self, image: ArrayLike) -> NDArray:
-        """image: (..., 2) px → directions (..., 3) in the world, 1 long along the optical axis."""
+    def ray(self, image: ArrayLike) -> Floats:
+        """Return the rays of pixels in the world, with depth 1: (..., 2) px -> (..., 3)."""
         image = np.asarray(image, float)
         if not self.lens.is_distorted:
             along, straight = self._linear_ray
@@ -99,15 +121,15 @@ class Camera:
         return self.lens.direction(image) @ R_world_camera[:, :2].T + R_world_camera[:, 2]
 
     @cached_property
-    def _linear_ray(self) -> tuple[NDArray, NDArray]:
-        """Of a lens that bends nothing: how a ray turns with x and y, (2, 3) a px, and where it points at 0, (3,)."""
+    def _linear_ray(self) -> tuple[Floats, Floats]:
+        """Derivative of a ray by x and y, (2, 3), and the ray at (0, 0), (3,), without distortion."""
         R_world_camera, (focal, centre) = self.T_world_camera[:3, :3], np.array([self.lens.focal, self.lens.centre])
         along = R_world_camera[:, :2].T / focal[:, None]
         return along, R_world_camera[:, 2] - centre @ along
 
 
 class Cameras:
-    """Several cameras that take a few points at once: as Camera.project does for many, in fewer steps."""
+    """Several cameras that project the same few points, in fewer numpy calls than `Camera.project`."""
 
     def __init__(self, cameras: Sequence[Camera]):
         self.cameras = tuple(cameras)
@@ -119,13 +141,13 @@ class Cameras:
         self._focal = np.array([[lens.focal[0]] for lens in lenses])
         self._centres = np.array([[lens.centre] for lens in lenses])
         self._aspects = np.array([lens.aspect for lens in lenses]) if any(lens.aspect != 1 for lens in lenses) else None
-        self._bends = any(lens.is_distorted for lens in lenses)
+        self._distorted = any(lens.is_distorted for lens in lenses)
         self._sizes = np.array([[(camera.width, camera.height)] for camera in cameras])
 
-    def images(self, points: NDArray, nearest: float | None = None) -> tuple[NDArray, NDArray]:
-        """points: (N, 3) m in the world → images (cameras, N, 2) px, depths (cameras, N) m.
+    def images(self, points: Floats, nearest: float | None = None) -> tuple[Floats, Floats]:
+        """Project points in the world, (N, 3) m, to images (cameras, N, 2) px with depths (cameras, N) m.
 
-        nearest: depth to which nearer points are set back, so that what stands behind a camera is drawn somewhere.
+        Points are moved back to the depth `nearest` [m], so that those behind a camera can be drawn.
         """
         in_camera = points @ self._rotations + self._offsets
         depth = in_camera[..., 2]
@@ -134,18 +156,17 @@ class Cameras:
         with np.errstate(divide="ignore", invalid="ignore"):
             return self._projected(in_camera, depth), depth
 
-    def images_on(self, T_world_links: NDArray, points: NDArray, nearest: float) -> NDArray:
-        """T_world_links: (k, 4, 4); points: (k, N, 4) m in these frames, the last coordinate 1 → (cameras, k, N, 2) px.
-        nearest: as in `images`."""
+    def images_on(self, T_world_links: Floats, points: Floats, nearest: float) -> Floats:
+        """Project homogeneous points (k, N, 4) m in frames (k, 4, 4) to images (cameras, k, N, 2) px, as `images`."""
         T_links_cameras = np.swapaxes(T_world_links, 1, 2) @ self._from_world
         in_camera = (points @ T_links_cameras).reshape(len(self.cameras), -1, 3)
         images = self._projected(in_camera, np.maximum(in_camera[..., 2], nearest))
         return images.reshape(len(self.cameras), *points.shape[:2], 2)
 
-    def _projected(self, in_camera: NDArray, depth: NDArray) -> NDArray:
-        """in_camera: (cameras, N, 3) m; depth: (cameras, N) m in place of theirs → (cameras, N, 2) px."""
+    def _projected(self, in_camera: Floats, depth: Floats) -> Floats:
+        """Images (cameras, N, 2) px of points (cameras, N, 3) m, with the depths (cameras, N) m instead of theirs."""
         images = in_camera[..., :2] * (self._focal / depth)[..., None]
-        if self._bends:
+        if self._distorted:
             squared = (images * images).sum(-1) / self._focal**2
             with np.errstate(divide="ignore", invalid="ignore"):
                 images *= np.stack([camera.lens.stretch(r) for camera, r in zip(self.cameras, squared)])[..., None]
@@ -153,31 +174,27 @@ class Cameras:
             images[..., 1] *= self._aspects[:, None]
         return images + self._centres
 
-    def project(self, points: NDArray) -> tuple[NDArray, NDArray]:
-        """points: (N, 3) m in the world → images (cameras, N, 2) px, visible (cameras, N): in front and inside."""
+    def project(self, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Project points in the world, (N, 3) m, to images (cameras, N, 2) px, with visibility (cameras, N)."""
         images, depth = self.images(points)
         return images, (depth > 0) & ((images >= 0) & (images <= self._sizes)).all(-1)
 
 
 @dataclass(frozen=True)
 class StereoHead:
-    """Two cameras on one rigid head that turns to look: the paper's [l],[r] and [L],[R].
+    """Two cameras on a rigid head, which turns to look: the paper's [l], [r] and [L], [R]."""
 
-    position: midpoint of the two centres of projection, m. `verged` cameras each look at the gaze point itself;
-    otherwise each is turned inwards by `toe_in`, rad, about the head's vertical: with 0 the optical axes are parallel.
-    """
-
-    position: tuple[float, float, float]
+    position: tuple[float, float, float]  # midpoint of the centres of projection [m]
     baseline_m: float
-    width: int
-    height: int
+    width: int  # px
+    height: int  # px
     left: Lens
     right: Lens
-    verged: bool = False
-    toe_in: float = 0.0
+    verged: bool = False  # each camera looks at the gaze point itself
+    toe_in: float = 0.0  # otherwise, rotation of each camera inwards about the head's vertical [rad]; 0: parallel axes
 
     def gaze(self, target: ArrayLike) -> tuple[Camera, Camera]:
-        """Left and right camera of the head turned towards `target` (3,) m."""
+        """Return the left and the right camera when the head is turned towards `target`, (3,) m."""
         target, position = np.asarray(target, float), np.asarray(self.position, float)
         ahead = look_rotation(target - position)
         cameras = []
@@ -190,10 +207,10 @@ class StereoHead:
         return cameras[0], cameras[1]
 
 
-def triangulate(left: Camera, right: Camera, points: NDArray) -> NDArray:
-    """Midpoint of the two rays nearest to each other. points: (..., 4) px [left, right] → (..., 3) m.
+def triangulate(left: Camera, right: Camera, points: Floats) -> Floats:
+    """Triangulate points by the midpoint method: (..., 4) px [left, right] -> (..., 3) m, NaN for parallel rays.
 
-    For the viewer of the scene only: no estimator may know a camera. NaN where the rays are parallel.
+    For viewers only: no estimator may know a camera.
     """
     a, b = left.ray(points[..., :2]), right.ray(points[..., 2:])
     o_a, o_b = left.T_world_camera[:3, 3], right.T_world_camera[:3, 3]

@@ -1,7 +1,7 @@
-"""What spoils a run: images that are noisy, incomplete or wrong, and arms that do not do as they are told.
+"""Disturb a run: noisy, incomplete or wrong images, and arms that do not reach the commanded posture.
 
-An entry brings all that is said of a disturbance. Adding one is an entry here and a field of `Settings` that is marked
-with it: effect, bounds, option of the command line, slider and caption follow.
+Each disturbance is one entry here, with its effect, bounds, texts and slider. To add one, write an entry and mark a
+field of `Settings` with it. The option of the command line, the slider and the caption follow.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,81 +11,84 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-GROSS_PX = 60.0  # a coordinate
+OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
+
+Points = NDArray[np.float64]
+Visible = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Disturbance:
-    """bounds: of its amount in `Settings`; unit: of that; says: what an amount is, in a sentence without a full stop;
-    caption: the amount in the words of a caption, a format; label, reach, per: of its slider, whose lowest and highest
-    value and step are in its own units, of which `per` are one in `Settings`."""
+    """Texts and bounds of a disturbance, whose amount is a field of `Settings`."""
 
-    bounds: tuple[float, float]
-    unit: str
-    description: str
-    caption: str
-    label: str
-    slider_range: tuple[float, float, float]
-    slider_scale: float = 1.0
+    bounds: tuple[float, float]  # of the amount
+    unit: str  # of the amount
+    description: str  # what the amount is, a sentence without a full stop
+    caption: str  # format of the amount in a caption
+    label: str  # of the slider
+    slider_range: tuple[float, float, float]  # lowest and highest value, and step
+    slider_scale: float = 1.0  # slider value over amount
 
 
 @dataclass(frozen=True, kw_only=True)
 class SightDisturbance(Disturbance):
-    """Of what the learner sees."""
+    """Disturbs what the learner sees."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImageDisturbance(SightDisturbance):
-    """apply: of an image's points (N, 4) px, which of them are seen (N, 2), an amount, and a generator, the first two.
-    It draws the same numbers whatever the amount: turned up it enlarges the same noise and loses the same points
-    first."""
+    """Disturbs the points of one image.
 
-    apply: Callable[[NDArray, NDArray, float, np.random.Generator], tuple[NDArray, NDArray]]
+    It draws the same random numbers whatever the amount. A larger amount enlarges the same noise, and loses the same
+    points first.
+    """
+
+    # (points (N, 4) px, visible (N, 2), amount, generator) -> points, visible
+    apply: Callable[[Points, Visible, float, np.random.Generator], tuple[Points, Visible]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class MatchDisturbance(SightDisturbance):
-    """permute: of N, an amount that is not 0, and a generator, the points that the demonstrator's are taken for: (N,).
-    Turned up, it swaps the same ones first."""
+    """Mixes up the demonstrator's points. A larger amount swaps the same ones first."""
 
-    permute: Callable[[int, float, np.random.Generator], NDArray]
+    permute: Callable[[int, float, np.random.Generator], NDArray[np.int_]]  # (N, amount > 0, generator) -> order (N,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ArmDisturbance(Disturbance):
-    """drive: of where an arm stands, where it is sent, (m,) rad each, and an amount that is not 0, where it then
-    stands."""
+    """Makes an arm miss the commanded posture."""
 
-    drive: Callable[[NDArray, NDArray, float], NDArray]
+    # (posture (m,) rad, commanded posture (m,) rad, amount != 0) -> posture reached (m,) rad
+    drive: Callable[[NDArray[np.float64], NDArray[np.float64], float], NDArray[np.float64]]
 
 
-def _add_noise(points: NDArray, visible: NDArray, sigma_px: float, rng: np.random.Generator):
+def _add_noise(points: Points, visible: Visible, sigma_px: float, rng: np.random.Generator) -> tuple[Points, Visible]:
     return points + sigma_px * rng.standard_normal(points.shape), visible
 
 
-def _lose(points: NDArray, visible: NDArray, share: float, rng: np.random.Generator):
+def _lose(points: Points, visible: Visible, share: float, rng: np.random.Generator) -> tuple[Points, Visible]:
     return points, visible & (rng.random(visible.shape) >= share)
 
 
-def _misplace(points: NDArray, visible: NDArray, share: float, rng: np.random.Generator):
+def _misplace(points: Points, visible: Visible, share: float, rng: np.random.Generator) -> tuple[Points, Visible]:
     wrong = np.repeat(rng.random(visible.shape) < share, 2, -1)
-    return np.where(wrong, points + rng.uniform(-GROSS_PX, GROSS_PX, points.shape), points), visible
+    return np.where(wrong, points + rng.uniform(-OUTLIER_PX, OUTLIER_PX, points.shape), points), visible
 
 
-def _swap(count: int, share: float, rng: np.random.Generator) -> NDArray:
+def _swap(count: int, share: float, rng: np.random.Generator) -> NDArray[np.int_]:
     order, pairs = np.arange(count), min(int(np.ceil(share * count / 2 - 1e-9)), count // 2)
     first, second = rng.permutation(count)[: 2 * pairs].reshape(pairs, 2).T
     order[first], order[second] = second, first
     return order
 
 
-def _overshoot(theta: NDArray, sent: NDArray, share: float) -> NDArray:
-    return theta + (1 + share) * (sent - theta)
+def _overshoot(theta: NDArray[np.float64], commanded: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    return theta + (1 + share) * (commanded - theta)
 
 
-def _to_steps(theta: NDArray, sent: NDArray, step_deg: float) -> NDArray:
+def _quantise(theta: NDArray[np.float64], commanded: NDArray[np.float64], step_deg: float) -> NDArray[np.float64]:
     step = np.radians(step_deg)
-    return step * np.round(sent / step)
+    return step * np.round(commanded / step)
 
 
 NOISE = ImageDisturbance(
@@ -130,7 +133,7 @@ SWAPPED = MatchDisturbance(
 GAIN_ERROR = ArmDisturbance(
     bounds=(-0.5, 0.5),
     unit="share",
-    description="the arm moves by so much more than it is told",
+    description="the arm moves farther than commanded by this share, or less far if negative",
     caption="gain error {:.0%}",
     label="Gain err. %",
     slider_range=(-20, 20, 1),
@@ -144,7 +147,7 @@ QUANTUM = ArmDisturbance(
     caption="steps of {:g}°",
     label="Steps °",
     slider_range=(0.0, 2.0, 0.1),
-    drive=_to_steps,
+    drive=_quantise,
 )
 
 ImageAmounts = tuple[tuple[ImageDisturbance, float], ...]
@@ -166,12 +169,22 @@ class ActuatorSettings(Protocol):
 
 
 def any_active(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
+    """Return whether some amount is not 0."""
     return any(amount for _, amount in amounts)
 
 
-def disturb(amounts: ImageAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]) -> tuple[NDArray, NDArray]:
-    """One image of points (N, 4) px, of which visible (N, 2) are seen → the same, spoilt. The seed's stream is drawn
-    from in the order of the amounts."""
+def disturb(amounts: ImageAmounts, points: Points, visible: Visible, seed: Sequence[int]) -> tuple[Points, Visible]:
+    """Disturb one image.
+
+    Parameters
+    ----------
+    amounts : tuple
+        Disturbances with their amounts. They draw from one random stream, in this order.
+    points, visible : (N, 4) and (N, 2) arrays
+        Points [px], and whether they are visible.
+    seed : sequence of int
+        Seed of the stream.
+    """
     if not any_active(amounts):
         return points, visible
     rng = np.random.default_rng(seed)
@@ -181,18 +194,17 @@ def disturb(amounts: ImageAmounts, points: NDArray, visible: NDArray, seed: Sequ
 
 
 def disturbed_frames(
-    amounts: ImageAmounts, points: NDArray, visible: NDArray, seed: Sequence[int], count: int
-) -> tuple[NDArray, NDArray]:
-    """Several images of the same: (count, N, 4) px, (count, N, 2)."""
+    amounts: ImageAmounts, points: Points, visible: Visible, seed: Sequence[int], count: int
+) -> tuple[Points, Visible]:
+    """Return several disturbed images of the same points, (count, N, 4) px and (count, N, 2)."""
     looks = [disturb(amounts, points, visible, [*seed, k] if k else seed) for k in range(count)]
     return np.array([points for points, _ in looks]), np.array([visible for _, visible in looks])
 
 
 def mismatch_points(
-    amounts: MatchAmounts, points: NDArray, visible: NDArray, seed: Sequence[int]
-) -> tuple[NDArray, NDArray]:
-    """Images of the demonstrator's points (N, 4) px, of which visible (N, 2) are seen → the same, some taken for
-    others."""
+    amounts: MatchAmounts, points: Points, visible: Visible, seed: Sequence[int]
+) -> tuple[Points, Visible]:
+    """Mix up the demonstrator's points, (N, 4) px and (N, 2)."""
     rng = np.random.default_rng(seed)
     for disturbance, amount in amounts:
         if amount:
@@ -201,9 +213,9 @@ def mismatch_points(
     return points, visible
 
 
-def drive(amounts: ArmAmounts, theta: NDArray, sent: NDArray) -> NDArray:
-    """Where an arm at theta stands after it was sent elsewhere, (m,) rad each."""
+def drive(amounts: ArmAmounts, theta: NDArray[np.float64], commanded: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the posture that an arm at theta reaches when it is commanded to another one, (m,) rad each."""
     for disturbance, amount in amounts:
         if amount:
-            sent = disturbance.drive(theta, sent, amount)
-    return sent
+            commanded = disturbance.drive(theta, commanded, amount)
+    return commanded

@@ -1,4 +1,4 @@
-"""What a session in a scene looks with and moves arms by: projected points, or pictures of arms that have weight."""
+"""Simulated eyes and arms of a session: projected points, or detections in rendered pictures of arms with mass."""
 
 import importlib.util
 import platform
@@ -16,62 +16,84 @@ from .world import World
 
 __all__ = ["SimulatedEyes", "ProjectedEyes", "open_eyes", "require_eyes"]
 
-NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras that bring them
-WHEELS = "CPython 3.10 and 3.11 on Linux x86-64"  # of PyBullet; elsewhere pip would compile it, for minutes
+NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras that install them
+WHEELS = "CPython 3.10 and 3.11 on Linux x86-64"  # of PyBullet; elsewhere pip would compile it for minutes
+
+Points = NDArray[np.float64]
+Visible = NDArray[np.bool_]
 
 
 class SimulatedEyes(Protocol):
-    """N body points, matched by index; arms of m moving joints."""
+    """Sees N body points, matched by index, and moves arms of m moving joints."""
 
     @property
     def world(self) -> World:
-        """The truth that they look at, for viewers only."""
+        """The ground truth, for viewers only."""
         ...
 
     @property
     def noise_px(self) -> float:
-        """Standard deviation of an image coordinate, as their maker states it; a disturbance comes on top."""
+        """Standard deviation of an image coordinate [px], without disturbances."""
         ...
 
-    def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
-        """The demonstrator in [l], [r]. theta: m arrays of angles, rad, broadcast against each other to (...) →
-        points (..., N, 4) px, visible (..., N, 2) bool. Coordinates of what is not visible mean nothing."""
+    def demo_images(self, theta: Angles) -> tuple[Points, Visible]:
+        """Images of the demonstrator in [l] and [r].
+
+        Parameters
+        ----------
+        theta : m arrays
+            Angles of the moving joints [rad], broadcast against each other to shape (...).
+
+        Returns
+        -------
+        (..., N, 4) and (..., N, 2) arrays
+            Points [px], and whether they are visible. Coordinates of other points mean nothing.
+        """
         ...
 
-    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
-        """The learner in [L], [R], likewise."""
+    def own_images(self, theta: Angles) -> tuple[Points, Visible]:
+        """Images of the learner in [L] and [R], in the same form."""
         ...
 
-    def settle(self, theta: NDArray) -> NDArray:
-        """Where an arm comes to rest that is told to stand at theta; (m,) rad each."""
+    def settle(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Posture at which an arm comes to rest if it is placed at theta, (m,) rad each."""
         ...
 
-    def drive(self, settings: ActuatorSettings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
-        """Where an arm at theta, last sent to `sent`, comes to rest once it is sent to `commanded`; (m,) rad each."""
+    def drive(
+        self,
+        settings: ActuatorSettings,
+        theta: NDArray[np.float64],
+        sent: NDArray[np.float64],
+        commanded: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Posture that an arm at theta, whose last command was `sent`, reaches for a new command; (m,) rad each."""
         ...
-
-
-# Image points as a camera's geometry has them, and arms without weight.
 
 
 class ProjectedEyes:
-    """See `protocol.SimulatedEyes`."""
+    """Projects points through the cameras' geometry, and moves arms without mass. See `SimulatedEyes`."""
 
     noise_px = 0.0
 
     def __init__(self, scene: Scene, points: int):
         self.world = World(scene, points)
 
-    def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+    def demo_images(self, theta: Angles) -> tuple[Points, Visible]:
         return self.world.demo_images(theta)
 
-    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+    def own_images(self, theta: Angles) -> tuple[Points, Visible]:
         return self.world.own_images(theta)
 
-    def settle(self, theta: NDArray) -> NDArray:
+    def settle(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         return theta
 
-    def drive(self, settings: ActuatorSettings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+    def drive(
+        self,
+        settings: ActuatorSettings,
+        theta: NDArray[np.float64],
+        sent: NDArray[np.float64],
+        commanded: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
         amounts, scene = settings.amounts(ArmDisturbance), self.world.scene
         if not any_active(amounts):
             return commanded
@@ -79,9 +101,20 @@ class ProjectedEyes:
 
 
 def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
-    """camera: of `settings.CAMERAS`; points: layout of the scene, in place of which pictures show the markers.
+    """Open the eyes of a session.
 
-    Raises ValueError as `require_eyes`.
+    Parameters
+    ----------
+    camera : str
+        "points" for projected points, "rendered" for pictures.
+    scene : Scene
+    points : int
+        Layout of the scene. Pictures show the markers instead.
+
+    Raises
+    ------
+    ValueError
+        As `require_eyes`.
     """
     if camera == "points":
         return ProjectedEyes(scene, points)
@@ -92,8 +125,7 @@ def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
 
 
 def require_eyes(camera: str, scene: Scene) -> None:
-    """Raises ValueError if what rendered pictures need is not installed, or the scene's robot has no markers, or its
-    lenses distort."""
+    """Raise ValueError if pictures cannot be rendered: a missing package, no markers, or lenses with distortion."""
     if camera == "points":
         return
     missing = [package for package in NEEDS if importlib.util.find_spec(package) is None]
@@ -110,6 +142,6 @@ def require_eyes(camera: str, scene: Scene) -> None:
 
 
 def pybullet_has_wheel() -> bool:
-    """Whether PyBullet is installed here without a compiler, as pyproject.toml has it by default."""
+    """Return whether pip installs PyBullet here without a compiler, as pyproject.toml does by default."""
     here = platform.python_implementation(), sys.platform, platform.machine()
     return here == ("CPython", "linux", "x86_64") and sys.version_info < (3, 12)

@@ -1,6 +1,6 @@
-"""Coloured balls on an arm, by which a camera finds its body points: TOML files in assets/markers.
+"""Coloured balls that mark body points on an arm: TOML files in assets/markers.
 
-A ball looks like a disc from everywhere, and the middle of that disc is where its own middle is seen.
+A ball looks like a disc from every side, and the centre of the disc is the image of the centre of the ball.
 """
 
 from pathlib import Path
@@ -14,38 +14,39 @@ from ..sensing.files import parse_toml, read_toml
 from .robot import BodyPoints
 
 THIRDS = np.radians([0.0, 120.0, 240.0])
-GREY, CHROMA = 0.5, 0.5  # the circle of hues that touches all six faces of the cube of colours
+GREY, CHROMA = 0.5, 0.5  # the circle of hues that touches all six faces of the RGB cube
 
 
 class Markers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """radius: m; balls: [link, x, y, z, hue], its middle in that link's frame, m, and its hue, degrees."""
+    """The balls on one arm."""
 
-    radius: float
-    balls: tuple[tuple[int, float, float, float, float], ...]
+    radius: float  # m
+    balls: tuple[tuple[int, float, float, float, float], ...]  # link, x, y, z in its frame [m], hue [deg]
 
     @property
     def body(self) -> BodyPoints:
+        """Centres of the balls."""
         rows = np.array(self.balls, float).reshape(-1, 5)
         return BodyPoints(rows[:, 0].astype(int), rows[:, 1:4])
 
     @property
-    def hue_deg(self) -> NDArray:
-        """(N,)"""
+    def hue_deg(self) -> NDArray[np.float64]:
+        """(N,) hues [deg]."""
         return np.array(self.balls, float).reshape(-1, 5)[:, 4]
 
 
-def colours(hue_deg: ArrayLike) -> NDArray:
-    """(N,) degrees → (N, 3) red, green, blue in 0 … 1, of equal chroma: hue h is towards cos(h - 0°, 120°, 240°)."""
+def colours(hue_deg: ArrayLike) -> NDArray[np.float64]:
+    """Return colours of equal chroma, towards cos(hue - (0°, 120°, 240°)): (N,) deg -> (N, 3) RGB in 0 … 1."""
     return GREY + CHROMA * np.cos(np.radians(np.asarray(hue_deg))[..., None] - THIRDS)
 
 
 def marker_names() -> list[str]:
-    """Robots with markers, by name."""
+    """Return the names of the shipped robots with markers."""
     return sorted(path.stem for path in (ROOT / "markers").glob("*.toml"))
 
 
 def load_markers(name: str | Path) -> Markers:
-    """Of a shipped robot by name, or a TOML file by path. Raises ValueError that names the file and the field."""
+    """Read the markers of a shipped robot, or a TOML file. Raises ValueError that names the file and the field."""
     path = Path(name)
     if path.suffix.lower() != ".toml":
         path = ROOT / "markers" / f"{name}.toml"

@@ -1,7 +1,7 @@
-"""Triangles of a link's surface, and the files that the shipped robots' are in.
+"""Triangle meshes of links: the file format of the shipped robots, and the intersection of a ray with an arm.
 
-trimesh reads all other files. To load it, with what it finds beside it, takes nearly as long as all else that a server
-needs, so that only a robot of one's own asks for it.
+trimesh reads all other files. Loading it takes nearly as long as everything else that a server needs, so only a
+user's own robot needs it.
 """
 
 import json
@@ -15,121 +15,130 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEADER, CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")  # magic, version, bytes in all; bytes, kind
-FLOAT, INDEX = "<f4", "<u4"  # of a vertex, of a face
+VERTEX_TYPE, INDEX_TYPE = "<f4", "<u4"
+PARALLEL_M2 = 1e-12  # determinant below which a ray lies in the plane of a triangle
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """vertices: (V, 3) m; faces: (F, 3) indices of them, counter-clockwise from outside."""
+    """Triangles of a surface."""
 
-    vertices: NDArray
-    faces: NDArray
+    vertices: Floats  # (V, 3) m
+    faces: NDArray[np.int_]  # (F, 3) indices of vertices, counter-clockwise from outside
 
     @cached_property
-    def triangles(self) -> NDArray:
-        """(F, 3, 3) m"""
+    def triangles(self) -> Floats:
+        """(F, 3, 3) corners of each face [m]."""
         return self.vertices[self.faces]
 
     @cached_property
-    def face_normals(self) -> NDArray:
-        """(F, 3), of length 1; 0 of a face without area."""
-        return self._across / np.where(self._twice_areas > 0, self._twice_areas, 1.0)[:, None]
+    def face_normals(self) -> Floats:
+        """(F, 3) unit vectors; 0 for a face without area."""
+        return self._cross / np.where(self._twice_areas > 0, self._twice_areas, 1.0)[:, None]
 
     @property
-    def area_faces(self) -> NDArray:
-        """(F,) m²"""
+    def area_faces(self) -> Floats:
+        """(F,) m²."""
         return self._twice_areas / 2
 
     @cached_property
-    def bounds(self) -> NDArray:
-        """(2, 3) m: the least and the largest coordinates of its vertices."""
+    def bounds(self) -> Floats:
+        """(2, 3) smallest and largest coordinates of the vertices [m]."""
         return np.array([self.vertices.min(0), self.vertices.max(0)])
 
     @cached_property
-    def _across(self) -> NDArray:
+    def _cross(self) -> Floats:
         a, b, c = np.moveaxis(self.triangles, 1, 0)
         return np.cross(b - a, c - a)
 
     @cached_property
-    def _twice_areas(self) -> NDArray:
-        return np.linalg.norm(self._across, axis=1)
+    def _twice_areas(self) -> Floats:
+        return np.linalg.norm(self._cross, axis=1)
 
 
 def read_glb(path: Path) -> dict[str, Mesh]:
-    """By name, as assets/build_robots.py writes them: a primitive each, of vertices and of faces alone."""
+    """Read meshes by name, from a file that assets/build_robots.py wrote: one primitive each, without materials."""
     content = path.read_bytes()
     size, _ = CHUNK.unpack_from(content, HEADER.size)
     begin = HEADER.size + CHUNK.size
-    told, data = json.loads(content[begin : begin + size]), begin + size + CHUNK.size
+    header, data = json.loads(content[begin : begin + size]), begin + size + CHUNK.size
 
-    def array(accessor: int, kind: str) -> NDArray:
-        found = told["accessors"][accessor]
-        view = told["bufferViews"][found["bufferView"]]
+    def array(accessor: int, kind: str) -> NDArray[np.number]:
+        view = header["bufferViews"][header["accessors"][accessor]["bufferView"]]
         count = view["byteLength"] // np.dtype(kind).itemsize
         return np.frombuffer(content, kind, count, data + view.get("byteOffset", 0)).reshape(-1, 3)
 
     meshes = {}
-    for mesh in told["meshes"]:
+    for mesh in header["meshes"]:
         (primitive,) = mesh["primitives"]
-        vertices, faces = array(primitive["attributes"]["POSITION"], FLOAT), array(primitive["indices"], INDEX)
+        vertices = array(primitive["attributes"]["POSITION"], VERTEX_TYPE)
+        faces = array(primitive["indices"], INDEX_TYPE)
         meshes[mesh["name"]] = Mesh(vertices.astype(float), faces.astype(np.int64))
     return meshes
 
 
-# Where a ray meets the surface of an arm: a triangle a face, by Möller and Trumbore (1997).
-
-PARALLEL = 1e-12  # m², of a determinant: the ray lies in the triangle's plane
-
-
 @dataclass(frozen=True, eq=False)
 class SurfaceHit:
-    """distance: m along the ray; link: 0 = base, i = moved by joint i; local: (3,) m in that link's frame."""
+    """The point where a ray meets an arm."""
 
-    distance: float
-    link: int
-    local: NDArray
+    distance: float  # along the ray [m]
+    link: int  # 0 = base, i = moved by joint i
+    local: Floats  # (3,) in that link's frame [m]
 
 
 def first_hit(
-    meshes: Mapping[int, Mesh], T_world_links: NDArray, origin: NDArray, direction: NDArray
+    meshes: Mapping[int, Mesh], T_world_links: Floats, origin: Floats, direction: Floats
 ) -> SurfaceHit | None:
-    """The nearest place in front where a ray meets an arm, from whichever side; None if it meets none.
+    """Intersect a ray with an arm, from either side of its surface.
 
-    meshes: by link number, in the link's frame, m; T_world_links: (n + 1, 4, 4); origin (3,) m, direction (3,).
+    Parameters
+    ----------
+    meshes : mapping
+        Meshes by link number, each in its link's frame [m].
+    T_world_links : (n + 1, 4, 4) array
+        Frames of the links.
+    origin, direction : (3,) arrays
+        The ray, in the world [m].
+
+    Returns
+    -------
+    SurfaceHit or None
+        The nearest intersection in front of the origin.
     """
     direction = direction / np.linalg.norm(direction)
     found: SurfaceHit | None = None
     for link, mesh in meshes.items():
         R, t = T_world_links[link][:3, :3], T_world_links[link][:3, 3]
-        here, towards = (origin - t) @ R, direction @ R
-        if not _near(mesh, here, towards):
+        local_origin, local_direction = (origin - t) @ R, direction @ R
+        if not _meets_bounding_sphere(mesh, local_origin, local_direction):
             continue
-        distance = distances(mesh.triangles, here, towards).min(initial=np.inf)
+        distance = ray_distances(mesh.triangles, local_origin, local_direction).min(initial=np.inf)
         if np.isfinite(distance) and (found is None or distance < found.distance):
-            found = SurfaceHit(float(distance), link, here + distance * towards)
+            found = SurfaceHit(float(distance), link, local_origin + distance * local_direction)
     return found
 
 
-def _near(mesh: Mesh, origin: NDArray, direction: NDArray) -> bool:
-    """Whether a ray, of direction 1, meets the sphere about a mesh's box."""
+def _meets_bounding_sphere(mesh: Mesh, origin: Floats, direction: Floats) -> bool:
+    """Whether a ray, with a unit vector, meets the sphere around a mesh's box."""
     low, high = mesh.bounds
-    away, radius = (low + high) / 2 - origin, np.linalg.norm(high - low) / 2
-    aside = away - max(float(away @ direction), 0.0) * direction
-    return bool(np.linalg.norm(aside) <= radius)
+    centre, radius = (low + high) / 2 - origin, np.linalg.norm(high - low) / 2
+    return bool(np.linalg.norm(centre - max(float(centre @ direction), 0.0) * direction) <= radius)
 
 
-def distances(triangles: NDArray, origin: NDArray, direction: NDArray) -> NDArray:
-    """Along the ray to each triangle, in lengths of its direction; inf where it misses.
+def ray_distances(triangles: Floats, origin: Floats, direction: Floats) -> Floats:
+    """Return the distance along a ray to each triangle, in lengths of its direction; inf if it misses.
 
-    triangles: (F, 3, 3) m → (F,)
+    (F, 3, 3) m -> (F,). See Möller and Trumbore, Fast, minimum storage ray-triangle intersection, 1997.
     """
     corner = triangles[:, 0]
     a, b = triangles[:, 1] - corner, triangles[:, 2] - corner
-    across = np.cross(direction, b)
-    determinant = (a * across).sum(1)
-    crosses = np.abs(determinant) > PARALLEL
+    p = np.cross(direction, b)
+    determinant = (a * p).sum(1)
+    crosses = np.abs(determinant) > PARALLEL_M2
     inverse = 1 / np.where(crosses, determinant, 1.0)
-    away = origin - corner
-    along = np.cross(away, a)
-    u, v, far = (away * across).sum(1) * inverse, along @ direction * inverse, (b * along).sum(1) * inverse
-    return np.where(crosses & (u >= 0) & (v >= 0) & (u + v <= 1) & (far > 0), far, np.inf)
+    s = origin - corner
+    q = np.cross(s, a)
+    u, v, t = (s * p).sum(1) * inverse, q @ direction * inverse, (b * q).sum(1) * inverse
+    return np.where(crosses & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0), t, np.inf)

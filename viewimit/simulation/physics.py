@@ -1,4 +1,8 @@
-"""A connection to PyBullet of one's own, and silence: it prints to the process's standard output, past Python."""
+"""PyBullet: a private connection, an arm with mass and motors, and the URDF that it loads.
+
+This is the only module that imports pybullet. PyBullet prints to the standard output of the process, past Python, so
+every call that prints is silenced.
+"""
 
 import contextlib
 import copy
@@ -10,54 +14,62 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from .markers import Markers, colours
+from .robot import Joint
 from .scene import Scene, load_robot
+
+STEP_S = 1 / 240  # PyBullet's own step, for which its motors are tuned
+GRAVITY = 9.81  # m/s²
+STIFFNESS, DAMPING = 0.1, 0.5  # gains of PyBullet's motors: a Panda sags by 0.1° to 0.3°
+MAX_REST_SPEED, MAX_MOTION_S = 1e-4, 20.0  # rad/s; s of simulated time
+CHECK_EVERY = 10  # steps
+ARM_GREY, STEM_GREY = 0.75, 0.5
+STEM_RADIUS_M = 0.003
+NO_OFFSET = (0.0, 0.0, 0.0)
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+Floats = NDArray[np.float64]
 
 
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
-    """What C code prints meanwhile, on either stream, goes nowhere: standard output belongs to the commands."""
+    """Discard what C code prints to standard output and standard error meanwhile."""
     sys.stdout.flush()
     sys.stderr.flush()
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    kept = [(stream, os.dup(stream)) for stream in (1, 2)]
+    null = os.open(os.devnull, os.O_WRONLY)
+    saved = [(stream, os.dup(stream)) for stream in (1, 2)]
     try:
-        for stream, _ in kept:
-            os.dup2(nowhere, stream)
+        for stream, _ in saved:
+            os.dup2(null, stream)
         yield
     finally:
-        for stream, copy in kept:
-            os.dup2(copy, stream)
-            os.close(copy)
-        os.close(nowhere)
+        for stream, duplicate in saved:
+            os.dup2(duplicate, stream)
+            os.close(duplicate)
+        os.close(null)
 
 
 with quiet():
-    import pybullet  # noqa: F401 - says when it was built
+    import pybullet  # noqa: F401 - prints its build date
     from pybullet_utils.bullet_client import BulletClient
 
 
 def connect() -> BulletClient:
-    """A world of its own, without a window; it ends with the last reference to it."""
+    """Return a new simulation without a window. It ends with the last reference to it."""
     with quiet():
         return BulletClient(pybullet.DIRECT)
 
 
-# An arm with weight: motors of limited torque and speed drive it, and hold it against gravity, a little below.
-
-STEP_S = 1 / 240  # PyBullet's own, for which its motors are made
-GRAVITY = 9.81
-STIFFNESS, DAMPING = 0.1, 0.5  # of PyBullet's motors; they let a Panda sag by 0.1° to 0.3°
-STILL, LONGEST_S = 1e-4, 20.0  # rad/s; of simulated time
-LOOK_EVERY = 10  # steps
-
-
 class Arm:
-    """One arm of a URDF on a fixed base, standing somewhere at rest. Joints are its revolute ones, base to tip."""
+    """One arm of a URDF on a fixed base, driven by motors of limited torque and speed.
+
+    The motors hold it against gravity, a little below the commanded posture. Its joints are the revolute ones, base
+    to tip.
+    """
 
     def __init__(self, urdf: Path):
         self._client = connect()
@@ -70,8 +82,8 @@ class Arm:
         self._joints = [info[0] for info in infos]
         self._effort, self._speed = [info[10] for info in infos], [info[11] for info in infos]
 
-    def drive(self, theta: NDArray, command: NDArray) -> NDArray:
-        """From rest at theta to where it comes to rest once told to go to `command`; (m,) rad each."""
+    def drive(self, theta: Floats, command: Floats) -> Floats:
+        """Move from rest at theta to a commanded posture, and return where the arm comes to rest; (m,) rad each."""
         for joint, angle in zip(self._joints, theta, strict=True):
             self._client.resetJointState(self._body, joint, float(angle))
         for joint, angle, effort, speed in zip(self._joints, command, self._effort, self._speed, strict=True):
@@ -85,26 +97,19 @@ class Arm:
                 positionGain=STIFFNESS,
                 velocityGain=DAMPING,
             )
-        for _ in range(round(LONGEST_S / STEP_S / LOOK_EVERY)):
-            for _ in range(LOOK_EVERY):
+        for _ in range(round(MAX_MOTION_S / STEP_S / CHECK_EVERY)):
+            for _ in range(CHECK_EVERY):
                 self._client.stepSimulation()
             states = self._client.getJointStates(self._body, self._joints)
-            if all(abs(state[1]) < STILL for state in states):
+            if all(abs(state[1]) < MAX_REST_SPEED for state in states):
                 break
         return np.array([state[0] for state in states])
 
 
-# A scene's arm as a URDF that PyBullet loads: masses, motors, shapes and markers; joints at rest are braked.
-
-ARM_GREY, STEM_GREY = 0.75, 0.5
-STEM_M = 0.003  # radius
-NOWHERE = (0.0, 0.0, 0.0)
-
-
 def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
-    """Write the arm of a scene, and its meshes, into a folder → its URDF.
+    """Write the arm of a scene with a shipped robot, its meshes and its markers into a folder, and return the URDF.
 
-    Of a shipped robot. Only the scene's moving joints are left; the others are braked at the scene's posture.
+    Only the scene's moving joints remain; the others are fixed at the scene's posture.
     """
     source = ROOT / "robots" / scene.robot
     root = ElementTree.parse(source / f"{scene.robot}.urdf").getroot()
@@ -118,10 +123,10 @@ def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
             revolute += 1
             number = revolute
             if number not in scene.moving_joints:
-                _brake(joint, robot.joints[number - 1], np.radians(scene.posture_deg[number - 1]))
+                _fix(joint, robot.joints[number - 1], np.radians(scene.posture_deg[number - 1]))
         elif joint is not None:
-            joint.set("type", "fixed")  # fingers too: their shapes belong to the hand's
-        _give_mass(link)
+            joint.set("type", "fixed")  # fingers too: their shapes belong to the hand's mesh
+        _add_zero_mass(link)
         if number is not None:
             mesh = folder / f"link{number}.obj"
             shapes.geometry[f"link{number}"].export(mesh)
@@ -135,41 +140,47 @@ def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
     return path
 
 
-def _brake(joint: ElementTree.Element, geometry, angle: float) -> None:
-    T = geometry.T_parent_joint @ rigid_transform(rotation_about_axis(geometry.axis, angle))
-    joint.set("type", "fixed")
-    origin = joint.find("origin")
+def _fix(element: ElementTree.Element, joint: Joint, angle: float) -> None:
+    T = joint.T_parent_joint @ rigid_transform(rotation_about_axis(joint.axis, angle))
+    element.set("type", "fixed")
+    origin = element.find("origin")
     if origin is None:
-        origin = ElementTree.SubElement(joint, "origin")
+        origin = ElementTree.SubElement(element, "origin")
     origin.set("xyz", _text(T[:3, 3]))
     origin.set("rpy", _text(trimesh.transformations.euler_from_matrix(T, "sxyz")))
 
 
-def _give_mass(link: ElementTree.Element) -> None:
-    """PyBullet takes 1 kg where nothing is said."""
+def _add_zero_mass(link: ElementTree.Element) -> None:
+    """PyBullet assumes 1 kg for a link without inertia."""
     if link.find("inertial") is None:
         inertial = ElementTree.SubElement(link, "inertial")
         ElementTree.SubElement(inertial, "mass", value="0")
-        ElementTree.SubElement(inertial, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
+        ElementTree.SubElement(inertial, "inertia", dict.fromkeys(INERTIA, "0"))
 
 
-def _add_visual(link: ElementTree.Element, shape: ElementTree.Element, colour, centre=NOWHERE, rpy=NOWHERE) -> None:
+def _add_visual(
+    link: ElementTree.Element,
+    shape: ElementTree.Element,
+    colour: ArrayLike,
+    centre: ArrayLike = NO_OFFSET,
+    rpy: ArrayLike = NO_OFFSET,
+) -> None:
     visual = ElementTree.SubElement(link, "visual")
     ElementTree.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(rpy))
     ElementTree.SubElement(visual, "geometry").append(copy.copy(shape))
-    name = f"{link.get('name')}-{len(link)}"  # one name is one colour throughout the file
+    name = f"{link.get('name')}-{len(link)}"  # a name means one colour throughout the file
     material = ElementTree.SubElement(visual, "material", name=name)
-    ElementTree.SubElement(material, "color", rgba=_text(np.array([*colour, 1.0])))
+    ElementTree.SubElement(material, "color", rgba=_text([*np.asarray(colour), 1.0]))
 
 
-def _add_stem(link: ElementTree.Element, centre: NDArray, vertices: NDArray) -> None:
-    """A rod from a ball's middle to the nearest of the link's vertices (V, 3) m."""
+def _add_stem(link: ElementTree.Element, centre: Floats, vertices: Floats) -> None:
+    """Add a rod from the centre of a ball, (3,) m, to the nearest of the link's vertices, (V, 3) m."""
     along = vertices[np.linalg.norm(vertices - centre, axis=1).argmin()] - centre
     length = np.linalg.norm(along)
     x, y, z = along / length
-    rod = ElementTree.Element("cylinder", radius=str(STEM_M), length=str(length))
+    rod = ElementTree.Element("cylinder", radius=str(STEM_RADIUS_M), length=str(length))
     _add_visual(link, rod, [STEM_GREY] * 3, centre + along / 2, (0.0, np.arccos(z), np.arctan2(y, x)))
 
 
-def _text(numbers: NDArray) -> str:
-    return " ".join(f"{float(number):.17g}" for number in numbers)
+def _text(numbers: ArrayLike) -> str:
+    return " ".join(f"{number:.17g}" for number in np.asarray(numbers, float).tolist())

@@ -1,4 +1,7 @@
-"""Both arms on their pedestals in a plain room, and pictures of them by PyBullet's software renderer."""
+"""Pictures of both arms in a plain room, rendered by PyBullet, and image points detected in them.
+
+Only detections and the motion of arms with mass reach the method.
+"""
 
 import tempfile
 from collections.abc import Sequence
@@ -12,16 +15,19 @@ from ..sensing.detection import Detections, detect, reject_partly_hidden
 from .camera import Camera
 from .disturbances import ActuatorSettings, ArmDisturbance, drive
 from .markers import load_markers
-from .physics import Arm, connect, quiet, write_urdf
+from .physics import Arm, BulletClient, connect, quiet, write_urdf
 from .robot import Angles
 from .scene import Base, Scene
 from .world import World
 
 NEAR_M, FAR_M = 0.05, 20.0
-SAMPLES = 2  # a pixel and axis: a sensor gathers light over the whole pixel
-PEDESTAL_M = 0.16  # half its width
-MARGIN_M, HEIGHT_M, THICK_M = 2.5, 3.0, 0.05  # of the room around bases and head
+SAMPLES = 2  # for each pixel and axis, as a sensor gathers light over the whole pixel
+PEDESTAL_M = 0.16  # half the width
+MARGIN_M, HEIGHT_M, THICK_M = 2.5, 3.0, 0.05  # of the room, around the bases and the head
 FLOOR_GREY, WALL_GREY, PEDESTAL_GREY = 0.55, 0.8, 0.4
+SEARCHED_WIDTH = 0.56  # fraction of a picture's width: the head turns to the body that it watches
+MAX_FACE_DEPTH = 1.2  # from a ball's centre to the nearest visible surface, in radii
+NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench pictures` measures it
 LIGHT = {
     "lightDirection": (-1.5, 0.5, 3.0),
     "lightColor": (1.0, 1.0, 1.0),
@@ -32,10 +38,17 @@ LIGHT = {
 }
 
 
-class Studio:
-    """A room in which an arm stands at each of two bases. arms, room: PyBullet's clients, each with one of the two.
+Floats = NDArray[np.float64]
+Visible = NDArray[np.bool_]
+Picture = NDArray[np.uint8]
+Colours = NDArray[np.uint32]
 
-    The room does not move: it is rendered once a camera, and the arms are drawn over it where they are nearer.
+
+class Studio:
+    """A room in which an arm stands at each of two bases.
+
+    The room is rendered once for each camera, and the arms are drawn over it where they are nearer. `arms` and `room`
+    are the two PyBullet clients.
     """
 
     def __init__(self, scene: Scene, urdf: Path):
@@ -45,30 +58,30 @@ class Studio:
         revolute = self.arms.JOINT_REVOLUTE
         self._joints = [k for k in joints if self.arms.getJointInfo(self._bodies[0], k)[2] == revolute]
         self._build_room(scene)
-        self._empty: dict[bytes, tuple[NDArray, NDArray, NDArray]] = {}  # of the room: rays, their depth, picture
+        self._empty: dict[bytes, tuple[Colours, NDArray[np.float32], Picture]] = {}  # rays, depths, picture of the room
 
-    def pose(self, theta_demo: NDArray, theta_own: NDArray) -> None:
-        """(m,) rad each"""
+    def pose(self, theta_demo: Floats, theta_own: Floats) -> None:
+        """Place both arms at postures, (m,) rad each."""
         for body, theta in zip(self._bodies, (theta_demo, theta_own)):
             for joint, angle in zip(self._joints, theta, strict=True):
                 self.arms.resetJointState(body, joint, float(angle))
 
-    def picture(self, camera: Camera) -> NDArray:
-        """(height, width, 3) uint8, red, green, blue: the mean over each pixel of SAMPLES² rays."""
+    def picture(self, camera: Camera) -> Picture:
+        """Render (height, width, 3) RGB, each pixel the mean of SAMPLES² rays."""
         key = camera.T_world_camera.tobytes()
         if key not in self._empty:
             room, depth = _render(self.room, camera)
             self._empty[key] = room, depth, _mean(room)
         (arms, depth), (room, room_depth, empty) = _render(self.arms, camera), self._empty[key]
         nearer, picture = depth < room_depth, empty.copy()
-        if nearer.any():  # only there the picture is not that of the empty room
-            rows, columns = (_pixels(np.asarray(nearer.any(axis))) for axis in (1, 0))
+        if nearer.any():  # elsewhere the picture is that of the empty room
+            rows, columns = (_pixel_range(np.asarray(nearer.any(axis))) for axis in (1, 0))
             rays = tuple(slice(SAMPLES * part.start, SAMPLES * part.stop) for part in (rows, columns))
             picture[rows, columns] = _mean(np.where(nearer[rays], arms[rays], room[rays]))
         return picture
 
-    def depth_m(self, camera: Camera) -> NDArray:
-        """(SAMPLES height, SAMPLES width) m along the optical axis, of the arms alone."""
+    def depth_m(self, camera: Camera) -> Floats:
+        """Return the depth of the arms without the room, (SAMPLES height, SAMPLES width) m."""
         _, depth = _render(self.arms, camera)
         return FAR_M * NEAR_M / (FAR_M - depth.astype(float) * (FAR_M - NEAR_M))
 
@@ -98,18 +111,18 @@ class Studio:
         self.room.createMultiBody(0, -1, shape, [float(m) for m in centre])
 
 
-def _render(client, camera: Camera) -> tuple[NDArray, NDArray]:
-    """All samples: colours (…, …), the four bytes of each in one number, and depths (…, …) between 0 and 1."""
+def _render(client: BulletClient, camera: Camera) -> tuple[Colours, NDArray[np.float32]]:
+    """Packed RGBA colours and depths in 0 … 1 of all samples, (SAMPLES height, SAMPLES width) each."""
     view, projection = opengl_matrices(camera, SAMPLES)
     width, height = SAMPLES * camera.width, SAMPLES * camera.height
-    how = {"renderer": client.ER_TINY_RENDERER, "flags": client.ER_NO_SEGMENTATION_MASK, **LIGHT}
-    _, _, colours, depth, _ = client.getCameraImage(width, height, view, projection, **how)
+    options = {"renderer": client.ER_TINY_RENDERER, "flags": client.ER_NO_SEGMENTATION_MASK, **LIGHT}
+    _, _, colours, depth, _ = client.getCameraImage(width, height, view, projection, **options)
     colours = np.ascontiguousarray(colours, np.uint8).view(np.uint32)  # a flat tuple if built without numpy
     return colours.reshape(height, width), np.asarray(depth, np.float32).reshape(height, width)
 
 
-def _mean(rays: NDArray) -> NDArray:
-    """(SAMPLES h, SAMPLES w) packed colours → (h, w, 3) uint8, rounded"""
+def _mean(rays: Colours) -> Picture:
+    """Mean over each pixel, rounded: (SAMPLES h, SAMPLES w) packed colours -> (h, w, 3)."""
     colours = np.ascontiguousarray(rays)[..., None].view(np.uint8)[..., :3]
     total = np.full((rays.shape[0] // SAMPLES, rays.shape[1] // SAMPLES, 3), SAMPLES**2 // 2, np.uint16)
     for row in range(SAMPLES):
@@ -118,17 +131,17 @@ def _mean(rays: NDArray) -> NDArray:
     return (total // SAMPLES**2).astype(np.uint8)
 
 
-def _pixels(hit: NDArray) -> slice:
-    """hit: (SAMPLES n,) of an axis' rays → its pixels from the first that is hit to the last."""
+def _pixel_range(hit: NDArray[np.bool_]) -> slice:
+    """Pixels from the first to the last whose rays are hit: (SAMPLES n,) bool -> slice."""
     where = np.flatnonzero(hit)
     return slice(int(where[0]) // SAMPLES, int(where[-1]) // SAMPLES + 1)
 
 
 def opengl_matrices(camera: Camera, samples: int) -> tuple[list[float], list[float]]:
-    """View and projection of OpenGL, column by column, for `samples` a pixel and axis.
+    """Return OpenGL's view and projection matrices, column by column, for `samples` rays in each pixel and axis.
 
-    The renderer looks through the upper right corner of each of its samples where the pixel's middle is meant; half
-    a sample is given back, so that what it draws is where `Camera.project` puts it.
+    The renderer sends each ray through the upper right corner of its sample instead of the centre. The projection
+    shifts by half a sample, so that points are drawn where `Camera.project` puts them.
     """
     width, height, half = camera.width, camera.height, 0.5 / samples
     view = np.diag([1.0, -1.0, -1.0, 1.0]) @ np.linalg.inv(camera.T_world_camera)
@@ -142,17 +155,16 @@ def opengl_matrices(camera: Camera, samples: int) -> tuple[list[float], list[flo
     return view.T.ravel().tolist(), projection.T.ravel().tolist()
 
 
-# Image points that were detected in pictures, and arms with weight: nothing else reaches the method.
-
-MIDDLE = 0.56  # of a picture's width: the head turns to the body that it watches, so that the other one is beyond
-FACE = 1.2  # times its radius, from a ball's middle to the nearest of its surface in sight, at most
-NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench pictures` measures it
-
-
 class RenderedEyes:
-    """See `protocol.SimulatedEyes`. pictures: (height, width, 3) uint8 of the views l, r, L, R, as last taken, and
-    what was detected in them, `detections`; theta: by pair of views, the posture (m,) rad in which its arm was last
-    looked at, all that one look leaves to the next, at first `rest`."""
+    """Detects marked points in rendered pictures, and moves arms with mass. See `SimulatedEyes`.
+
+    Attributes
+    ----------
+    pictures, detections : dict
+        The latest picture by view l, r, L, R, (height, width, 3) RGB, and the markers detected in it.
+    theta : dict
+        By pair of views, the posture (m,) rad at which its arm was last seen; at first `rest`.
+    """
 
     noise_px = NOISE_PX
 
@@ -166,41 +178,43 @@ class RenderedEyes:
         rest = np.radians(scene.posture_deg)[scene.moving]
         self.rest = {"lr": rest, "LR": rest}
         self.theta = dict(self.rest)
-        self.pictures: dict[str, NDArray] = {}
+        self.pictures: dict[str, Picture] = {}
         self.detections: dict[str, Detections] = {}
 
-    def demo_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+    def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
         return self._images("lr", theta)
 
-    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]:
+    def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
         return self._images("LR", theta)
 
-    def settle(self, theta: NDArray) -> NDArray:
+    def settle(self, theta: Floats) -> Floats:
         return self._arm.drive(theta, theta)
 
-    def drive(self, settings: ActuatorSettings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
-        """What the actuator makes of a command is where the motors are told to go; `sent` plays no part."""
-        start, scene = settings.start_rad, self.world.scene
-        told = drive(settings.amounts(ArmDisturbance), start, commanded)
-        return self._arm.drive(theta, np.clip(told, scene.lower, scene.upper))
+    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+        """The disturbed command is the goal of the motors; `sent` is not used."""
+        scene = self.world.scene
+        goal = drive(settings.amounts(ArmDisturbance), settings.start_rad, commanded)
+        return self._arm.drive(theta, np.clip(goal, scene.lower, scene.upper))
 
-    def look(self, view: str) -> NDArray:
-        """Take a picture of VIEWS with the arms as they stand → (height, width, 3) uint8, and detect its markers."""
+    def look(self, view: str) -> Picture:
+        """Render one view, detect its markers, and return the picture."""
         self._studio.pose(self.theta["lr"], self.theta["LR"])
         self.pictures[view] = self._studio.picture(self._cameras[view])
-        self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, MIDDLE)
+        self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, SEARCHED_WIDTH)
         return self.pictures[view]
 
     def look_at(self, pair: str) -> None:
-        """Take both pictures of a pair of views, and detect in both the markers that nothing hides a part of in one."""
+        """Render a pair of views and detect the markers that are not partly hidden in either."""
         for view in pair:
             self.look(view)
         both = reject_partly_hidden(*(self.detections[view] for view in pair))
         self.detections.update(zip(pair, both))
 
-    def truth(self, view: str) -> tuple[NDArray, NDArray]:
-        """Where the view's balls are as the arms stand: (N, 2) px, and (N,) whether the middle of a ball's face is in
-        sight, by the renderer's depth. For benchmarks and tests."""
+    def truth(self, view: str) -> tuple[Floats, Visible]:
+        """Return the true image of each ball, (N, 2) px, and whether the centre of its face is visible, (N,).
+
+        Visibility is decided by the renderer's depth. For benchmarks and tests.
+        """
         pair = "lr" if view in "lr" else "LR"
         base = self.world.T_world_demo if pair == "lr" else self.world.T_world_own
         camera = self._cameras[view]
@@ -211,10 +225,10 @@ class RenderedEyes:
         last = np.array(surface.shape) - 1
         row, column = np.clip((SAMPLES * image[::-1]).astype(int), 0, last[:, None])
         depth = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, 2]
-        return image.T, inside & (np.abs(surface[row, column] - depth) < FACE * self.markers.radius)
+        return image.T, inside & (np.abs(surface[row, column] - depth) < MAX_FACE_DEPTH * self.markers.radius)
 
-    def _images(self, pair: str, theta: Angles) -> tuple[NDArray, NDArray]:
-        """One after the other, if theta, m arrays broadcast against each other, says several postures."""
+    def _images(self, pair: str, theta: Angles) -> tuple[Floats, Visible]:
+        """Images at one posture after another, for m arrays broadcast against each other."""
         theta = np.stack(np.broadcast_arrays(*theta), -1)
         points, visible = [], []
         for posture in theta.reshape(-1, theta.shape[-1]):

@@ -1,4 +1,4 @@
-"""A serial arm read from a URDF: joint limits, batched forward kinematics, points on its body."""
+"""A serial arm read from a URDF: joint limits, batched forward kinematics, points and meshes on its body."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,37 +17,38 @@ from .urdf.tree import REST_MARGIN, Tree, read_tree
 
 IDENTITY = np.eye(4)
 BodyPoint = tuple[int, float, float, float]  # link (0 = base), and x, y, z in its frame [m]
-Angles = Sequence[ArrayLike] | NDArray  # one array a joint, rad, broadcast against each other
+Angles = Sequence[ArrayLike] | NDArray[np.float64]  # one array for each joint [rad], broadcast against each other
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int_]
 
 
 @dataclass(frozen=True)
 class Leader:
-    """The joint, an index from 0, whose angle times `multiplier`, plus `offset` rad, is that of one that mimics it."""
+    """The joint that a mimic joint follows: its angle is multiplier * angle of the leader + offset."""
 
-    joint: int
+    joint: int  # index from 0
     multiplier: float
-    offset: float
+    offset: float  # rad
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A revolute joint. T_parent_joint: (4, 4) at angle 0; axis: (3,) in the joint's frame; limits in rad; leader: of a
-    joint that does not move by itself."""
+    """A revolute joint."""
 
     name: str
-    T_parent_joint: NDArray
-    axis: NDArray
-    lower: float
-    upper: float
-    leader: Leader | None = None
+    T_parent_joint: Floats  # (4, 4) at angle 0, m
+    axis: Floats  # (3,) in the joint's frame
+    lower: float  # rad
+    upper: float  # rad
+    leader: Leader | None = None  # of a mimic joint
 
 
 @dataclass(frozen=True)
 class BodyPoints:
-    """N points fixed to the body. link: (N,) 0 = base, i = moved by joint i; local: (N, 3) m in that link's frame."""
+    """N points fixed to the body."""
 
-    link: NDArray
-    local: NDArray
+    link: Ints  # (N,) 0 = base, i = moved by joint i
+    local: Floats  # (N, 3) in that link's frame [m]
 
     def __len__(self) -> int:
         return len(self.link)
@@ -55,18 +56,17 @@ class BodyPoints:
 
 @dataclass(frozen=True)
 class BodyFrames:
-    """The n + 1 links of an arm on a shorter chain. link: (n + 1,) of the chain, 0 = base, that carries each;
-    T_chain_link: (n + 1, 4, 4), in that one's frame."""
+    """The n + 1 links of an arm, fixed to the links of a shorter chain."""
 
-    link: NDArray
-    T_chain_link: NDArray
+    link: Ints  # (n + 1,) link of the chain, 0 = base
+    T_chain_link: Floats  # (n + 1, 4, 4) in the frame of that link, m
 
-    def link_frames(self, T_world_chain: NDArray) -> NDArray:
-        """T_world_link of all of them, (n + 1, 4, 4). T_world_chain: of the chain's links."""
+    def link_frames(self, T_world_chain: Floats) -> Floats:
+        """Return T_world_link of all links, (n + 1, 4, 4), given the frames of the chain's links."""
         return T_world_chain[self.link] @ self.T_chain_link
 
     def points(self, body: BodyPoints) -> BodyPoints:
-        """The same points, fixed to the chain."""
+        """Return the same points, fixed to the chain."""
         T = self.T_chain_link[body.link]
         local = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
         return BodyPoints(self.link[body.link], local)
@@ -80,27 +80,27 @@ class Robot:
     joints: tuple[Joint, ...]
 
     @property
-    def lower(self) -> NDArray:
-        """(n,) rad"""
+    def lower(self) -> Floats:
+        """(n,) lower joint limits [rad]."""
         return np.array([joint.lower for joint in self.joints])
 
     @property
-    def upper(self) -> NDArray:
-        """(n,) rad"""
+    def upper(self) -> Floats:
+        """(n,) upper joint limits [rad]."""
         return np.array([joint.upper for joint in self.joints])
 
     @property
     def movable_joints(self) -> tuple[int, ...]:
-        """Numbers, from 1, of the joints that move by themselves, and at all."""
+        """Numbers, from 1, of the joints that follow no other joint and can turn."""
         return tuple(k for k, joint in enumerate(self.joints, 1) if joint.leader is None and joint.lower < joint.upper)
 
     @cached_property
     def has_mimics(self) -> bool:
-        """Whether some joint follows another one."""
+        """Whether some joint follows another joint."""
         return any(joint.leader is not None for joint in self.joints)
 
     def with_mimics(self, angles: Angles) -> Angles:
-        """angles: one a joint, rad → the same, with those of joints that follow others in place of what is there."""
+        """Return one angle for each joint [rad], with those of mimic joints computed from their leaders."""
         if not self.has_mimics:
             return angles
         found = list(angles)
@@ -110,17 +110,17 @@ class Robot:
         return found
 
     def expand_mimics(self, angles: Angles) -> Angles:
-        """angles: one for each joint that follows no other, rad → one a joint."""
+        """Return one angle for each joint [rad], given those of the joints that follow no other."""
         if not self.has_mimics:
             return angles
         given = iter(angles)
         return self.with_mimics([next(given) if joint.leader is None else 0.0 for joint in self.joints])
 
-    def link_frames(self, angles: ArrayLike, T_world_base: NDArray = IDENTITY) -> NDArray:
-        """T_world_link of every link for one posture. angles: (n,) rad → (n + 1, 4, 4)."""
+    def link_frames(self, angles: ArrayLike, T_world_base: Floats = IDENTITY) -> Floats:
+        """Return T_world_link of every link for one posture: (n,) rad -> (n + 1, 4, 4)."""
         angle = np.array(angles, float).reshape(-1, 1, 1)
-        rest, sine, rise = self._turns  # all joints are turned at once, for every call of numpy takes its time
-        steps = rest + np.sin(angle) * sine + (1 - np.cos(angle)) * rise
+        constant, sine, cosine = self._rotation_terms  # all joints at once, to save numpy calls
+        steps = constant + np.sin(angle) * sine + (1 - np.cos(angle)) * cosine
         frames = np.empty((len(self.joints) + 1, 4, 4))
         frames[0] = T_world_base
         for i, step in enumerate(steps):
@@ -128,8 +128,8 @@ class Robot:
         return frames
 
     @cached_property
-    def _turns(self) -> NDArray:
-        """(3, n, 4, 4): what T_parent_link is made of by 1, sin and 1 - cos of a joint's angle (Rodrigues)."""
+    def _rotation_terms(self) -> Floats:
+        """(3, n, 4, 4): coefficients of 1, sin and 1 - cos of a joint's angle in T_parent_link (Rodrigues' formula)."""
         parts = np.zeros((3, len(self.joints), 4, 4))
         for k, joint in enumerate(self.joints):
             quarter, half = (rotation_about_axis(joint.axis, angle) for angle in (np.pi / 2, np.pi))
@@ -138,11 +138,23 @@ class Robot:
             parts[:, k] = joint.T_parent_joint @ parts[:, k]
         return parts
 
-    def with_fixed_joints(self, angles: NDArray, moving: Sequence[int] | NDArray) -> tuple["Robot", BodyFrames]:
-        """The arm with all joints but `moving` (from 0) held at `angles` (n,) rad: a shorter chain, and where on that
-        all links are."""
+    def with_fixed_joints(self, angles: Floats, moving: Sequence[int] | Ints) -> tuple["Robot", BodyFrames]:
+        """Fix all joints but some at given angles.
+
+        Parameters
+        ----------
+        angles : (n,) array
+            Angles of all joints [rad].
+        moving : sequence of int
+            Indices, from 0, of the joints that still move.
+
+        Returns
+        -------
+        Robot, BodyFrames
+            A shorter chain, and the frames of all links on it.
+        """
         joints: list[Joint] = []
-        T_kept_link = np.eye(4)  # of the link at hand, in the frame of the last link that still moves
+        T_kept_link = np.eye(4)  # of the current link, in the frame of the last one that still moves
         owner, offset = [0], [T_kept_link]
         kept = [i for i, joint in enumerate(self.joints) if (joint.leader.joint if joint.leader else i) in moving]
         for i, (joint, angle) in enumerate(zip(self.joints, self.with_mimics(angles), strict=True)):
@@ -157,18 +169,27 @@ class Robot:
             offset.append(T_kept_link)
         return Robot(self.name, tuple(joints)), BodyFrames(np.array(owner), np.array(offset))
 
-    def place_points(self, angles: Angles, body: BodyPoints) -> list[tuple[NDArray, NDArray]]:
-        """Body points in the base frame, grouped by the joints that move them.
+    def place_points(self, angles: Angles, body: BodyPoints) -> list[tuple[Ints, Floats]]:
+        """Return body points in the base frame, grouped by the joints that move them.
 
-        angles: one array a joint, so that a grid over two joints is the outer product of its
-        axes: angles[1] of shape (91, 1) and angles[3] of shape (181,) give groups of shape (1, 1),
-        (91, 1) and (91, 181), and a point that only joint 2 moves is placed 91 times.
-        Returns groups (index (k,) into the body's points, xyz (3, k, *shape) m).
+        Parameters
+        ----------
+        angles : n arrays
+            Angles of all joints [rad]. With shape (91, 1) for one joint and (181,) for another, the points of the
+            base are placed once, those moved by the first joint alone 91 times, and the others 91 x 181 times.
+        body : BodyPoints
 
-        Horner's scheme from the tip: each joint carries all points beyond it one frame down.
+        Returns
+        -------
+        list of (index (k,), xyz (3, k, *shape))
+            Indices of body points, and their places [m].
+
+        Notes
+        -----
+        Horner's scheme from the tip: each joint moves all points beyond it one frame down.
         """
         dims = max(np.ndim(angle) for angle in angles)
-        groups: dict[tuple[int, ...], tuple[NDArray, NDArray]] = {}
+        groups: dict[tuple[int, ...], tuple[Ints, Floats]] = {}
         for i in range(len(self.joints), -1, -1):
             here = np.flatnonzero(body.link == i)
             _gather(groups, here, body.local[here].T.reshape((3, len(here)) + (1,) * dims))
@@ -180,22 +201,33 @@ class Robot:
             rotation = np.einsum("ij,jk...->ik...", origin[:3, :3], turn)
             beyond, groups = groups, {}
             for index, xyz in beyond.values():
-                _gather(groups, index, _carried(rotation, origin[:3, 3], xyz))
+                _gather(groups, index, _transformed(rotation, origin[:3, 3], xyz))
         return list(groups.values())
 
     @classmethod
     def from_urdf(cls, path: str | Path, tip: str | None = None, base: str | None = None) -> "Robot":
-        """Read the chain of joints that turn from the link `base` (default: the root) to `tip` (default: of the longest
-        chain, without fingers).
+        """Read the chain of revolute joints between two links of a URDF.
 
-        Fixed joints are merged, and prismatic ones, at rest; raises ValueError that names the file for XML that does
-        not parse, a missing link, a loop, or a chain without revolute joints.
+        Fixed joints are merged, and so are prismatic ones, at rest.
+
+        Parameters
+        ----------
+        path : str or Path
+        tip : str, optional
+            Last link; by default the end of the longest chain, without fingers.
+        base : str, optional
+            First link; by default the root.
+
+        Raises
+        ------
+        ValueError
+            Names the file: XML that does not parse, a missing link, a loop, or a chain without revolute joints.
         """
-        return _chained(read_tree(Path(path)), tip, base)
+        return _chain_robot(read_tree(Path(path)), tip, base)
 
 
-@lru_cache(8)  # every run of a study begins with it
-def _chained(tree: Tree, tip: str | None, base: str | None) -> Robot:
+@lru_cache(8)  # every run of a study starts with it
+def _chain_robot(tree: Tree, tip: str | None, base: str | None) -> Robot:
     chain = find_arm(tree, base, tip)
     turning = turning_joints(chain)
     number = {joint.name: k for k, joint in enumerate(turning)}
@@ -212,9 +244,9 @@ def _chained(tree: Tree, tip: str | None, base: str | None) -> Robot:
     return Robot(tree.path.stem, tuple(merged))
 
 
-def _carried(rotation: NDArray, offset: NDArray, xyz: NDArray) -> NDArray:
-    """rotation: (3, 3, ...), offset: (3,), xyz: (3, k, ...) → (3, k, ...)."""
-    if rotation.size == 9:  # a joint at rest: one product for the whole grid
+def _transformed(rotation: Floats, offset: Floats, xyz: Floats) -> Floats:
+    """Rotate by (3, 3, ...) and translate by (3,): (3, k, ...) -> (3, k, ...)."""
+    if rotation.size == 9:  # one angle for the whole grid
         moved = (rotation.reshape(3, 3) @ xyz.reshape(3, -1)).reshape(xyz.shape)
     else:
         moved = np.einsum("ij...,jk...->ik...", rotation, xyz)
@@ -222,7 +254,7 @@ def _carried(rotation: NDArray, offset: NDArray, xyz: NDArray) -> NDArray:
     return moved
 
 
-def _gather(groups: dict, index: NDArray, xyz: NDArray) -> None:
+def _gather(groups: dict, index: Ints, xyz: Floats) -> None:
     """Add points to the group of their batch shape."""
     if len(index) == 0:
         return
@@ -233,16 +265,13 @@ def _gather(groups: dict, index: NDArray, xyz: NDArray) -> None:
     groups[shape] = index, xyz
 
 
-# Robots by name, the shipped ones, or by the path of a URDF.
-
-
 def robot_names() -> list[str]:
-    """Names of the shipped robots."""
+    """Return the names of the shipped robots."""
     return sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir())
 
 
 def load_robot(name: str | Path) -> Robot:
-    """A shipped robot by name, or any URDF by path. Raises ValueError with what there is."""
+    """Return a shipped robot by name, or a URDF's by path. Raises ValueError that lists the shipped ones."""
     require_urdf(name)
     if is_reference(name):
         found = parse_reference(name)
@@ -254,7 +283,7 @@ def load_robot(name: str | Path) -> Robot:
 
 
 def require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
-    """Raises ValueError unless they are in order, of the robot's, and each moves by itself."""
+    """Raise ValueError unless these joint numbers ascend, exist, and can move without another joint."""
     if not joints:
         raise ValueError(f"needs joints that move, of 1 … {len(robot.joints)}, got none")
     if list(joints) != sorted(set(joints)) or not 1 <= joints[0] <= joints[-1] <= len(robot.joints):
@@ -274,16 +303,18 @@ def require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
 
 
 def link_meshes(robot: str) -> dict[int, Mesh]:
-    """Meshes by link number (0 = base), in the link's frame. robot: as a scene names it. Raises ValueError for a URDF
-    that cannot be read."""
+    """Return meshes by link number (0 = base), each in its link's frame, for a robot as a scene names it.
+
+    Raises ValueError for a URDF that cannot be read.
+    """
     if is_reference(robot):
         from .urdf.shapes import shapes_of  # loads trimesh
 
         return shapes_of(parse_reference(robot)).meshes
-    return _shipped(robot)
+    return _shipped_meshes(robot)
 
 
 @cache
-def _shipped(robot: str) -> dict[int, Mesh]:
+def _shipped_meshes(robot: str) -> dict[int, Mesh]:
     meshes = read_glb(ROOT / "robots" / robot / f"{robot}.glb")
     return {int(name.removeprefix("link")): mesh for name, mesh in meshes.items()}

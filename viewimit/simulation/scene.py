@@ -1,4 +1,4 @@
-"""Scenes: which robots stand where, what the head looks at, which body points are marked. TOML files."""
+"""Scenes: which robots stand where, what the head looks at, and which body points are marked. TOML files."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.affine import MIN_POINTS
-from ..geometry.distortion import Radial
+from ..geometry.distortion import RadialDistortion
 from ..sensing.files import is_text, parse_toml, read_toml
 from .camera import Lens, StereoHead
 from .robot import BodyPoint, BodyPoints, load_robot, require_joints, robot_names
@@ -24,10 +24,13 @@ if TYPE_CHECKING:
 Vector = tuple[float, float, float]
 Limits = tuple[tuple[float, float], ...]
 ROUNDING_DEG = 0.01  # URDFs round π
-MOST_TOE_IN_DEG = 45.0
-MAX_CHOSEN_JOINTS = 2  # for as many, a scene is made about those that move
-LEAST_LENGTH = 1e-6  # m, px: what is less is nothing
-MOST_IMAGE_PX = 10_000  # an edge
+MAX_TOE_IN_DEG = 45.0
+MAX_CHOSEN_JOINTS = 2  # a scene made for a URDF is fitted to as many moving joints
+MIN_LENGTH = 1e-6  # m, px: shorter lengths count as 0
+MAX_IMAGE_PX = 10_000  # width or height
+MAX_EXTENDED = 16  # scenes that build on each other
+MAX_TEXT = 20_000  # characters of a scene that is given as text
+MAX_NUMBER = 1e6  # m, px or degrees
 
 
 class RobotFileMissing(ValueError):
@@ -35,8 +38,17 @@ class RobotFileMissing(ValueError):
 
 
 class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What one camera of the head has for itself: focal lengths (x, y) and centre px, in place of the head's, and
-    radial distortion (k1, k2) by OpenCV's model."""
+    """One camera of the head, where it differs from the head's values.
+
+    Attributes
+    ----------
+    focal : (fx, fy), optional
+        Focal lengths [px].
+    centre : (x, y), optional
+        Principal point [px].
+    distortion : (k1, k2)
+        Radial distortion by OpenCV's model.
+    """
 
     focal: tuple[float, float] | None = None
     centre: tuple[float, float] | None = None
@@ -44,10 +56,28 @@ class Eye(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The stereo head: position m, baseline m, image and focal length px, gaze points m.
+    """The stereo head.
 
-    toe_in_deg: how far each camera is turned inwards from parallel, if they are not `verged` on the gaze point;
-    undistort: (k1, k2) of the distortion that images are rid of before anybody sees them.
+    Attributes
+    ----------
+    position : (x, y, z)
+        Midpoint between the cameras [m].
+    baseline : float
+        Distance of the cameras [m].
+    image : (width, height)
+        Size of the images [px].
+    focal, centre : float, (x, y)
+        Focal length and principal point [px].
+    gaze_demonstrator, gaze_learner : (x, y, z)
+        Points that the head looks at [m].
+    verged : bool
+        Each camera looks at the gaze point itself.
+    toe_in_deg : float
+        Otherwise, rotation of each camera inwards from parallel [deg].
+    undistort : (k1, k2)
+        Radial distortion that is removed from the images.
+    left, right : Eye
+        Values of one camera, instead of the head's.
     """
 
     position: Vector
@@ -64,12 +94,21 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     right: Eye = Eye()
 
     def lens(self, eye: Eye) -> Lens:
+        """Return the lens of one camera."""
         focal, centre = eye.focal or (self.focal, self.focal), eye.centre or self.centre
-        return Lens(focal, centre, Radial(*eye.distortion), Radial(*self.undistort))
+        return Lens(focal, centre, RadialDistortion(*eye.distortion), RadialDistortion(*self.undistort))
 
 
 class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Where an arm stands: position m, yaw about the vertical in degrees."""
+    """Where an arm stands.
+
+    Attributes
+    ----------
+    position : (x, y, z)
+        In the world [m].
+    yaw_deg : float
+        Rotation about the vertical [deg].
+    """
 
     position: Vector
     yaw_deg: float = 0.0
@@ -78,12 +117,25 @@ class Base(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A scene file. Joints are numbered from 1, angles are in degrees, lengths in metres.
 
-    robot: a robot of assets/robots or the path of a URDF, from the scene file, after which #base=LINK&tip=LINK may
-    say where the arm begins and ends; moving_joints: those that imitate;
-    range_deg: their limits here; posture_deg: all joints at rest, the moving ones as the
-    demonstrator starts; start_deg: the learner's moving joints at the start;
-    points: layouts by their number of points, each [link, x, y, z] on the body;
-    size: how large the page draws what stands around the arms, in a scene of a robot of a metre 1.
+    Attributes
+    ----------
+    title : str
+    robot : str
+        Shipped robot, or path of a URDF from the scene file. #base=LINK&tip=LINK may follow: first and last link.
+    moving_joints : (int, ...)
+        Joints that imitate.
+    range_deg : ((low, high), ...)
+        Their limits in this scene [deg].
+    posture_deg : (float, ...)
+        All joints: at rest, and the moving ones at the demonstrator's start [deg].
+    start_deg : (float, ...)
+        Moving joints at the learner's start [deg].
+    head, demonstrator, learner : Head, Base, Base
+        The cameras, and where the arms stand.
+    points : {count: ((link, x, y, z), ...)}
+        Layouts of body points, by their number of points, in the frames of their links [m].
+    size : float
+        Scale of the page's drawings around the arms; 1 suits a robot of one metre.
     """
 
     title: str
@@ -99,21 +151,22 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     size: float = 1.0
 
     @property
-    def moving(self) -> NDArray:
-        """(m,) indices of the moving joints, from 0"""
+    def moving(self) -> NDArray[np.int_]:
+        """(m,) indices of the moving joints, from 0."""
         return np.array(self.moving_joints) - 1
 
     @property
-    def lower(self) -> NDArray:
-        """(m,) rad"""
+    def lower(self) -> NDArray[np.float64]:
+        """(m,) lower limits of the moving joints [rad]."""
         return np.radians([low for low, _ in self.range_deg])
 
     @property
-    def upper(self) -> NDArray:
-        """(m,) rad"""
+    def upper(self) -> NDArray[np.float64]:
+        """(m,) upper limits of the moving joints [rad]."""
         return np.radians([high for _, high in self.range_deg])
 
     def stereo_head(self) -> StereoHead:
+        """Return the head's cameras."""
         head = self.head
         width, height = head.image
         lenses = head.lens(head.left), head.lens(head.right)
@@ -121,7 +174,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return StereoHead(head.position, head.baseline, width, height, *lenses, head.verged, toe_in)
 
     def body_points(self, count: int) -> BodyPoints:
-        """The layout with `count` points. Raises ValueError naming the layouts there are."""
+        """Return the layout with `count` points. Raises ValueError that lists the layouts."""
         if str(count) not in self.points:
             there = ", ".join(self.points) or "none"
             raise ValueError(f"no layout of {count} points in this scene; it has {there}")
@@ -129,11 +182,11 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return BodyPoints(rows[:, 0].astype(int), rows[:, 1:])
 
     def layout_near(self, count: int) -> int:
-        """The number of points of the layout whose number is nearest to `count`; `count` itself if there is none."""
+        """Return the number of points of the layout nearest to `count`; `count` itself if there is no layout."""
         return min(map(int, self.points), key=lambda points: abs(points - count), default=count)
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
-        """theta: (m,) rad, checked → a copy. Raises ValueError for a wrong count, NaN or beyond the limits."""
+    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+        """Return a copy of a posture, (m,) rad. Raises ValueError for a wrong count, NaN or limits exceeded."""
         theta = np.array(theta, float)
         if theta.shape != (len(self.moving_joints),):
             raise ValueError(
@@ -146,6 +199,11 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return np.clip(theta, self.lower, self.upper)
 
 
+def scene_names() -> list[str]:
+    """Return the names of the shipped scenes."""
+    return sorted(path.stem for path in (ROOT / "scenes").glob("*.toml"))
+
+
 def load_scene(
     name: str | Path = "panda",
     robot: str | Path | None = None,
@@ -153,21 +211,36 @@ def load_scene(
     undistort: tuple[float, float] | None = None,
     body_points: Sequence[BodyPoint] | None = None,
 ) -> Scene:
-    """A shipped scene by name, or a TOML file by path; `extends = "panda"` takes over what is not repeated from the
-    scene of that name beside the file, or else from the shipped one. Or a URDF by path, for which a scene is made. Or
-    all that a scene file says, as text that ends with a line: of shipped scenes and robots alone.
+    """Load a scene, and change parts of it.
 
-    robot: another one, by name or URDF, in place of the scene's: same bases, limits and points in its links' frames. A
-    URDF of the same file name as the scene's is taken to be that one, elsewhere.
-    joints: numbers from 1 of the joints that move, in place of the scene's; those that it holds at rest have the
-    robot's limits and start at rest. undistort: (k1, k2) in place of the head's. body_points: the only layout, in place
-    of the scene's.
-    Raises ValueError that names the file and the field, or the joints that were asked for; RobotFileMissing where the
-    scene's URDF is missing.
+    Parameters
+    ----------
+    name : str or Path
+        One of: a shipped scene by name; the path of a TOML file, where `extends = "panda"` takes what is not repeated
+        from the scene of that name beside the file, or else from the shipped one; the path of a URDF, for which a
+        scene is made; or the text of a scene file, which ends with a newline and may name shipped scenes and robots
+        only.
+    robot : str or Path, optional
+        Another robot, by name or URDF, with the same bases, limits and points in its links' frames. A URDF of the same
+        file name as the scene's is the same robot in another place.
+    joints : tuple of int, optional
+        Numbers from 1 of the joints that move. Joints that the scene holds at rest get the robot's limits and start at
+        rest.
+    undistort : (k1, k2), optional
+        Instead of the head's.
+    body_points : sequence of (link, x, y, z), optional
+        The only layout, instead of the scene's.
+
+    Raises
+    ------
+    ValueError
+        Names the file and the field, or the joints.
+    RobotFileMissing
+        The scene's URDF is not there.
     """
     place, read = _source(name, joints)
     if robot is not None:
-        load_robot(robot)  # its own faults are not the scene's
+        load_robot(robot)  # its faults are not the scene's
     try:
         scene = _converted(read())
         path = None if is_text(name) or is_reference(name) else Path(place)
@@ -176,39 +249,23 @@ def load_scene(
             scene = msgspec.structs.replace(scene, head=msgspec.structs.replace(scene.head, undistort=undistort))
         if body_points is not None:
             scene = msgspec.structs.replace(scene, points={str(len(body_points)): tuple(body_points)})
-        _require_possible(scene)
+        _require_valid(scene)
     except RobotFileMissing as error:
         raise RobotFileMissing(f"{place}: {error}") from None
     except (msgspec.DecodeError, msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{place}: {error}") from None
-    return scene if joints is None else _freed(scene, joints)
-
-
-def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Path, Callable[[], dict]]:
-    """What a scene is called in what is said of its faults, and what reads its fields. Raises ValueError for none."""
-    if is_text(name):
-        return "the scene", lambda: read_text(str(name))
-    require_urdf(name)
-    if is_reference(name):
-        made = scene_for_urdf(name, joints)
-        return parse_reference(name).path, lambda: made.fields
-    path = Path(name) if str(name).lower().endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
-    if not path.is_file():
-        raise ValueError(
-            f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"
-        )
-    return path, lambda: read_fields(path)
+    return scene if joints is None else _with_moving_joints(scene, joints)
 
 
 def extended(scene: Scene, fields: Mapping[str, Any]) -> Scene:
-    """As a scene file that extends this one has it, with these fields. Raises ValueError that names the field."""
+    """Return the scene of a file that extends this one with these fields. Raises ValueError that names the field."""
     scene = msgspec.convert(merged(msgspec.to_builtins(scene), dict(fields)), Scene)
-    _require_possible(scene)
+    _require_valid(scene)
     return scene
 
 
 def scene_for_urdf(name: str | Path, joints: tuple[int, ...] | None = None) -> "AutoScene":
-    """What is chosen for the URDF of a reference. joints: that move, if they are few enough to choose all else by them.
+    """Make a scene for a URDF, fitted to the joints that move if they are at most MAX_CHOSEN_JOINTS.
 
     Raises ValueError as `load_scene`.
     """
@@ -219,7 +276,86 @@ def scene_for_urdf(name: str | Path, joints: tuple[int, ...] | None = None) -> "
     return make_scene(parse_reference(name), joints if joints and len(joints) <= MAX_CHOSEN_JOINTS else None)
 
 
-def _converted(fields: dict) -> Scene:
+def _source(name: str | Path, joints: tuple[int, ...] | None) -> tuple[str | Path, Callable[[], dict[str, Any]]]:
+    """What error messages call a scene, and a function that reads its fields. Raises ValueError for no scene."""
+    if is_text(name):
+        return "the scene", lambda: _read_text(str(name))
+    require_urdf(name)
+    if is_reference(name):
+        made = scene_for_urdf(name, joints)
+        return parse_reference(name).path, lambda: made.fields
+    path = Path(name) if str(name).lower().endswith(".toml") else ROOT / "scenes" / f"{name}.toml"
+    if not path.is_file():
+        raise ValueError(
+            f"no scene {str(name)!r}; there are {', '.join(scene_names())}, or the path of a .toml or .urdf file"
+        )
+    return path, lambda: _read_file(path)
+
+
+def _read_file(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
+    """Fields of a scene file and the scenes that it extends, unchecked. above: the files that build on this one."""
+    fields = dict(_decoded(read_toml(path)))
+    if "extends" not in fields:
+        return fields
+    above = (*above, path.resolve())
+    parent = fields.pop("extends")
+    beside, shipped = (folder / f"{parent}.toml" for folder in (path.parent, ROOT / "scenes"))
+    if not (beside.is_file() or shipped.is_file()):
+        raise ValueError(f"extends {parent!r}, but there is no {beside}, nor a shipped scene of that name")
+    below = beside if beside.is_file() else shipped
+    if below.resolve() in above:
+        raise ValueError(f"extends {parent!r}, which builds on it: a scene cannot build on itself")
+    if len(above) > MAX_EXTENDED:
+        raise ValueError(f"extends {parent!r}: more than {MAX_EXTENDED} scenes build on each other")
+    return merged(_read_file(below, above), fields)
+
+
+def _read_text(text: str) -> dict[str, Any]:
+    """Fields of a scene given as text, unchecked. It may come from anywhere, so it opens shipped files only."""
+    if len(text) > MAX_TEXT:
+        raise ValueError(f"it has {len(text)} characters, more than {MAX_TEXT}")
+    fields = dict(_decoded(text.encode()))
+    parent = fields.pop("extends", None)
+    if parent is not None:
+        if parent not in scene_names():
+            raise ValueError(f"extends {str(parent)[:40]!r}, which is no shipped scene")
+        fields = merged(_read_file(ROOT / "scenes" / f"{parent}.toml"), fields)
+    if fields.get("robot") not in robot_names():
+        raise ValueError(f"its robot, {str(fields.get('robot'))[:40]!r}, is none of {', '.join(robot_names())}")
+    return fields
+
+
+@lru_cache(16)  # every run of a study starts with it
+def _decoded(content: bytes) -> dict[str, Any]:
+    fields = parse_toml(content)
+    try:
+        _require_finite(fields)
+    except RecursionError:
+        raise ValueError("it nests too deeply") from None
+    return fields
+
+
+def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    """Return both, table by table. `above` wins."""
+    fields = dict(below)
+    for key, value in above.items():
+        both = isinstance(value, dict) and isinstance(below.get(key), dict)
+        fields[key] = merged(below[key], value) if both else value
+    return fields
+
+
+def _require_finite(value: Any, name: str = "") -> None:
+    """TOML has nan, inf, and numbers too large to compute with."""
+    if isinstance(value, (int, float)) and not abs(value) <= MAX_NUMBER:
+        finite = isinstance(value, int) or np.isfinite(value)
+        wanted = f"within ±{MAX_NUMBER:g}" if finite else "a finite number"
+        raise ValueError(f"{name} is {str(value)[:20]}, not {wanted}")
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, item in items:
+        _require_finite(item, f"{name}.{key}".lstrip("."))
+
+
+def _converted(fields: dict[str, Any]) -> Scene:
     try:
         return msgspec.convert(fields, Scene)
     except RecursionError:
@@ -227,8 +363,10 @@ def _converted(fields: dict) -> Scene:
 
 
 def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
-    """The scene's own, a URDF from the scene's file, or `robot` in its place: a URDF of the same name is taken from the
-    same base to the same tip. path: of the file, None for a scene without one. Raises RobotFileMissing."""
+    """The scene's robot, a URDF from the scene's file, or `robot` instead. Raises RobotFileMissing.
+
+    A URDF of the same file name keeps the scene's base and tip. path: of the file, None for a scene without one.
+    """
     own = parse_reference(scene.robot) if is_reference(scene.robot) else None
     if robot is not None:
         found = parse_reference(robot) if is_reference(robot) else None
@@ -243,8 +381,7 @@ def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
     return str(replace(own, path=beside))
 
 
-def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
-    """The scene with other joints moving."""
+def _with_moving_joints(scene: Scene, joints: tuple[int, ...]) -> Scene:
     robot = load_robot(scene.robot)
     require_joints(robot, joints)
     known = dict(zip(scene.moving_joints, zip(scene.range_deg, scene.start_deg)))
@@ -256,17 +393,17 @@ def _freed(scene: Scene, joints: tuple[int, ...]) -> Scene:
     return msgspec.structs.replace(scene, moving_joints=tuple(joints), range_deg=ranges, start_deg=starts)
 
 
-def _require_possible(scene: Scene) -> None:
-    """What types cannot say. Raises ValueError that names the field."""
+def _require_valid(scene: Scene) -> None:
+    """Check what types cannot express. Raises ValueError that names the field."""
     robot = load_robot(scene.robot)
     limits = tuple((joint.lower, joint.upper) for joint in robot.joints)
-    _require_possible_of(msgspec.msgpack.encode(scene), robot.name, limits)
+    _require_valid_for(msgspec.msgpack.encode(scene), robot.name, limits)
 
 
-@lru_cache(16)  # every run of a study begins with it
-def _require_possible_of(told: bytes, robot: str, limits: Limits) -> None:
-    """told: all that a scene says; robot: the name of its robot; limits: of all of that one's joints, rad."""
-    scene = msgspec.msgpack.decode(told, type=Scene)
+@lru_cache(16)  # every run of a study starts with it
+def _require_valid_for(encoded: bytes, robot: str, limits: Limits) -> None:
+    """As `_require_valid`, for an encoded scene, the name of its robot, and the limits of all joints [rad]."""
+    scene = msgspec.msgpack.decode(encoded, type=Scene)
     _require_joints(scene, robot, limits)
     _require_head(scene.head)
     _require_gaze(scene)
@@ -278,7 +415,7 @@ def _require_possible_of(told: bytes, robot: str, limits: Limits) -> None:
 
 
 def _require_joints(scene: Scene, robot: str, limits: Limits) -> None:
-    """Those that move are named once each, with a range, and none is held or may go where it cannot turn."""
+    """Moving joints are listed once, each with a range, and all angles are within the robot's limits."""
     n, m = len(limits), len(scene.moving_joints)
     if len(scene.posture_deg) != n:
         raise ValueError(f"posture_deg has {len(scene.posture_deg)} angles, but {robot} has {n} joints")
@@ -286,53 +423,55 @@ def _require_joints(scene: Scene, robot: str, limits: Limits) -> None:
         raise ValueError(f"moving_joints {list(scene.moving_joints)} must ascend, base to tip")
     if not 0 < m == len(set(scene.moving_joints)) == len(scene.range_deg) == len(scene.start_deg):
         raise ValueError("moving_joints, range_deg and start_deg must name the same joints once each")
-    turns = np.degrees(limits)
+    limits_deg = np.degrees(limits)
     for joint, (low, high) in zip(scene.moving_joints, scene.range_deg):
         if not 1 <= joint <= n:
             raise ValueError(f"{robot} has no joint {joint}; its joints are 1 … {n}")
         if not low < high:
             raise ValueError(f"joint {joint}: range_deg {low:g} … {high:g} is empty")
-        least, most = turns[joint - 1]
-        if low < least - ROUNDING_DEG or high > most + ROUNDING_DEG:
+        lower, upper = limits_deg[joint - 1]
+        if low < lower - ROUNDING_DEG or high > upper + ROUNDING_DEG:
             raise ValueError(
-                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot} turns, {least:.4g} … {most:.4g}"
+                f"joint {joint}: range_deg {low:g} … {high:g} is more than {robot} turns, {lower:.4g} … {upper:.4g}"
             )
-    for joint, (angle, (least, most)) in enumerate(zip(scene.posture_deg, turns), 1):
-        if not least - ROUNDING_DEG <= angle <= most + ROUNDING_DEG:
+    for joint, (angle, (lower, upper)) in enumerate(zip(scene.posture_deg, limits_deg), 1):
+        if not lower - ROUNDING_DEG <= angle <= upper + ROUNDING_DEG:
             raise ValueError(
-                f"posture_deg: joint {joint} at {angle:g}° is outside its limits {least:.4g}° … {most:.4g}°"
+                f"posture_deg: joint {joint} at {angle:g}° is outside its limits {lower:.4g}° … {upper:.4g}°"
             )
 
 
 def _require_head(head: Head) -> None:
-    """Lenses show all of their images, and cameras are turned in one way."""
-    if not 0 <= head.toe_in_deg <= MOST_TOE_IN_DEG:
-        raise ValueError(f"head.toe_in_deg must be between 0 and {MOST_TOE_IN_DEG:g}, got {head.toe_in_deg:g}")
+    """Lenses cover their whole images, and cameras are turned in one way only."""
+    if not 0 <= head.toe_in_deg <= MAX_TOE_IN_DEG:
+        raise ValueError(f"head.toe_in_deg must be between 0 and {MAX_TOE_IN_DEG:g}, got {head.toe_in_deg:g}")
     if head.verged and head.toe_in_deg:
         raise ValueError("head: cameras that are verged look at the gaze point: leave toe_in_deg out")
-    for what, length in (("baseline", head.baseline), ("focal", head.focal)):
-        if not length >= LEAST_LENGTH:
-            raise ValueError(f"head.{what} must be more than 0, got {length:g}")
-    if not all(1 <= edge <= MOST_IMAGE_PX for edge in head.image):
-        raise ValueError(f"head.image must be 1 to {MOST_IMAGE_PX} px wide and high, got {list(head.image)}")
+    for name, length in (("baseline", head.baseline), ("focal", head.focal)):
+        if not length >= MIN_LENGTH:
+            raise ValueError(f"head.{name} must be more than 0, got {length:g}")
+    if not all(1 <= edge <= MAX_IMAGE_PX for edge in head.image):
+        raise ValueError(f"head.image must be 1 to {MAX_IMAGE_PX} px wide and high, got {list(head.image)}")
     corners = np.array([[x, y] for x in (0, head.image[0]) for y in (0, head.image[1])], float)
     for name, eye in (("left", head.left), ("right", head.right)):
         try:
             lens = head.lens(eye)
         except ValueError as error:
             raise ValueError(f"head.{name}: {error}") from None
-        if not min(lens.focal) >= LEAST_LENGTH:
+        if not min(lens.focal) >= MIN_LENGTH:
             raise ValueError(f"head.{name}: focal lengths must be more than 0, got {lens.focal}")
-        if not lens.shows(corners):
-            told = f"{eye.distortion}, undistorted by {head.undistort}," if lens.undone.bends else f"{eye.distortion}"
-            raise ValueError(f"head.{name}: distortion {told} folds its image before the corners")
+        if not lens.covers(corners):
+            corrected = f", undistorted by {head.undistort}," if lens.correction.bends else ""
+            raise ValueError(f"head.{name}: distortion {eye.distortion}{corrected} folds its image before the corners")
 
 
 def _require_gaze(scene: Scene) -> None:
-    """The head is turned towards two places, neither of them right above or below it."""
+    """The head looks at two points, neither directly above nor below it."""
     head = scene.stereo_head()
-    for name in ("gaze_demonstrator", "gaze_learner"):
-        target = getattr(scene.head, name)
+    for name, target in (
+        ("gaze_demonstrator", scene.head.gaze_demonstrator),
+        ("gaze_learner", scene.head.gaze_learner),
+    ):
         try:
             head.gaze(target)
         except ValueError:
@@ -343,7 +482,7 @@ def _require_gaze(scene: Scene) -> None:
 
 
 def _require_layouts(scene: Scene, links: int) -> None:
-    """Each has as many points as it is called by, on links of the robot, in enough places for a transfer."""
+    """Each layout has the number of points in its name, on links of the robot, enough of them different."""
     for count, layout in scene.points.items():
         if count != str(len(layout)) or not layout:
             raise ValueError(f"points.{count} has {len(layout) or 'no'} points")
@@ -353,78 +492,3 @@ def _require_layouts(scene: Scene, links: int) -> None:
             raise ValueError(f"points.{count}: not all numbers are finite")
         if len(set(layout)) < min(len(layout), MIN_POINTS):
             raise ValueError(f"points.{count}: only {len(set(layout))} points differ, at least {MIN_POINTS} must")
-
-
-# What a scene file says, with all that it takes over from the scenes it extends.
-
-MOST_EXTENDED = 16  # scenes that one builds on
-MOST_TEXT = 20_000  # characters of a scene that is told in full
-MOST_NUMBER = 1e6  # of anything in a scene: m, px or degrees
-
-
-def scene_names() -> list[str]:
-    """Names of the shipped scenes."""
-    return sorted(path.stem for path in (ROOT / "scenes").glob("*.toml"))
-
-
-def read_fields(path: Path, above: tuple[Path, ...] = ()) -> dict:
-    """Before their types are checked. above: scenes that build on this one."""
-    fields = dict(_decoded(read_toml(path)))
-    if "extends" not in fields:
-        return fields
-    above = (*above, path.resolve())
-    parent = fields.pop("extends")
-    beside, shipped = (folder / f"{parent}.toml" for folder in (path.parent, ROOT / "scenes"))
-    if not (beside.is_file() or shipped.is_file()):
-        raise ValueError(f"extends {parent!r}, but there is no {beside}, nor a shipped scene of that name")
-    below = beside if beside.is_file() else shipped
-    if below.resolve() in above:
-        raise ValueError(f"extends {parent!r}, which builds on it: a scene cannot build on itself")
-    if len(above) > MOST_EXTENDED:
-        raise ValueError(f"extends {parent!r}: more than {MOST_EXTENDED} scenes build on each other")
-    return merged(read_fields(below, above), fields)
-
-
-def read_text(text: str) -> dict:
-    """Wherever it comes from, it opens no file but those that are shipped."""
-    if len(text) > MOST_TEXT:
-        raise ValueError(f"it has {len(text)} characters, more than {MOST_TEXT}")
-    fields = dict(_decoded(text.encode()))
-    parent = fields.pop("extends", None)
-    if parent is not None:
-        if parent not in scene_names():
-            raise ValueError(f"extends {str(parent)[:40]!r}, which is no shipped scene")
-        fields = merged(read_fields(ROOT / "scenes" / f"{parent}.toml"), fields)
-    if fields.get("robot") not in robot_names():
-        raise ValueError(f"its robot, {str(fields.get('robot'))[:40]!r}, is none of {', '.join(robot_names())}")
-    return fields
-
-
-@lru_cache(16)  # every run of a study begins with it
-def _decoded(content: bytes) -> dict:
-    fields = parse_toml(content)
-    try:
-        _require_finite(fields)
-    except RecursionError:
-        raise ValueError("it nests too deeply") from None
-    return fields
-
-
-def merged(below: dict, above: dict) -> dict:
-    """above: wins, table by table."""
-    fields = dict(below)
-    for key, value in above.items():
-        both = isinstance(value, dict) and isinstance(below.get(key), dict)
-        fields[key] = merged(below[key], value) if both else value
-    return fields
-
-
-def _require_finite(value, name: str = "") -> None:
-    """TOML can say nan, inf, and more than anybody can compute with."""
-    if isinstance(value, (int, float)) and not abs(value) <= MOST_NUMBER:
-        finite = isinstance(value, int) or np.isfinite(value)
-        wanted = f"within ±{MOST_NUMBER:g}" if finite else "a finite number"
-        raise ValueError(f"{name} is {str(value)[:20]}, not {wanted}")
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, item in items:
-        _require_finite(item, f"{name}.{key}".lstrip("."))

@@ -1,9 +1,7 @@
-"""Two arms of the same build and a stereo head: postures in, image points out.
+"""The simulated world: two arms of the same build and a stereo head, from postures to image points.
 
-The simulated world. It knows the truth, so nothing in `transfer` or `servo` may import it.
+It knows the ground truth, so no estimator and no servo may import it.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,15 +9,31 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.views import FourViews
 from ..geometry.rigid import rigid_transform, rotation_about_axis
 from .camera import Camera, Cameras
-from .robot import BodyPoints, Robot
+from .robot import Angles, BodyPoints, Robot
 from .scene import Base, Scene, load_robot
+
+HAND_ITERATIONS, FD_STEP_RAD, DAMPING = 12, 1e-4, 1e-4
+MAX_HAND_STEP_RAD = 0.5
+
+Floats = NDArray[np.float64]
+Visible = NDArray[np.bool_]
 
 
 class World:
-    """A scene set up: the two robots placed, the head's two gazes taken.
+    """Two robots and the cameras of both gazes, as a scene places them.
 
-    Postures are of the scene's moving joints: m arrays of angles in rad, broadcast against each
-    other, so that (θ2[:, None], θ4[None, :]) is a grid. Own images of a grid are (91, 181, N, 4).
+    Postures are m arrays of angles of the scene's moving joints [rad], broadcast against each other. So
+    (θ2[:, None], θ4[None, :]) is a grid, and its images have shape (91, 181, N, 4).
+
+    Parameters
+    ----------
+    scene : Scene
+    points : int
+        Layout of body points.
+    robot : Robot, optional
+        Instead of the scene's.
+    body : BodyPoints, optional
+        Instead of the layout.
     """
 
     def __init__(self, scene: Scene, points: int = 10, robot: Robot | None = None, body: BodyPoints | None = None):
@@ -34,54 +48,54 @@ class World:
         self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
         self.demo_pair, self.own_pair = Cameras(self.demo_cameras), Cameras(self.own_cameras)
         self._local = np.concatenate([self._chain_body.local, np.ones((len(self.body), 1))], 1)[:, :, None]
-        self._last_frames: tuple[tuple[bytes, bytes], NDArray] | None = None
-        self._last_points: tuple[NDArray, NDArray] | None = None
+        self._last_frames: tuple[tuple[bytes, bytes], Floats] | None = None
+        self._last_points: tuple[Floats, Floats] | None = None
         self.T_world_demo = _placed(scene.demonstrator)
         self.T_world_own = _placed(scene.learner)
 
-    def joint_angles(self, theta: Sequence[ArrayLike] | NDArray) -> list:
-        """Angles of all n joints, rad: the moving ones from theta, the others at rest."""
+    def joint_angles(self, theta: Angles) -> list[ArrayLike]:
+        """Return the angles of all n joints [rad]: the moving ones from theta, the others at rest."""
         angles = list(self._rest)
         for joint, angle in zip(self.scene.moving, theta, strict=True):
             angles[joint] = angle
         return list(self.robot.with_mimics(angles))
 
-    def demo_images(self, theta) -> tuple[NDArray, NDArray]:
-        """The demonstrator in [l], [r] → points (..., N, 4) px, visible (..., N, 2)."""
+    def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
+        """Return the demonstrator in [l], [r]: points (..., N, 4) px, visible (..., N, 2)."""
         return self._images(theta, self.T_world_demo, self.demo_pair)
 
-    def own_images(self, theta) -> tuple[NDArray, NDArray]:
-        """The learner in [L], [R] → points (..., N, 4) px, visible (..., N, 2)."""
+    def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
+        """Return the learner in [L], [R]: points (..., N, 4) px, visible (..., N, 2)."""
         return self._images(theta, self.T_world_own, self.own_pair)
 
-    def look(self, theta_demo, theta_own) -> FourViews:
-        """All four views, undisturbed, for one posture of each arm, (m,) rad."""
+    def look(self, theta_demo: Floats, theta_own: Floats) -> FourViews:
+        """Return all four views, undisturbed, for one posture of each arm, (m,) rad."""
         demo, demo_visible = self.demo_images(theta_demo)
         own, own_visible = self.own_images(theta_own)
         return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
 
-    def link_frames(self, theta, T_world_base: NDArray) -> NDArray:
-        """T_world_link of every link of an arm in one posture: (n + 1, 4, 4)."""
+    def link_frames(self, theta: Angles, T_world_base: Floats) -> Floats:
+        """Return T_world_link of every link of an arm in one posture: (m,) rad -> (n + 1, 4, 4)."""
         return self._links.link_frames(self._chain_frames(theta, T_world_base))
 
-    def points_world(self, theta, T_world_base: NDArray) -> NDArray:
-        """Body points of an arm in one posture: (N, 3) m, not to be written into."""
+    def points_world(self, theta: Angles, T_world_base: Floats) -> Floats:
+        """Return the body points of an arm in one posture: (m,) rad -> (N, 3) m, read-only."""
         frames, last = self._chain_frames(theta, T_world_base), self._last_points
         if last is None or last[0] is not frames:
             last = self._last_points = frames, (frames[self._chain_body.link] @ self._local)[:, :3, 0]
         return last[1]
 
-    def _chain_frames(self, theta, T_world_base: NDArray) -> NDArray:
-        """T_world_link of what moves of an arm in one posture, and of its base, not to be written into."""
+    def _chain_frames(self, theta: Angles, T_world_base: Floats) -> Floats:
+        """T_world_link of the base and the moving links of an arm in one posture, read-only."""
         angles = np.array(self._chain.expand_mimics(theta), float)
         key = angles.tobytes(), T_world_base.tobytes()
         last = self._last_frames
-        if last is None or last[0] != key:  # a posture is looked at first, and then shown
+        if last is None or last[0] != key:  # each posture is first projected, and then drawn
             last = self._last_frames = key, self._chain.link_frames(angles, T_world_base)
         return last[1]
 
-    def _images(self, theta, T_world_base: NDArray, pair: Cameras) -> tuple[NDArray, NDArray]:
-        if all(np.ndim(angle) == 0 for angle in theta):  # one posture: few points, whose price is the number of steps
+    def _images(self, theta: Angles, T_world_base: Floats, pair: Cameras) -> tuple[Floats, Visible]:
+        if all(np.ndim(angle) == 0 for angle in theta):  # one posture: few points, so few numpy calls
             images, visible = pair.project(self.points_world(theta, T_world_base))
             return np.concatenate((images[0], images[1]), 1), visible.T
         shape = np.broadcast_shapes(*(np.shape(angle) for angle in theta))
@@ -100,39 +114,40 @@ class World:
         return points.transpose(last), visible.transpose(last)
 
 
-def _placed(base: Base) -> NDArray:
-    """T_world_base"""
+def _placed(base: Base) -> Floats:
     return rigid_transform(rotation_about_axis([0, 0, 1], np.radians(base.yaw_deg)), base.position)
 
 
-# Where an arm's hand is, how the joints move it, and a posture that brings it somewhere.
-# For people who pose the demonstrator, and for the truth about a learner: it needs the arm's model, which no servo has.
-
-ROUNDS, DIFFERENCE, DAMPING = 12, 1e-4, 1e-4
-
-
-def hand_position(world: World, theta: NDArray, T_world_base: NDArray) -> NDArray:
-    """(3,) m: the origin of the last link. theta: (m,) rad."""
+def hand_position(world: World, theta: Floats, T_world_base: Floats) -> Floats:
+    """Return the origin of the last link: (m,) rad -> (3,) m."""
     return world.link_frames(theta, T_world_base)[-1][:3, 3]
 
 
-def hand_jacobian(world: World, theta: NDArray, T_world_base: NDArray) -> NDArray:
-    """(3, m) m/rad, by difference quotients."""
-    here = hand_position(world, theta, T_world_base)
-    turned = [hand_position(world, theta + DIFFERENCE * unit, T_world_base) for unit in np.eye(len(theta))]
-    return (np.stack(turned, -1) - here[:, None]) / DIFFERENCE
+def hand_jacobian(world: World, theta: Floats, T_world_base: Floats) -> Floats:
+    """Return the Jacobian of the hand's position by finite differences: (m,) rad -> (3, m) m/rad."""
+    start = hand_position(world, theta, T_world_base)
+    moved = [hand_position(world, theta + FD_STEP_RAD * unit, T_world_base) for unit in np.eye(len(theta))]
+    return (np.stack(moved, -1) - start[:, None]) / FD_STEP_RAD
 
 
-def pose_for_hand(world: World, target: NDArray, theta: NDArray) -> NDArray:
-    """The posture whose hand is nearest. target: (3,) m in the world; theta: (m,) rad, where to begin → (m,) rad.
+def pose_for_hand(world: World, target: Floats, theta: Floats) -> Floats:
+    """Return the demonstrator's posture whose hand is nearest to a target, by damped least squares within the limits.
 
-    Damped least squares within the limits.
+    Parameters
+    ----------
+    world : World
+    target : (3,) array
+        In the world [m].
+    theta : (m,) array
+        Posture at which to start [rad].
     """
-    for _ in range(ROUNDS):
+    for _ in range(HAND_ITERATIONS):
         J = hand_jacobian(world, theta, world.T_world_demo)
         away = target - hand_position(world, theta, world.T_world_demo)
         step = np.linalg.solve(J.T @ J + DAMPING * np.eye(len(theta)), J.T @ away)
-        moved = np.clip(theta + np.clip(step, -0.5, 0.5), world.scene.lower, world.scene.upper)
+        moved = np.clip(
+            theta + np.clip(step, -MAX_HAND_STEP_RAD, MAX_HAND_STEP_RAD), world.scene.lower, world.scene.upper
+        )
         if np.max(np.abs(moved - theta)) < 1e-4:
             break
         theta = moved

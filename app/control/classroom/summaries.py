@@ -24,7 +24,7 @@ def summary_of(model: PageModel, id: str, name: str) -> Summary:
     moments = session.history[: session.cursor + 1] if course is None else course.moments
     present = moments[-1]
     landscape = model.landscape.made
-    hills = b"" if course is not None or landscape is None else landscape.hills
+    hills = b"" if course is not None or landscape is None else landscape.shades
     path, demo, plane = _in_plane(session, moments)
     E, off = float(present.E), float(np.degrees(np.abs(present.theta - present.theta_demo).max()))
     return Summary(

@@ -65,4 +65,5 @@ function learned({jacobian, covariance}, u, dE, forgetting) {
   };
 }
 
-export const paperGradient = gradientLaw(PAPER), retunedGradient = gradientLaw(RETUNED);
+export const paperGradient = gradientLaw(PAPER);
+export const retunedGradient = gradientLaw(RETUNED);

@@ -44,7 +44,7 @@ def _says(stage: Stage, moment: Snapshot, names: Sequence[str]) -> list[str]:
         before = f"{svg.short(least_as_seen(stage))} px²"
         told = f"As I saw them E never fell below {before}; with them changed back it is {E}."
         return [f"Something does not fit: {_of(pairs)} seem to be swapped.", told, ending]
-    untold = [] if known is None else known.named(moment.status)
+    untold = [] if known is None else known.reportable_joints(moment.status)
     if untold:
         joints = " and ".join(names[k] for k in untold)
         told = f"E is {E} after {moment.motion} motions, and it does not rise when that joint turns."

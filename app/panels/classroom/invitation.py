@@ -1,9 +1,9 @@
 """How students join: the address of the page, and large enough to be read from the last row, with its QR code. HTML."""
 
-from viewimit.drawing.over.links import button
 from viewimit.drawing.svg import escape
 
 from ...control.classroom.lecturer import ClassView
+from ...drawing.links import button
 from ..qr import draw_qr
 
 NOBODY_JOINS = "Nobody else reaches this page: start the server with <code>--host 0.0.0.0</code>, on a network."

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from viewimit.drawing.classroom.tile import SHAPES, STUCK, Tile, draw_tile
-from viewimit.drawing.over.links import button, link, sink
 from viewimit.drawing.svg import escape
 from viewimit.servo import ServoStatus
 
-from ...classroom.messages import HILLS, Summary
+from ...classroom.messages import SHADES, Summary
 from ...control.classroom.lecturer import SORTS, ClassView
 from ...control.state import PageState
+from ...drawing.links import button, link, sink
 from ..panel import Layout, Panel
 from ..widgets import put_html
 from .invitation import invitation_html, joining_html
@@ -69,7 +69,7 @@ def tile_of(one: Summary, lessons: dict[str, str]) -> Tile:
         path=tuple(zip(postures[::2], postures[1::2])),
         demo=None if one.demo is None else (one.demo[0] / 10, one.demo[1] / 10),
         plane=plane,
-        hills=(*HILLS, one.hills),
+        hills=(*SHADES, one.hills),
         note=note,
     )
 

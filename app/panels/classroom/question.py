@@ -2,11 +2,11 @@
 
 from viewimit.drawing.classroom.cloud import draw_postures
 from viewimit.drawing.classroom.tally import Bar, draw_bars, draw_moves
-from viewimit.drawing.over.links import button
 
 from ...classroom.messages import Tally
 from ...control.classroom.lecturer import CAN_BE_ASKED, ClassView
 from ...control.state import PageState
+from ...drawing.links import button
 from ...lessons.answers import right_answer, scale_of
 from ...lessons.course import Course
 from ...lessons.format import Choice, Number, Pose

@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from viewimit.drawing.glossary import cards, told_now
-from viewimit.drawing.metrics import residual_lengths
+from viewimit.drawing.images.panel import residual_lengths
 
 from ...control.state import PageState
+from ...drawing.glossary import current_values, linked_cards
 from ..panel import SLOWEST, Layout, Panel
 from ..widgets import put_html
 
 
 class GlossaryPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        layout.gui.add_html(f'<div class="vi-words">{cards(layout.address)}</div>')
+        layout.gui.add_html(f'<div class="vi-words">{linked_cards(layout.address)}</div>')
         self._now = layout.gui.add_html("")
 
     def period(self, state: PageState) -> float:
@@ -23,7 +23,7 @@ class GlossaryPanel(Panel):
 
     def show(self, state: PageState) -> None:
         """Which card is open is the browser's own matter."""
-        put_html(self._now, told_now(numbers_now(state), state.word))
+        put_html(self._now, current_values(numbers_now(state), state.word))
 
 
 def numbers_now(state: PageState) -> dict[str, float]:

@@ -1,8 +1,9 @@
 """The help panel: what the page shows, in reading order, and its keys."""
 
-from viewimit.drawing.glossary import listed
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
+
+from ...drawing.glossary import listed
 
 PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "
@@ -49,7 +50,7 @@ def help_html(keys: str, address: str | None = None) -> str:
     )
     methods = "".join(
         f"<p><b>{title}</b></p><dl>"
-        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.fails}</dd>" for m in methods.values())
+        + "".join(f"<dt>{m.title}</dt><dd>Assumes: {m.assumes} Fails: {m.limitations}</dd>" for m in methods.values())
         + "</dl>"
         for title, methods in METHODS
     )

@@ -1,9 +1,9 @@
 """A lesson, in place of all other panels; and where lessons are begun, the first of which is offered once."""
 
-from viewimit.drawing.over.links import button, link
 from viewimit.drawing.svg import escape
 
 from ...control.state import PageState
+from ...drawing.links import button, link
 from ...lessons.card import draw_lesson
 from ...lessons.sliders import draw_sliders
 from ..classroom.question import question_html

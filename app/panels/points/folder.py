@@ -2,10 +2,9 @@
 
 from viser import Icon
 
-from viewimit.drawing.body_points import draw_edited
-
 from ...control.commands.points import BestNext, EditPoints, RemovePoint, SaveScene
 from ...control.state import PageState
+from ...drawing.joint_bars import draw_body_points
 from ..panel import Layout, Panel
 from ..widgets import put_html, put_label
 
@@ -48,5 +47,5 @@ class PointsPanel(Panel):
                 button.disabled = not possible
         told = ABOUT
         if points.information is not None:
-            told = draw_edited(joints, points.information, points.proposal, points.searching)
+            told = draw_body_points(joints, points.information, points.proposal, points.searching)
         put_html(self._told, f'<div class="vi-edited">{told}</div>')

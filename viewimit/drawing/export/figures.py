@@ -1,33 +1,170 @@
-"""Drawings of the page as pictures that stand alone: in colours of print, with the caption that makes them citable."""
+"""Drawings as files: standalone SVG, PNG, and figures with a caption that makes them citable.
 
+Many programs that show SVG know neither CSS variables nor a page's stylesheet. A standalone file therefore holds the
+rules that it uses, with the light scheme's colours written out. It has no script and no address; it names its font
+without embedding it. Such programs know no MathML either, so equations are typeset as outlines.
+"""
+
+import html
+import importlib.util
 import re
 import textwrap
+import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from pathlib import Path
+from typing import NamedTuple, Protocol
 
-from .. import standalone, svg
-from ..theme import DRAWING_CSS
+from ...assets import ROOT
+from ...estimation.equations import Equation
+from .. import svg
+from ..equations import filled
+from ..theme import DRAWING_CSS, ROLES
 from .citation import Citation
 
+FONTS = "Inter,'Helvetica Neue',Arial,'DejaVu Sans',sans-serif"
+MARGIN = 8  # px around a drawing
+PNG_SCALE, PRINT_SCALE = 3, 4  # pixels per px of a drawing; PRINT_SCALE: 15 cm at 300 pixels per inch
+RENDERER, TYPESETTER = "resvg_py", "ziamath"
+INSTALL = "pip install 'viewimit[plot]'"  # installs both
+PNG_FONTS = [str(ROOT / "fonts" / f"Inter-{style}.ttf") for style in ("Regular", "SemiBold")]
 WIDTH = 424  # px of most drawings
-GAP, LINE = 8, 12  # px between drawings, and from line to line of the caption
-LETTERS = 70  # of a line of the caption, WIDTH px wide
-PRINT_SCALE = 4  # pixels a px: 15 cm at 300 pixels an inch
-SUFFIXES = (".svg", ".png")
+GAP, LINE = 8, 12  # px between drawings, and between the lines of the caption
+LETTERS = 70  # per line of a caption that is WIDTH px wide
+EQUATION_PX = 13  # height of a letter
 LARGE, SMALL = ("L", "R"), ("l", "r")
+SVG_NAMESPACE = "http://www.w3.org/2000/svg"
+COLUMNS = ((0, 17), (110, 14), (195, 16), (299, 14), (398, 5))  # of the paper's claims: px, letters per line
+HEADS = ("", "paper", "here", "tolerance", "")
+WORDS = {True: "pass", False: "miss", None: svg.MISSING}
+
+_ROOT = re.compile(r'<svg class="([^"]*)" viewBox="0 0 ([\d.]+) ([\d.]+)"[^>]*>(.*)</svg>', re.DOTALL)
+_COMMENT_OR_AT_RULE = re.compile(r"/\*.*?\*/|@[^{};]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", re.DOTALL)
+_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
 
 
-class Drawn(NamedTuple):
-    """An <svg> of a panel. inside: what it holds; classes: its own, which say what it is."""
+# Files
 
-    classes: str
-    width: float
-    height: float
-    inside: str
+
+def standalone(drawing: str, title: str, description: str = "", css: str = DRAWING_CSS) -> str:
+    """Turn a drawing into an SVG file with its own styles. The same drawing gives the same file.
+
+    Parameters
+    ----------
+    drawing
+        HTML with one `<svg class="vi …" viewBox="0 0 w h">`.
+    title, description
+        What screen readers say of the file.
+    css
+        The stylesheet in which the drawing's classes are looked up.
+
+    Returns
+    -------
+    str
+        Text of the file.
+
+    Raises
+    ------
+    ValueError
+        If the drawing has no such element.
+    """
+    found = _ROOT.search(drawing)
+    if found is None:
+        raise ValueError("the drawing has no <svg class=… viewBox=…>")
+    classes, width, height = found[1], float(found[2]) + 2 * MARGIN, float(found[3]) + 2 * MARGIN
+    inside = _with_short_ids(with_light_colours(found[4]))
+    frame = f'x="{-MARGIN}" y="{-MARGIN}" width="{width:g}" height="{height:g}"'
+    own_size = f"svg.vi{{width:{width:g}px;height:{height:g}px;user-select:auto}}"  # not that of its container
+    head = f"<title>{svg.escape(title)}</title>" + (f"<desc>{svg.escape(description)}</desc>" if description else "")
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        f'<svg xmlns="{SVG_NAMESPACE}" width="{width:g}" height="{height:g}" '
+        f'viewBox="{-MARGIN} {-MARGIN} {width:g} {height:g}" class="{classes}" font-family="{FONTS}" font-size="11">'
+        f"{head}<style>{used_rules(drawing, css)}{own_size}</style>"
+        f'<rect {frame} fill="{ROLES["paper"][0]}"/>{inside}</svg>\n'
+    )
+
+
+def used_rules(drawing: str, css: str = DRAWING_CSS) -> str:
+    """Select the rules of a stylesheet that apply to a drawing in any window, with colours instead of variables."""
+    used = {name for group in re.findall(r'class="([^"]*)"', drawing) for name in group.split()}
+    rules = []
+    for selectors, declarations in _RULE.findall(_COMMENT_OR_AT_RULE.sub("", css)):
+        kept = [each.strip() for each in selectors.split(",") if set(re.findall(r"\.([\w-]+)", each)) <= used]
+        if kept:
+            rules.append(f"{','.join(kept)}{{{declarations.strip()}}}")
+    return with_light_colours("".join(rules)).replace("Inter,system-ui,sans-serif", FONTS)
+
+
+def with_light_colours(text: str) -> str:
+    """Replace CSS variables by the colours of the light scheme."""
+    return re.sub(r"var\(--([a-z-]+)\)", lambda found: ROLES[found[1]][0], text)
+
+
+def _with_short_ids(inside: str) -> str:
+    """Number the ids of masks and patterns, which are unique on a page, in their order."""
+    names = dict.fromkeys(re.findall(r' id="([^"]+)"', inside))
+    numbers = {name: f"{name[:4]}{k}" for k, name in enumerate(names)}
+    return re.sub(r'(id="|url\(#)([\w-]+)', lambda found: found[1] + numbers.get(found[2], found[2]), inside)
+
+
+def can_render() -> bool:
+    """Say whether the package that renders PNGs is installed."""
+    return importlib.util.find_spec(RENDERER) is not None
+
+
+def require_renderer(path: Path, instead: str) -> None:
+    """Raise ValueError if PNGs cannot be rendered. instead: the extension that needs no renderer."""
+    if not can_render():
+        raise ValueError(f"{path}: .png needs {RENDERER}: {INSTALL}; {instead} does not")
+
+
+def as_png(picture: str, scale: int = PRINT_SCALE) -> bytes:
+    """Render a standalone SVG; this may hold the interpreter for a second. scale: pixels per px. Needs `can_render`."""
+    import resvg_py
+
+    return bytes(
+        resvg_py.svg_to_bytes(
+            svg_string=picture,
+            zoom=scale,
+            font_files=PNG_FONTS,
+            font_family="Inter",
+            sans_serif_family="Inter",
+            skip_system_fonts=True,
+        )
+    )
+
+
+def encode(picture: str, suffix: str, render: Callable[[str], bytes] = as_png) -> bytes:
+    """Encode a standalone SVG as .svg or, by `render`, as .png. Raises ValueError if PNGs cannot be rendered."""
+    if suffix == ".svg":
+        return picture.encode()
+    if not can_render():
+        raise ValueError(f"PNG needs {RENDERER}: {INSTALL}; SVG does not")
+    return render(picture)
+
+
+def write(path: Path, picture: str) -> None:
+    """Write a standalone SVG as .svg or .png. Raises OSError."""
+    if path.suffix.lower() == ".png":
+        path.write_bytes(as_png(picture, PNG_SCALE))
+    else:
+        path.write_text(picture, "utf-8")
+
+
+# Figures: drawings of panels, composed and captioned
+
+
+class SvgElement(NamedTuple):
+    """An `<svg>` element of a panel's HTML."""
+
+    classes: str  # of the element, which say what it is
+    width: float  # px
+    height: float  # px
+    inside: str  # its children
 
     def at(self, x: float, y: float, width: float | None = None) -> str:
-        """As part of another one; width: px, in place of its own."""
+        """Place it in another drawing at (x, y) px, scaled to a width in px."""
         width = self.width if width is None else width
         size = f'width="{width:g}" height="{self.height * width / self.width:g}"'
         box = f'viewBox="0 0 {self.width:g} {self.height:g}"'
@@ -36,105 +173,32 @@ class Drawn(NamedTuple):
 
 @dataclass(frozen=True)
 class Figure:
-    """inside: of an <svg>, width x height px; title: a sentence on what is shown."""
+    """A drawing without its `<svg>` element and without a caption."""
 
-    inside: str
-    width: float
-    height: float
-    title: str
+    inside: str  # children of the `<svg>`
+    width: float  # px
+    height: float  # px
+    title: str  # a sentence on what is shown
 
     def captioned(self, citation: Citation, css: str = DRAWING_CSS) -> str:
-        """A standalone SVG. css: what its classes are looked up in. The same drawing gives the same file."""
-        words = _caption(self.title, citation, round(LETTERS * self.width / WIDTH))
-        lines = "".join(
-            svg.text(0, self.height + GAP + LINE * (k + 1), line, kind) for k, (line, kind) in enumerate(words)
+        """Make a standalone SVG with the caption below. css: the stylesheet of the drawing's classes."""
+        letters = round(LETTERS * self.width / WIDTH)
+        lines = [(line, "vi-b") for line in textwrap.wrap(f"{self.title}.", letters)]
+        lines += [(line, "vi-2nd") for line in textwrap.wrap(f"{citation.conditions}. {citation.software}.", letters)]
+        if citation.repeated_by:
+            wrapped = textwrap.wrap(f"Repeated by: {citation.repeated_by}", letters, break_on_hyphens=False)
+            lines += [(line, "vi-2nd") for line in wrapped]
+        caption = "".join(
+            svg.text(0, self.height + GAP + LINE * (k + 1), line, kind) for k, (line, kind) in enumerate(lines)
         )
-        height = self.height + GAP + LINE * (len(words) + 0.5)
-        drawing = f'<svg class="vi" viewBox="0 0 {self.width:g} {height:g}">{self.inside}{lines}</svg>'
-        return standalone.standalone(drawing, self.title, f"{citation.conditions}. {citation.software}.", css)
+        height = self.height + GAP + LINE * (len(lines) + 0.5)
+        drawing = f'<svg class="vi" viewBox="0 0 {self.width:g} {height:g}">{self.inside}{caption}</svg>'
+        return standalone(drawing, self.title, f"{citation.conditions}. {citation.software}.", css)
 
 
-def as_png(picture: str) -> bytes:
-    """At print size. It holds the interpreter for a second or more."""
-    return standalone.as_png(picture, PRINT_SCALE)
-
-
-def written(picture: str, suffix: str, render: Callable[[str], bytes] = as_png) -> bytes:
-    """A standalone SVG as .svg or .png. Raises ValueError for a PNG without what renders it."""
-    if suffix == ".svg":
-        return picture.encode()
-    if not standalone.can_render():
-        raise ValueError(f"PNG needs {standalone.RENDERER}: {standalone.INSTALL}; SVG does not")
-    return render(picture)
-
-
-def stacked(panels: Sequence[str], title: str) -> Figure:
-    """Panels' HTML, each of one drawing or several, under each other."""
-    parts, y = [], 0.0
-    drawings = [drawn for panel in panels for drawn in drawings_in(panel)]
-    width = max((drawn.width for drawn in drawings), default=WIDTH)
-    for drawn in drawings:
-        parts.append(drawn.at(0, y, width if drawn.width < WIDTH / 2 else None))
-        y += drawn.height * (width / drawn.width if drawn.width < WIDTH / 2 else 1) + GAP
-    return Figure("".join(parts), width, y - GAP, title)
-
-
-def laid_over(panels: Sequence[str], title: str) -> Figure:
-    """Panels' HTML, of one drawing each, over each other."""
-    drawings = [drawn for panel in panels for drawn in drawings_in(panel)]
-    first = drawings[0]
-    return Figure("".join(drawn.at(0, 0, first.width) for drawn in drawings), first.width, first.height, title)
-
-
-def beneath(figure: Figure, panel: str) -> Figure:
-    """A panel's HTML below it."""
-    added = stacked([panel], figure.title)
-    part = Drawn("", added.width, added.height, added.inside).at(0, figure.height + GAP)
-    height = figure.height + GAP + added.height
-    return Figure(figure.inside + part, max(figure.width, added.width), height, figure.title)
-
-
-def four_images(panel: str, title: str) -> Figure:
-    """The panel Images: L and R large, l and r beside them, legend and figures beneath; whole frames two by two."""
-    drawings = drawings_in(panel)
-    by_view = {view: drawn for view in "lrLR" for drawn in drawings if f"vi-at-{view}" in drawn.classes.split()}
-    if len(by_view) < 4:
-        return stacked([panel], title)
-    rest = [drawn for drawn in drawings if drawn not in by_view.values()]
-    whole = by_view["l"].width == by_view["L"].width
-    rows = (LARGE, SMALL) if whole else ((*LARGE, *SMALL),)
-    parts, y = [], 0.0
-    for row in rows:
-        x = 0.0
-        for view in row:
-            parts.append(by_view[view].at(x, y))
-            x += by_view[view].width + 4
-        words = _views_named(panel, row, {view: by_view[view] for view in row}, y)
-        parts += words
-        y += max(by_view[view].height for view in row) + (LINE + 6 if words else 4)
-    for drawn in rest:
-        parts.append(drawn.at(0, y))
-        y += drawn.height + 2
-    return Figure("".join(parts), WIDTH, y, title)
-
-
-def _views_named(panel: str, row: Sequence[str], drawn: dict[str, Drawn], y: float) -> list[str]:
-    """Which arm the images of a row show, as the page says it, beneath them."""
-    parts, x = [], 0.0
-    for pair, views in (("own", LARGE), ("demo", SMALL)):
-        if set(views) <= set(row):
-            width = sum(drawn[view].width + 4 for view in views) - 4
-            said = re.search(rf'vi-over-{pair}">([^<]*?)\s*<', panel)
-            height = max(drawn[view].height for view in views)
-            if said:
-                parts.append(f"<g>{svg.text(x + width / 2, y + height + LINE, said[1], 'vi-2nd vi-mid')}</g>")
-            x += width + 4
-    return parts
-
-
-def drawings_in(panel: str) -> list[Drawn]:
-    """The outermost <svg class=… viewBox="0 0 w h"> of HTML, in their order."""
-    found: list[Drawn] = []
+def svg_elements(panel: str) -> list[SvgElement]:
+    """List the outermost `<svg class=… viewBox="0 0 w h">` of HTML in their order; icons, which lack these, are not."""
+    found: list[SvgElement] = []
     depth, start = 0, None
     for tag in re.finditer(r"<svg\b[^>]*>|</svg>", panel):
         if tag[0] != "</svg>":
@@ -146,16 +210,175 @@ def drawings_in(panel: str) -> list[Drawn]:
         if depth == 0 and start is not None:
             box = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', start[0])
             classes = re.search(r'class="([^"]*)"', start[0])
-            if box and classes:  # else an icon
-                found.append(Drawn(classes[1], float(box[1]), float(box[2]), panel[start.end() : tag.start()]))
+            if box and classes:
+                inside = panel[start.end() : tag.start()]
+                found.append(SvgElement(classes[1], float(box[1]), float(box[2]), inside))
     return found
 
 
-def _caption(title: str, citation: Citation, letters: int) -> list[tuple[str, str]]:
-    """Lines and their classes."""
-    lines = [(line, "vi-b") for line in textwrap.wrap(f"{title}.", letters)]
-    lines += [(line, "vi-2nd") for line in textwrap.wrap(f"{citation.conditions}. {citation.software}.", letters)]
-    if citation.repeated_by:
-        wrapped = textwrap.wrap(f"Repeated by: {citation.repeated_by}", letters, break_on_hyphens=False)
-        lines += [(line, "vi-2nd") for line in wrapped]
-    return lines
+def stack(panels: Sequence[str], title: str) -> Figure:
+    """Place the drawings of panels' HTML below each other."""
+    parts, y = [], 0.0
+    elements = [element for panel in panels for element in svg_elements(panel)]
+    width = max((element.width for element in elements), default=WIDTH)
+    for element in elements:
+        scale = width / element.width if element.width < WIDTH / 2 else 1
+        parts.append(element.at(0, y, element.width if scale == 1 else width))
+        y += element.height * scale + GAP
+    return Figure("".join(parts), width, y - GAP, title)
+
+
+def overlay(panels: Sequence[str], title: str) -> Figure:
+    """Place panels' HTML with one drawing each over each other, as wide as the first."""
+    elements = [element for panel in panels for element in svg_elements(panel)]
+    first = elements[0]
+    return Figure("".join(element.at(0, 0, first.width) for element in elements), first.width, first.height, title)
+
+
+def append_below(figure: Figure, panel: str) -> Figure:
+    """Add a panel's HTML below a figure."""
+    added = stack([panel], figure.title)
+    part = SvgElement("", added.width, added.height, added.inside).at(0, figure.height + GAP)
+    height = figure.height + GAP + added.height
+    return Figure(figure.inside + part, max(figure.width, added.width), height, figure.title)
+
+
+def four_images(panel: str, title: str) -> Figure:
+    """Arrange the panel Images: L, R, l, r in a row, or whole frames two by two; below them legend and metrics."""
+    elements = svg_elements(panel)
+    by_view = {view: one for view in "lrLR" for one in elements if f"vi-at-{view}" in one.classes.split()}
+    if len(by_view) < 4:
+        return stack([panel], title)
+    rest = [element for element in elements if element not in by_view.values()]
+    whole = by_view["l"].width == by_view["L"].width
+    rows = (LARGE, SMALL) if whole else ((*LARGE, *SMALL),)
+    parts, y = [], 0.0
+    for row in rows:
+        x = 0.0
+        for view in row:
+            parts.append(by_view[view].at(x, y))
+            x += by_view[view].width + 4
+        words = _view_captions(panel, row, by_view, y)
+        parts += words
+        y += max(by_view[view].height for view in row) + (LINE + 6 if words else 4)
+    for element in rest:
+        parts.append(element.at(0, y))
+        y += element.height + 2
+    return Figure("".join(parts), WIDTH, y, title)
+
+
+def _view_captions(panel: str, row: Sequence[str], by_view: dict[str, SvgElement], y: float) -> list[str]:
+    """Repeat below a row the page's words on which arm each pair of images shows."""
+    parts, x = [], 0.0
+    for pair, views in (("own", LARGE), ("demo", SMALL)):
+        if set(views) <= set(row):
+            width = sum(by_view[view].width + 4 for view in views) - 4
+            words = re.search(rf'vi-over-{pair}">([^<]*?)\s*<', panel)
+            height = max(by_view[view].height for view in views)
+            if words:
+                parts.append(f"<g>{svg.text(x + width / 2, y + height + LINE, words[1], 'vi-2nd vi-mid')}</g>")
+            x += width + 4
+    return parts
+
+
+# Equations
+
+
+def can_typeset() -> bool:
+    """Say whether the package that typesets equations is installed."""
+    return importlib.util.find_spec(TYPESETTER) is not None
+
+
+def require_typesetter() -> None:
+    """Raise ValueError if equations cannot be typeset."""
+    if not can_typeset():
+        raise ValueError(f"a picture of equations needs {TYPESETTER}: {INSTALL}")
+
+
+def typeset_equations(equations: Sequence[Equation], title: str) -> Figure:
+    """Typeset equations below each other, each with its number, title and note. Needs `can_typeset`."""
+    parts, y = [], 0.0
+    for equation in equations:
+        head = f"{equation.number} {equation.title}".strip()
+        parts += [svg.text(0, (y := y + LINE + 2), line, "vi-b") for line in textwrap.wrap(head, LETTERS)]
+        drawn, height = _typeset(filled(equation), y + GAP)
+        parts.append(drawn)
+        y += height + 2 * GAP
+        note = html.unescape(re.sub(r"<[^>]*>", "", equation.note))
+        parts += [svg.text(0, (y := y + LINE), line, "vi-2nd") for line in textwrap.wrap(note, LETTERS)]
+        y += GAP
+    return Figure("".join(parts), WIDTH, y, title)
+
+
+def _typeset(mathml: str, y: float) -> tuple[str, float]:
+    """Typeset one equation with its upper edge at y px, at most WIDTH px wide. → the drawing, its height in px."""
+    import ziamath
+
+    before, ziamath.config.svg2 = ziamath.config.svg2, False  # outlines without names
+    try:
+        root = ziamath.Math(mathml, size=EQUATION_PX).svgxml()
+    finally:
+        ziamath.config.svg2 = before
+    left, top, width, height = map(float, root.get("viewBox", "").split())
+    scale = min(1.0, WIDTH / width)
+    ET.register_namespace("", SVG_NAMESPACE)
+    inside = (
+        "".join(ET.tostring(child, "unicode") for child in root)
+        .replace(f' xmlns="{SVG_NAMESPACE}"', "")
+        .replace("black", "var(--ink)")
+    )
+    move = f"translate({-left * scale:.2f} {y - top * scale:.2f}) scale({scale:.4f})"
+    return f'<g transform="{move}">{inside}</g>', height * scale
+
+
+# Claims
+
+
+class Claim(Protocol):
+    """One statement of the paper beside the result found here."""
+
+    @property
+    def name(self) -> str:
+        """What the statement is about."""
+        ...
+
+    @property
+    def paper(self) -> str:
+        """The paper's value."""
+        ...
+
+    @property
+    def here(self) -> str:
+        """The value found here."""
+        ...
+
+    @property
+    def tolerance(self) -> str:
+        """How far apart the two may be."""
+        ...
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the statement holds; None if it is not judged."""
+        ...
+
+
+def draw_claims(claims: Sequence[Claim]) -> str:
+    """Draw a table of claims below an experiment's figure; "" without claims."""
+    parts, y = [_row(HEADS, LINE, "vi-2nd")[0]], LINE
+    for claim in claims:
+        cells = claim.name.split(": ", 1)[-1], claim.paper, claim.here, claim.tolerance, WORDS[claim.holds]
+        drawn, lines = _row(cells, y + LINE + 3, "" if claim.holds is not False else "vi-b")
+        parts.append(drawn)
+        y += LINE * lines + 3
+    box = f"0 0 {WIDTH} {y + 4:g}"
+    return f'<svg class="vi" viewBox="{box}">{"".join(parts)}</svg>' if claims else ""
+
+
+def _row(cells: Sequence[str], y: float, kind: str) -> tuple[str, int]:
+    """Draw a row of the table, its first line at y px. → the drawing, its number of lines."""
+    wrapped = [textwrap.wrap(cell, letters) for cell, (_, letters) in zip(cells, COLUMNS)]
+    drawn = (
+        svg.text(x, y + LINE * k, line, kind) for lines, (x, _) in zip(wrapped, COLUMNS) for k, line in enumerate(lines)
+    )
+    return "".join(drawn), max(map(len, wrapped))

@@ -1,5 +1,6 @@
-"""The page's drawings of every moment of a session."""
+"""The page's drawings of a session's moments, with the computations that they need: silhouettes and landscapes."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -16,70 +17,77 @@ from ...simulation.appearance import Bodies, Silhouettes, arm_image_points, reac
 from ...simulation.disturbances import ArmDisturbance
 from ...simulation.robot import link_meshes
 from ...simulation.world import World
-from .. import svg
+from .. import relief, svg
 from ..curves import draw_curve_pair
 from ..images import planes
 from ..images.panel import draw_images
 from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
-from ..relief import shades
 from ..status import describe, describe_truth, draw_status
-from .dedupe import Woven, weave
 
-MOST_MOMENTS = 150  # of a longer run they are spread evenly
-MOST_LANDSCAPES = 24  # one for each posture of the demonstrator that is looked at
-LOOKS_BACK = 5  # motions
-MOST_IMAGES = 2400  # of all points at all moments
+MAX_MOMENTS = 150  # of a longer run, evenly spread
+MAX_LANDSCAPES = 24  # of different demonstrators' postures; with more, a sentence says that the landscape follows
+MAX_IMAGES = 2400  # over all points and moments
+TREND = 5  # snapshots before a moment that its status may mention
 FOLLOWS = "The landscape follows the demonstrator."
-HILLS = 12, 24  # rows and columns of a small landscape's shades
-LEARNERS_OWN = ("start_deg", "servo", *disturbances(ArmDisturbance))
-COARSE_DEG, FINE_DEG = 4.0, 1.0  # a tenth of the time or less; what is shown in the end
 TOO_FEW = "fewer than five points are seen in all four images"
+SHADES = 12, 24  # rows and columns of a coarse landscape
+COARSE_DEG, FINE_DEG = 4.0, 1.0  # grids of a landscape: the coarse one takes a tenth of the time
+START_AND_MOTION = ("start_deg", "servo", *disturbances(ArmDisturbance))  # settings without influence on E
 
 
 class Appearance:
-    """Of one world. first: a moment whose postures the windows are to show."""
+    """What both arms look like in the four images, and which part of each image is shown.
+
+    Parameters
+    ----------
+    world
+        The scene with its cameras.
+    first
+        A snapshot whose postures the windows must show.
+    """
 
     def __init__(self, world: World, first: Snapshot):
         meshes = link_meshes(world.scene.robot)
         self._world = world
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, world)
-        self._held = [first.theta, first.theta_demo]
-        self._windows = image_windows(reachable_image_points(world, self._held), world.scene.head.image)
+        self._postures = [first.theta, first.theta_demo]
+        self._windows = image_windows(reachable_image_points(world, self._postures), world.scene.head.image)
 
     def of(self, moment: Snapshot) -> tuple[Bodies, Windows]:
-        """With many joints an arm may leave the windows, which then widen."""
+        """Return both arms' images at a moment, and the windows, which widen if an arm of many joints leaves them."""
         if len(moment.theta) > 2 and not holds(self._windows, arm_image_points(self._world, moment)):
-            self._held += [moment.theta, moment.theta_demo]
-            self._windows = image_windows(reachable_image_points(self._world, self._held), self._world.scene.head.image)
+            self._postures += [moment.theta, moment.theta_demo]
+            self._windows = image_windows(
+                reachable_image_points(self._world, self._postures), self._world.scene.head.image
+            )
         return self._silhouettes.bodies(moment), self._windows
 
 
 @dataclass(frozen=True, eq=False)
 class MadeLandscape:
-    """E over all postures, drawn. E_true: px², with the learner in the demonstrator's posture. about: what was seen, if
-    that is to be made anew, finer; hills: as `shades` has them, b"" without a landscape."""
+    """E over all postures, drawn."""
 
     world: World
     picture: LandscapePicture
-    E_true: float | None
-    about: Snapshot | None = None
-    hills: bytes = b""
+    E_true: float | None  # px², with the learner in the demonstrator's posture
+    to_refine: Snapshot | None = None  # of a coarse landscape: the snapshot from which a finer one can be computed
+    shades: bytes = b""  # of SHADES, as `relief.shades` returns them; b"" without a landscape
 
 
-def landscape_key(snapshot: Snapshot, but: tuple[str, ...] = ()) -> tuple:
-    """Everything that E over the postures depends on: all settings but where the learner starts and how it moves, and
-    whether images are rectified and points exchanged back.
+def landscape_key(snapshot: Snapshot, ignored: tuple[str, ...] = ()) -> tuple:
+    """Return everything on which E over the postures depends, as a key for caches.
 
-    but: further settings to leave out.
+    These are the settings without those of the start and of the motion, and whether images are rectified and points
+    permuted. ignored: further settings to leave out.
     """
-    settings, but = snapshot.settings, (*LEARNERS_OWN, *but)
-    chosen = (getattr(settings, name) for name in settings.__struct_fields__ if name not in but)
+    settings, ignored = snapshot.settings, (*START_AND_MOTION, *ignored)
+    chosen = (getattr(settings, name) for name in settings.__struct_fields__ if name not in ignored)
     return *chosen, snapshot.rectification is not None, snapshot.exchanged
 
 
-def compute(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> Landscape | None:
-    """E around the demonstrator as the learner has seen it; None unless two joints move."""
+def compute_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> Landscape | None:
+    """Compute E around the demonstrator as the learner has seen it; None unless two joints move."""
     if len(world.scene.moving_joints) != 2:
         return None
     views = snapshot.views
@@ -87,60 +95,75 @@ def compute(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> Lan
 
 
 def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> MadeLandscape:
-    """For the transfer that is used."""
-    made = compute(world, snapshot, step_deg)
+    """Compute and draw the landscape of the snapshot's transfer on a grid of step_deg degrees."""
+    found = compute_landscape(world, snapshot, step_deg)
     views, theta = snapshot.views, snapshot.theta_demo
     seen = world, snapshot.fit, views.demo, views.visible[:, :2]
     E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
-    spread = joint_uncertainty(*seen, theta)
-    picture = LandscapePicture(made, world.scene, snapshot, TOO_FEW, spread)
-    coarse = made is not None and step_deg > FINE_DEG
-    hills = b"" if made is None else shades(made.E, HILLS)
-    return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None, snapshot if coarse else None, hills)
+    picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(*seen, theta))
+    coarse = found is not None and step_deg > FINE_DEG
+    shades = b"" if found is None else relief.shades(found.E, SHADES)
+    return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None, snapshot if coarse else None, shades)
+
+
+@dataclass(frozen=True)
+class DedupedHTML:
+    """Drawings that differ little, as a list of the pieces that they share."""
+
+    pieces: list[str]
+    ways: list[list[int]]  # for each drawing, the indices of its pieces
+
+    def __getitem__(self, k: int) -> str:
+        return "".join(self.pieces[i] for i in self.ways[k])
+
+
+def dedupe(drawings: Sequence[str]) -> DedupedHTML:
+    """Cut drawings before each tag, and keep each piece once."""
+    cut = [re.split("(?=<)", drawing) for drawing in drawings]
+    index = {piece: i for i, piece in enumerate(dict.fromkeys(piece for pieces in cut for piece in pieces))}
+    return DedupedHTML(list(index), [[index[piece] for piece in pieces] for pieces in cut])
 
 
 @dataclass
 class Panels:
-    """One entry a moment, HTML: four images, for each of `points`, the chosen one, claims (what the learner says beside
-    what is true), E and joint angles over the motions, the path over the landscape; places: of all points in l,
-    r, L and R, px of the drawing, [] of one that is not seen there; ground: which of `grounds` lies under the path."""
+    """The drawings of all moments, as HTML: each list has one entry per moment, but for `points` and `grounds`."""
 
-    points: list[int | None] = field(default_factory=list)
-    images: list[Woven] = field(default_factory=list)
-    places: list[list[list[list[float]]]] = field(default_factory=list)
-    claims: list[str] = field(default_factory=list)
-    conflict: list[str] = field(default_factory=list)
-    angles: list[str] = field(default_factory=list)
-    path: list[str] = field(default_factory=list)
-    ground: list[int] = field(default_factory=list)
-    grounds: list[str] = field(default_factory=list)
+    points: list[int | None] = field(default_factory=list)  # body points that can be chosen; None for no point
+    images: list[DedupedHTML] = field(default_factory=list)  # the four images, for each of `points`
+    places: list[list[list[list[float]]]] = field(default_factory=list)  # by view lrLR and point: px, [] if not visible
+    claims: list[str] = field(default_factory=list)  # the learner's status beside the truth
+    conflict: list[str] = field(default_factory=list)  # E over the motions
+    angles: list[str] = field(default_factory=list)  # joint angles over the motions
+    path: list[str] = field(default_factory=list)  # over the landscape
+    ground: list[int] = field(default_factory=list)  # index of the landscape under the path
+    grounds: list[str] = field(default_factory=list)  # the different landscapes
 
 
 def kept_motions(history: Sequence[Snapshot]) -> list[int]:
-    """Of the moments that a replay shows: no more than MOST_MOMENTS."""
-    there = [k for k, moment in enumerate(history) if moment.motion == k]  # others have been thinned out before
-    return [there[i] for i in svg.thinned(len(there), MOST_MOMENTS)]
+    """Choose at most MAX_MOMENTS motions of a history that a replay shows."""
+    available = [k for k, moment in enumerate(history) if moment.motion == k]  # long histories are thinned out
+    return [available[i] for i in svg.thinned(len(available), MAX_MOMENTS)]
 
 
-def farthest_off(moment: Snapshot) -> int | None:
-    """The point with the largest residual, which shows best what a conflict is; None without a transfer."""
+def largest_residual(moment: Snapshot) -> int | None:
+    """Return the index of the point with the largest residual; None without a transfer."""
     return None if moment.transfer is None else int(np.argmax(np.nansum(moment.e**2, -1)))
 
 
-def offered_points(session: Session, motions: Sequence[int], chosen: int | None) -> list[int | None]:
-    """Body points whose construction the images can show, None for no construction: all, unless that were too many."""
+def choosable_points(session: Session, motions: Sequence[int], chosen: int | None) -> list[int | None]:
+    """List the points whose construction the images can show: all, unless these would be too many images."""
     everything = range(len(session.world.body))
-    if len(everything) * len(motions) > MOST_IMAGES:
+    if len(everything) * len(motions) > MAX_IMAGES:
         return [chosen]
     return [*everything] if chosen is not None else [None, *everything]
 
 
 def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) -> Panels:
-    """Of a session in a scene, at these motions. chosen: a body point, of `offered_points`."""
+    """Draw a session in a scene at these motions. chosen: a body point, of `choosable_points`."""
     history, scene = session.history, session.scene
-    panels = Panels(offered_points(session, motions, chosen))
+    panels = Panels(choosable_points(session, motions, chosen))
     appearance = Appearance(session.world, history[0])
-    for k in motions:  # windows have widened before the first is drawn
+    for k in motions:  # widen the windows before the first is drawn
         appearance.of(history[k])
     landscapes = _Landscapes(session, [history[k] for k in motions])
     last = history[-1].motion
@@ -148,9 +171,9 @@ def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) ->
     for k in motions:
         moment, made = history[k], landscapes.of(history[k])
         bodies, windows = appearance.of(moment)
-        panels.images.append(weave([_images(moment, bodies, windows, point) for point in panels.points]))
+        panels.images.append(dedupe([_images(moment, bodies, windows, point) for point in panels.points]))
         panels.places.append(_places(moment, windows))
-        before, joints = history[max(k - LOOKS_BACK, 0) : k], scene.moving_joints
+        before, joints = history[max(k - TREND, 0) : k], scene.moving_joints
         said = describe(moment, before, k < last, assessment if k == last else None, joints, advises=False)
         panels.claims.append(draw_status(said, describe_truth(joints, moment.theta, moment.theta_demo)))
         conflict, angles = draw_curve_pair(history, k, made.E_true, joints)
@@ -165,7 +188,7 @@ def draw_panels(session: Session, motions: Sequence[int], chosen: int | None) ->
 
 def _images(moment: Snapshot, bodies: Bodies, windows: Windows, point: int | None) -> str:
     if point is not None and point >= len(moment.views.demo):
-        point = None  # it had fewer then
+        point = None  # the body had fewer points then
     built = None if point is None else construct(moment, point)
     return draw_images(moment, bodies, windows, point, construction=built)
 
@@ -178,22 +201,21 @@ def _places(moment: Snapshot, windows: Windows) -> list[list[list[float]]]:
 
 
 class _Landscapes:
-    """Each computed when it is first asked for, and once."""
+    """Landscapes of a session, each computed at its first use."""
 
     def __init__(self, session: Session, moments: Sequence[Snapshot]):
         self._world = session.world
-        self._many = len({landscape_key(moment) for moment in moments}) > MOST_LANDSCAPES
+        self._too_many = len({landscape_key(moment) for moment in moments}) > MAX_LANDSCAPES
         self._made: dict[tuple, MadeLandscape] = {}
 
     def of(self, moment: Snapshot) -> MadeLandscape:
-        key = () if self._many else landscape_key(moment)
+        key = () if self._too_many else landscape_key(moment)
         if key not in self._made:
             self._made[key] = self._make(moment)
         return self._made[key]
 
     def _make(self, moment: Snapshot) -> MadeLandscape:
-        if self._many:
-            return MadeLandscape(self._world, LandscapePicture(None, self._world.scene, moment, FOLLOWS), None)
-        if moment.transfer is None and not moment.usable.any():
-            return MadeLandscape(self._world, LandscapePicture(None, self._world.scene, moment, TOO_FEW), None)
+        problem = FOLLOWS if self._too_many else TOO_FEW
+        if self._too_many or (moment.transfer is None and not moment.usable.any()):
+            return MadeLandscape(self._world, LandscapePicture(None, self._world.scene, moment, problem), None)
         return make_landscape(self._world, moment)

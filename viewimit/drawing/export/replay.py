@@ -4,9 +4,7 @@ It plays recorded drawings of the page beside a small WebGL view of its own: a t
 nothing that a new version of viser could break.
 """
 
-import base64
 import html
-import zlib
 from functools import cache
 from pathlib import Path
 from string import Template
@@ -18,8 +16,9 @@ from ...loop.session import Session
 from ..curves import paired_axis
 from ..glossary import cards
 from ..theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
+from .bundle import bundle, packed
 from .citation import Citation, cite, motions
-from .panels import draw_panels, farthest_off, kept_motions
+from .panels import draw_panels, kept_motions, largest_residual
 from .space import describe_space
 
 CELL_HEIGHT = 700  # px, in a notebook
@@ -49,7 +48,7 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     """
     world, first = session.world, session.history[0]
     if chosen is None:
-        chosen = farthest_off(first)
+        chosen = largest_residual(first)
     elif not 0 <= chosen < len(world.body):
         raise ValueError(f"no point {chosen}; there are {len(world.body)}, from 0")
     kept = kept_motions(session.history)
@@ -73,8 +72,8 @@ def _page(title: str, citation: Citation, told: dict[str, Any], meshes: bytes) -
         line=html.escape(citation.repeated_by or citation.software),
         styles=_styles(),
         words=cards(),
-        run=_packed(msgspec.json.encode(told)),
-        meshes=_packed(meshes),
+        run=packed(msgspec.json.encode(told)),
+        meshes=packed(meshes),
         script=_scripts(),
     )
 
@@ -91,10 +90,6 @@ def _repeated(citation: Citation) -> str:
     return "".join(parts) or "<p>It goes on from what cannot be said in a few words.</p>"
 
 
-def _packed(data: bytes) -> str:
-    return base64.b64encode(zlib.compress(data, 9)).decode()
-
-
 @cache
 def _template() -> Template:
     return Template(HERE.joinpath("replay.html").read_text("utf-8"))
@@ -109,4 +104,4 @@ def _styles() -> str:
 
 @cache
 def _scripts() -> str:
-    return "\n".join(HERE.joinpath(name).read_text("utf-8") for name in ("space.js", "replay.js"))
+    return bundle("view/replay.js")

@@ -15,6 +15,7 @@ from ...simulation.world import World
 
 STEPS = 65_535  # of a coordinate between the ends of its mesh
 TENTHS_OF_MM, MICRORAD = 4, 6  # digits of m and of rad that are kept
+DIRECTIONS = 400  # in which the outermost points are looked for
 
 
 class Shapes:
@@ -53,21 +54,45 @@ class Shapes:
 def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, Any], bytes]:
     """What stands still and what is seen at each of these motions, and the bytes of its meshes."""
     world, shapes, history = session.world, Shapes(), session.history
-    size = world.scene.size
     moments = [history[k] for k in motions]
-    cameras = geometry.cameras_of(world)
-    standing: dict[str, Any] = {
+    ends = [posture for each in (moments[0], moments[-1]) for posture in (each.theta, each.theta_demo)]
+    space = describe_robot(world.scene.robot, shapes)
+    space["chain"] = [
+        {"T": rows_of(joint.T_parent_joint), "axis": _unit(joint.axis), "joint": k, "multiplier": 1.0, "offset": 0.0}
+        for k, joint in enumerate(world.robot.joints)
+    ]
+    space["bases"] = {arm: rows_of(T) for arm, T in geometry.bases_of(world).items()}
+    space["points"] = {"link": world.body.link.tolist(), "local": _plain(world.body.local)}
+    space["stage"] = describe_stage(world, shapes, ends)
+    space["moments"] = [_at(world, moment) for moment in moments]
+    return space, shapes.packed
+
+
+def describe_robot(robot: str, shapes: Shapes, most_faces: int | None = None) -> dict[str, Any]:
+    """What all scenes of a robot share, as app/lab/view/space.js takes it. most_faces: of each link, None for all."""
+    links = []
+    for link, mesh in sorted(link_meshes(robot).items()):
+        vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+        if most_faces is not None and len(faces) > most_faces:
+            vertices, faces = thinned(vertices, faces, most_faces)
+        links.append({"link": link, **shapes.add(vertices, faces)})
+    direction = {"azimuth": float(geometry.AZIMUTH), "elevation": float(geometry.ELEVATION)}
+    return {
+        "links": links,
+        "looks": {"light": geometry.LOOKS[False]._asdict(), "dark": geometry.LOOKS[True]._asdict()},
+        "view": {"fov": float(geometry.FOV), "margin": geometry.MARGIN, **direction},
+    }
+
+
+def describe_stage(world: World, shapes: Shapes, postures: Sequence[NDArray]) -> dict[str, Any]:
+    """What stands still in a scene. postures: (m,) rad each, in which the first view must hold both arms."""
+    size = world.scene.size
+    return {
         "size": size,
-        "joints": [{"T": _columns(joint.T_parent_joint), "axis": _unit(joint.axis)} for joint in world.robot.joints],
-        "links": [
-            {"link": link, **shapes.add(np.asarray(mesh.vertices), np.asarray(mesh.faces))}
-            for link, mesh in sorted(link_meshes(world.scene.robot).items())
-        ],
-        "bases": {arm: _columns(T) for arm, T in geometry.bases_of(world).items()},
         "solids": [
             {
                 "colour": solid.colour,
-                "T": _columns(np.block([[solid.turn, solid.position[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]])),
+                "T": rows_of(np.block([solid.turn, solid.position[:, None]])),
                 **shapes.add(solid.vertices, solid.faces),
             }
             for solid in geometry.solids(world)
@@ -82,20 +107,42 @@ def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, 
                 "edges": _plain(geometry.frustum(camera, size)),
                 "plate": _plain(geometry.on_plate(camera, geometry.corners(camera), size)),
             }
-            for camera, role in zip(cameras, geometry.VIEW_ROLES)
+            for camera, role in zip(geometry.cameras_of(world), geometry.VIEW_ROLES)
         ],
-        "points": {"link": world.body.link.tolist(), "local": _plain(world.body.local), **geometry.POINT_SIZE},
-        "looks": {"light": geometry.LOOKS[False]._asdict(), "dark": geometry.LOOKS[True]._asdict()},
-        "view": {"fov": float(geometry.FOV), "margin": geometry.MARGIN, **_direction()},
-        "landmarks": _plain(_landmarks(world, moments)),
+        "points": {arm: across * size for arm, across in geometry.POINT_SIZE.items()},
+        "landmarks": _plain(outermost(_landmarks(world, postures))),
     }
-    standing["moments"] = [_at(world, moment) for moment in moments]
-    return standing, shapes.packed
 
 
-def _landmarks(world: World, moments: Sequence[Snapshot]) -> NDArray:
-    first, last = moments[0], moments[-1]
-    arms = [geometry.arm_landmarks(world, each.theta, each.theta_demo) for each in (first, last)]
+def thinned(vertices: NDArray, faces: NDArray, most_faces: int) -> tuple[NDArray, NDArray]:
+    """A mesh of fewer faces: the vertices (V, 3) m in a cell of a grid become their mean (Rossignac & Borrel 1993)."""
+    low, span = vertices.min(0), float(np.ptp(vertices, axis=0).max()) or 1.0
+    cells = 256
+    while len(faces) > most_faces and cells > 4:
+        cells = int(cells * 0.8)
+        keys = np.floor((vertices - low) / span * cells).astype(int)
+        _, of_cell, count = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+        merged = np.zeros((len(count), 3))
+        np.add.at(merged, of_cell.ravel(), vertices)
+        vertices, faces = merged / count[:, None], of_cell.ravel()[faces]
+        faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
+    return vertices, faces
+
+
+def outermost(points: NDArray) -> NDArray:
+    """Those of points (k, 3) m that reach farthest in some direction: what holds these in sight holds all."""
+    directions = np.random.default_rng(0).normal(size=(DIRECTIONS, 3))
+    return points[np.unique((points @ directions.T).argmax(0))]
+
+
+def rows_of(T: NDArray) -> list[float]:
+    """The first three rows of a transform, one after the other."""
+    return np.asarray(T, float)[:3].ravel().round(7).tolist()
+
+
+def _landmarks(world: World, postures: Sequence[NDArray]) -> NDArray:
+    pairs = zip(postures[::2], postures[1::2])
+    arms = [geometry.arm_landmarks(world, own, demo) for own, demo in pairs]
     return np.concatenate([geometry.landmarks(world), *arms])
 
 
@@ -127,12 +174,3 @@ def _plain(values: NDArray) -> list:
 
 def _unit(axis: NDArray) -> list[float]:
     return (axis / np.linalg.norm(axis)).tolist()
-
-
-def _columns(T: NDArray) -> list[float]:
-    """(4, 4), column by column, as WebGL has it."""
-    return np.asarray(T, float).T.ravel().round(7).tolist()
-
-
-def _direction() -> dict[str, float]:
-    return {"azimuth": float(geometry.AZIMUTH), "elevation": float(geometry.ELEVATION)}

@@ -10,8 +10,8 @@ from ...geometry.rectification import Rectification
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
 from .. import svg
-from ..metrics import draw_metrics, residual_lengths
 from ..theme import OBSERVED
+from .panel import draw_metrics, residual_lengths
 
 SIZE = (424, 256)  # px of the drawing
 IMAGE = (96, 96)  # px of an image

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import svg
-from ..axes import Axes, log10
+from ..plots import Axes, log10
 from . import narrow
 
 SIZE = (640, 342)  # units

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import svg
-from ..axes import Axes, linear_ticks
+from ..plots import Axes, linear_ticks
 from ..theme import OBSERVED
 from . import narrow
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import svg
-from ..axes import Axes, decade_ticks, decades, log10
+from ..plots import Axes, decade_ticks, decades, log10
 
 WIDTH, HEIGHT, CURVE_HIGH = 340, 500, 104  # units
 MARGIN = 24  # units around what is drawn

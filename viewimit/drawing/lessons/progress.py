@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .. import svg
-from ..axes import Axes, decade_ticks, decades, log10
+from ..plots import Axes, decade_ticks, decades, log10
 from . import narrow
 
 SIZE = (224, 400)  # units

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import svg
-from ..axes import Axes, decade_ticks, log10
+from ..plots import Axes, decade_ticks, log10
 from . import narrow
 
 SIZE = (480, 460)  # units

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.views import Pairs
-from ...geometry.affine import INTO, SOURCE
+from ...geometry.affine import LINE_VIEWS, POINT_VIEWS
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
 from .. import svg
@@ -190,7 +190,7 @@ def line_of(view: str, moment: Snapshot, point: int, eye: int) -> NDArray | None
     lines = moment.epipolar_lines(point)
     if lines is None:
         return None
-    return lines[int(np.flatnonzero((INTO == "lrLR".index(view)) & (SOURCE == eye))[0])]
+    return lines[int(np.flatnonzero((LINE_VIEWS == "lrLR".index(view)) & (POINT_VIEWS == eye))[0])]
 
 
 def _line(line: NDArray, window: Window, name: str, eye: int) -> str:

@@ -18,14 +18,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.affine import COORDINATES, EYES, centred, fundamentals, require_points, scatter
+from ...geometry.affine import DEMO_PAIR, PAIR_COORDINATES, centred, cross_scatter, pair_fundamentals, require_points
 from ...geometry.small_matrices import extreme_eigenvalues, smallest_eigenpair
-from ..equations import HOLE, Equation, column, each, matrix
 from ..views import FourViews
-from .affine_map import AffineTransfer
-from .transfer import TransferMethod
+from .linear import AffineTransfer
 
-CROSSED = np.delete(COORDINATES, EYES, 0)  # of the five pairs
+CROSSED = np.delete(PAIR_COORDINATES, DEMO_PAIR, 0)  # of the five pairs
 SINGULAR = 1e-3  # determinant of two unit-norm epipolar lines below which all five are solved together
 
 
@@ -60,12 +58,12 @@ def fit(views: FourViews) -> EpipolarTransfer:
 def constraints(demo: NDArray, own: NDArray) -> NDArray:
     """The five fundamental matrices f: (4, 5, G) from centred points demo: (..., N, 4) or (N, 4), own: (..., N, 4)."""
     if own.ndim == 2:  # one posture, whose price is the number of steps
-        return fundamentals(np.concatenate([demo, own], 1), CROSSED).T[..., None]
+        return pair_fundamentals(np.concatenate([demo, own], 1), CROSSED).T[..., None]
     P, M, Q = (np.empty((2, 2, 5, math.prod(own.shape[:-2]))) for _ in range(3))
     to_P, to_M, to_Q = (block[:, :, :4].reshape(2, 2, 2, 2, -1) for block in (P, M, Q))  # views: i, j, o, d
-    to_P[:] = np.einsum("didjg->ijdg", _by_view(scatter(demo, demo)))[:, :, None]
-    to_M[:] = _by_view(scatter(demo, own)).transpose(1, 3, 2, 0, 4)
-    S = _by_view(scatter(own, own))
+    to_P[:] = np.einsum("didjg->ijdg", _by_view(cross_scatter(demo, demo)))[:, :, None]
+    to_M[:] = _by_view(cross_scatter(demo, own)).transpose(1, 3, 2, 0, 4)
+    S = _by_view(cross_scatter(own, own))
     to_Q[:] = np.einsum("oiojg->ijog", S)[:, :, :, None]
     P[:, :, 4], M[:, :, 4], Q[:, :, 4] = S[0, :, 0], S[0, :, 1], S[1, :, 1]
     return smallest_eigenpair(P, M, Q)[1]
@@ -128,32 +126,3 @@ def condition(f: NDArray) -> NDArray:
 def _by_view(S: NDArray) -> NDArray:
     """(4, 4, G) → (2 views, 2 coordinates, 2 views, 2 coordinates, G)"""
     return S.reshape((2, 2, 2, 2) + S.shape[2:])
-
-
-def equations(fitted: EpipolarTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
-    """Eq. (4) of one point: demo, own (4,) px."""
-    A, B = linear_system(fitted.f.reshape(4, 5, 1))
-    centred = demo - fitted.demo_mean
-    solution = fitted.matrix @ centred
-    return (
-        Equation(
-            "(4)",
-            f"point {name} recovered, px about the centroids: so f₃₃ = 0",
-            rf"𝐀\,{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=-𝐁𝐜_{{{HOLE}}}:\;{matrix(5, 4)}{column(4)}\approx{column(5)}",
-            (name, name, *each(A[0], 2), *each(solution, 1), *each(-B[0] @ centred, 1)),
-            wide=True,
-        ),
-    )
-
-
-METHOD = TransferMethod(
-    title="Epipolar (paper)",
-    assumes="Affine cameras: each point is where the epipolar lines of its images in l and r cross.",
-    fails="Lines nearly parallel, and depth in the views: the minimum is degrees off the demonstrator.",
-    fit=fit,
-    stored=(EpipolarTransfer,),
-    equations=equations,
-    crosses_lines=True,
-    condition_name="cond A",
-    ill="epipolar lines nearly parallel, E may mislead",
-)

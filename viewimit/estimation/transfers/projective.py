@@ -18,10 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.affine import centred, components_first, require_points
 from ...geometry.small_matrices import inverse, keep_freed_memory
-from ..equations import HOLE, Equation, column, each, number
 from ..views import FourViews
-from .transfer import Transfer, TransferMethod
-from .weighted import Weighted
+from .transfer import Transfer
 
 STEPS = 3
 PRIOR = 3e-4  # weight of |p|² beside the squared residuals, relative to the mean square of the centred own points
@@ -201,28 +199,3 @@ def _product(a: NDArray, b: NDArray) -> NDArray:
     if a.ndim == 2:
         return (a @ b.reshape(len(b), -1)).reshape(len(a), *b.shape[1:])
     return np.einsum("ing,n...g->i...g", a, b)
-
-
-def equations(fitted: ProjectiveTransfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
-    u = (demo - fitted.demo_mean) @ fitted.basis
-    shape = fitted.coefficients[0] + u @ fitted.coefficients[1:]
-    recovered = fitted.recover(demo[None, :2], demo[None, 2:])[0]
-    latex = (
-        rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=\bar{{𝐲}}+\frac{{𝐚_0+𝐀^{{\top}}𝐮_{{{HOLE}}}}}{{1+𝐩\cdot 𝐮_{{{HOLE}}}}}"
-        rf"={column(4)}+{column(4)}\big/{HOLE}={column(4)}"
-    )
-    depth = number(float(1 + u @ fitted.p), 3)
-    numbers = (name, name, name, *each(fitted.own_mean, 0), *each(shape, 1), depth, *each(recovered, 1))
-    return (Equation("", f"in place of (4), point {name}: one depth for L and R, px", latex, numbers, wide=True),)
-
-
-METHOD = TransferMethod(
-    title="Projective combination",
-    assumes="Parallel optical axes, or rectified images: both of a pair have one depth. Then it is exact.",
-    fails="Lenses that distort, and much noise: the demonstrator's is amplified, so average its frames.",
-    fit=fit,
-    stored=(ProjectiveTransfer,),
-    equations=equations,
-    near=Weighted.like,
-    half_seen=Weighted.even,
-)

@@ -12,12 +12,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...geometry.affine import centred, require_points, scatter
+from ...geometry.affine import centred, cross_scatter, require_points
 from ...geometry.small_matrices import tail_eigenvalue_sum
-from ..equations import HOLE, Equation, short
 from ..views import FourViews
-from .affine_map import map_equation
-from .transfer import Transfer, TransferMethod
+from .transfer import Transfer
 
 RANK = 3
 
@@ -26,7 +24,7 @@ RANK = 3
 class Rank3Transfer(Transfer):
     """scatter: (..., 8, 8) px² of the centred [l r L R]; demo_mean, own_mean: (..., 4) px; flat: σ1/σ3 of [l r]."""
 
-    weighs_noise: ClassVar[bool] = True
+    is_whitened: ClassVar[bool] = True
     scatter: NDArray
     demo_mean: NDArray
     own_mean: NDArray
@@ -72,33 +70,12 @@ def fit(views: FourViews) -> Rank3Transfer:
     own_mean, own = centred(views.own)
     batch = own.shape[:-2]
     W = np.empty((8, 8, math.prod(batch)))
-    W[:4, :4] = (demo.T @ demo)[:, :, None] if demo.ndim == 2 else scatter(demo, demo)
-    W[:4, 4:] = scatter(demo, own)
+    W[:4, :4] = (demo.T @ demo)[:, :, None] if demo.ndim == 2 else cross_scatter(demo, demo)
+    W[:4, 4:] = cross_scatter(demo, own)
     W[4:, :4] = W[:4, 4:].swapaxes(0, 1)
-    W[4:, 4:] = scatter(own, own)
+    W[4:, 4:] = cross_scatter(own, own)
     sigma = np.linalg.svd(demo, compute_uv=False)
     known = sigma[..., 2] > sigma[..., 0] * np.finfo(float).eps * demo.shape[-2]
     with np.errstate(divide="ignore", invalid="ignore"):
         flat = np.where(known, sigma[..., 0] / sigma[..., 2], np.inf)
     return Rank3Transfer(W.transpose(2, 0, 1).reshape(batch + (8, 8)), demo_mean, own_mean, flat)
-
-
-def equations(fitted: Rank3Transfer, demo: NDArray, own: NDArray, name: str) -> tuple[Equation, ...]:
-    return (map_equation(fitted.matrix, fitted.demo_mean, fitted.own_mean, demo, name),)
-
-
-def conflict_equation(E: float) -> Equation:
-    """E: px²."""
-    latex = rf"E=\frac{{1}}{{2N}}\sum_{{k=1}}^{{5}}\lambda_k(𝐖)={HOLE}"
-    return Equation("", "in place of (6): what all four images leave beyond rank 3", latex, (short(E),))
-
-
-METHOD = TransferMethod(
-    title="Rank 3, all views",
-    assumes="Affine cameras, and equal noise in all four images, which are fitted at once.",
-    fails="Depth in the views: the largest bias of all without noise; the steadiest under much of it.",
-    fit=fit,
-    stored=(Rank3Transfer,),
-    equations=equations,
-    conflict_equation=conflict_equation,
-)

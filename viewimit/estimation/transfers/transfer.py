@@ -1,4 +1,8 @@
-"""What a transfer is, and what all those in this folder share: residuals, and the conflict E of Eq. (6)."""
+"""The interface of a transfer, its defaults, and the adaptor for a plain function of views.
+
+A transfer maps the demonstrator's points from its images [l], [r] to where they would be in the learner's own images
+[L], [R]. Subclass `Transfer` and define `recover` and `condition`; residuals and E follow from Eq. (6).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,106 +11,179 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...geometry.rectification import Rectification
-from ..equations import Equation
+from ...geometry.affine import flatness
 from ..residuals import conflict
 from ..views import FourViews
-
-FLATNESS = "σ₁/σ₃"  # of the centred [l r]
-FLAT = "the points nearly lie in a plane, E may mislead"
 
 
 class FittedTransfer(Protocol):
     """A map of image points from [l], [r] to [L], [R], fitted to `FourViews`. Leading axes are a batch of postures."""
 
     @property
-    def condition(self) -> NDArray:
-        """How far the transfer's linear system amplifies errors: (...), ≥ 1, inf where it is singular."""
+    def condition(self) -> NDArray[np.float64]:
+        """Condition number of the transfer's linear system: (...), ≥ 1, inf where it is singular."""
         ...
 
     @property
-    def weighs_noise(self) -> bool:
-        """Whether residuals answer for the noise of the demonstrator's images already."""
+    def is_whitened(self) -> bool:
+        """Whether residuals are whitened already: whether they account for noise in the demonstrator's images."""
         ...
 
     @property
-    def fundamentals(self) -> NDArray | None:
-        """(5, 4): f of all pairs of views but [l], [r], if it was fitted by them, of one posture; None else."""
+    def fundamentals(self) -> NDArray[np.float64] | None:
+        """(5, 4): f of all pairs of views but [l], [r], if one posture was fitted by them; otherwise None."""
         return None
 
-    def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray:
-        """demo_left, demo_right: (..., M, 2) px, any points seen in [l], [r] → (..., M, 4) px in [L, R]."""
+    def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray[np.float64]:
+        """Map any points seen in [l], [r], (..., M, 2) px each, to [L, R], (..., M, 4) px."""
         ...
 
-    def residual(self, views: FourViews) -> NDArray:
-        """(..., N, C) px whose squares make E: e of Eq. (6), C = 4, unless it has more images to answer for."""
+    def residual(self, views: FourViews) -> NDArray[np.float64]:
+        """Compute e of Eq. (6), (..., N, C) px: C = 4, or 8 if the demonstrator's images have residuals as well."""
         ...
 
-    def conflict(self, views: FourViews) -> NDArray:
-        """E: (...) px²."""
+    def conflict(self, views: FourViews) -> NDArray[np.float64]:
+        """Compute E, (...) px²."""
         ...
-
-
-class Residuals(Protocol):
-    """e: (..., N, C) px of views whose squares make an E."""
-
-    def residual(self, views: FourViews) -> NDArray: ...
-
-
-@dataclass(frozen=True, kw_only=True)
-class TransferMethod:
-    """One way to recover points, with all that anybody says about it. Called with `FourViews` it is `fit`.
-
-    fit: views of points that are all seen, (..., N, 4) px with N ≥ 5 → a `FittedTransfer`; all else has a default.
-    title: in dropdowns, by default the name of fit; assumes, fails: a sentence each. stored: the dataclasses that a
-    fitted one is made of, nested ones too; they are stored by their fields, which are arrays, scalars, strings, tuples
-    or such dataclasses.
-    equations(fitted, demo, own, name): how one point, (4,) px in [l, r] and (4,) px in [L, R], is recovered; no batch.
-    crosses_lines: whether a point is recovered where its epipolar lines cross.
-    condition_name: what `condition` is; ill: what it means where it is too large.
-    conflict_equation(E px²): in place of Eq. (6) where E is another function of the images.
-    near(views, rectification, own_share): what weighs noise better than the transfer's own residuals, of rectified
-    images near own ones that are like those of the views, of one posture; it gives residuals of any own images.
-    half_seen(views, rectification): the same that weighs all points alike, for views in which the demonstrator shows
-    one image alone of some points.
-    """
-
-    fit: Callable[[FourViews], FittedTransfer]
-    title: str = ""
-    assumes: str = ""
-    fails: str = ""
-    stored: tuple[type, ...] = ()
-    equations: Callable[[Any, NDArray, NDArray, str], tuple[Equation, ...]] = lambda fitted, demo, own, name: ()
-    crosses_lines: bool = False
-    condition_name: str = FLATNESS
-    ill: str = FLAT
-    conflict_equation: Callable[[float], Equation] | None = None
-    near: Callable[[FourViews, Rectification, float], Residuals] | None = None
-    half_seen: Callable[[FourViews, Rectification], Residuals] | None = None
-
-    def __post_init__(self) -> None:
-        if not self.title:
-            object.__setattr__(self, "title", name_of(self.fit))
-
-    def __call__(self, views: FourViews) -> FittedTransfer:
-        """`fit`. Raises ValueError for coordinates that are not finite."""
-        if not (np.isfinite(views.demo).all() and np.isfinite(views.own).all()):
-            raise ValueError("a transfer needs points that are seen in all four views: take FourViews.used")
-        return self.fit(views)
-
-
-def name_of(function: Callable) -> str:
-    """What it is called in code."""
-    return getattr(function, "__name__", type(function).__name__)
 
 
 class Transfer(FittedTransfer):
-    """E by Eq. (6) from the points that `recover` finds."""
+    """Base class: residuals and E follow from `recover` by Eq. (6)."""
 
-    weighs_noise: ClassVar[bool] = False
+    is_whitened: ClassVar[bool] = False
 
-    def residual(self, views: FourViews) -> NDArray:
+    def residual(self, views: FourViews) -> NDArray[np.float64]:
         return views.own - self.recover(views.demo_left, views.demo_right)
 
-    def conflict(self, views: FourViews) -> NDArray:
+    def conflict(self, views: FourViews) -> NDArray[np.float64]:
         return conflict(self.residual(views))
+
+
+class Recovers(Protocol):
+    """What a transfer function returns. It may also define any other member of `FittedTransfer`."""
+
+    def recover(self, demo_left: NDArray[np.float64], demo_right: NDArray[np.float64]) -> ArrayLike:
+        """Map any points seen in [l], [r], (M, 2) px each, to [L, R], (M, 4) px."""
+        ...
+
+
+TransferFunction = Callable[[FourViews], Recovers]
+
+
+def fit_function(function: TransferFunction, title: str, views: FourViews) -> FittedTransfer:
+    """Fit a function of one posture to each posture of a batch.
+
+    Parameters
+    ----------
+    function : callable
+        Takes the `FourViews` of one posture, returns an object with `recover`.
+    title : str
+        Name of the function in messages.
+    views : FourViews
+        Points that are visible in all views, (..., N, 4) px.
+
+    Returns
+    -------
+    FittedTransfer
+
+    Raises
+    ------
+    TypeError
+        If the function returns an object without `recover`.
+    """
+    batch = np.broadcast_shapes(views.demo.shape[:-2], views.own.shape[:-2])
+    fitted = tuple(_with_defaults(function(posture), title, posture) for posture in _postures(views, batch))
+    return _BatchTransfer(fitted, batch) if batch else fitted[0]
+
+
+def _postures(views: FourViews, batch: tuple[int, ...]) -> list[FourViews]:
+    """Split a batch into the views of single postures."""
+    demo, own = (
+        np.broadcast_to(images, batch + images.shape[-2:]).reshape((-1,) + images.shape[-2:])
+        for images in (views.demo, views.own)
+    )
+    visible = np.ones(own.shape[-2:], bool)
+    return [FourViews(*images, visible) for images in zip(demo, own)]
+
+
+def _with_defaults(fitted: Any, title: str, views: FourViews) -> FittedTransfer:
+    """Add the members of `FittedTransfer` that the object of a transfer function lacks."""
+    if isinstance(fitted, Transfer):
+        return fitted
+    if not callable(getattr(fitted, "recover", None)):
+        raise TypeError(f"transfer {title!r} must return an object with recover(demo_left, demo_right), got {fitted!r}")
+    return _FunctionTransfer(fitted, title, views.demo)
+
+
+@dataclass(frozen=True, eq=False)
+class _FunctionTransfer(Transfer):
+    """One posture's transfer; members that the object does not define have their defaults."""
+
+    fitted: Any  # what the function returned: `recover`, and optionally other members of FittedTransfer
+    title: str
+    demo: NDArray[np.float64]  # (N, 4) px, what it was fitted to
+
+    @property
+    def condition(self) -> NDArray[np.float64]:
+        """σ1/σ3 of the demonstrator's points by default."""
+        given = getattr(self.fitted, "condition", None)
+        return np.asarray(flatness(self.demo) if given is None else given, float)
+
+    @property
+    def is_whitened(self) -> bool:  # type: ignore[override]
+        return bool(getattr(self.fitted, "is_whitened", False))
+
+    @property
+    def fundamentals(self) -> NDArray[np.float64] | None:
+        return getattr(self.fitted, "fundamentals", None)
+
+    def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray[np.float64]:
+        left, right = np.asarray(demo_left, float), np.asarray(demo_right, float)
+        if left.ndim > 2:
+            return np.array([self.recover(*each) for each in zip(left, right)])
+        found = np.asarray(self.fitted.recover(left, right), float)
+        if found.shape != (len(left), 4):
+            wanted = f"({len(left)}, 4) px in [L, R]"
+            raise ValueError(f"transfer {self.title!r}: recover must return {wanted}, got shape {found.shape}")
+        return found
+
+    def residual(self, views: FourViews) -> NDArray[np.float64]:
+        given = getattr(self.fitted, "residual", None)
+        return super().residual(views) if given is None else np.asarray(given(views), float)
+
+    def conflict(self, views: FourViews) -> NDArray[np.float64]:
+        given = getattr(self.fitted, "conflict", None)
+        return super().conflict(views) if given is None else np.asarray(given(views), float)
+
+
+@dataclass(frozen=True, eq=False)
+class _BatchTransfer(Transfer):
+    """Transfers of single postures, as one transfer of the batch."""
+
+    fitted: tuple[FittedTransfer, ...]
+    batch: tuple[int, ...]
+
+    @property
+    def condition(self) -> NDArray[np.float64]:
+        return np.array([one.condition for one in self.fitted]).reshape(self.batch)
+
+    @property
+    def is_whitened(self) -> bool:  # type: ignore[override]
+        return self.fitted[0].is_whitened if self.fitted else False
+
+    def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray[np.float64]:
+        left, right = (
+            np.broadcast_to(points, self.batch + np.shape(points)[-2:]).reshape((-1,) + np.shape(points)[-2:])
+            for points in (demo_left, demo_right)
+        )
+        return self._joined([one.recover(*points) for one, *points in zip(self.fitted, left, right)])
+
+    def residual(self, views: FourViews) -> NDArray[np.float64]:
+        return self._joined([one.residual(v) for one, v in zip(self.fitted, _postures(views, self.batch))])
+
+    def conflict(self, views: FourViews) -> NDArray[np.float64]:
+        return self._joined([one.conflict(v) for one, v in zip(self.fitted, _postures(views, self.batch))])
+
+    def _joined(self, found: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+        together = np.array(found)
+        return together.reshape(self.batch + together.shape[1:])

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.leave_one_out import leave_one_out
+from ...estimation.outliers import find_outliers, select_matches
+from ...estimation.rectification import fit_transfer
 from ...estimation.transfers import TRANSFERS
-from ...estimation.transfers.rectified import fit
 from ...estimation.views import FourViews
 from ...geometry.rectification import Rectification, rectification_of
 from ...geometry.rigid import rigid_transform, rotation_about_axis
-from ...loop.suspects import suspects, telling
 from ...simulation.camera import Camera, Cameras, Lens
 from .benchmark import CaseOptions, Context, RunOptions, Share, as_json, run_cases
 
@@ -106,9 +106,9 @@ def run(
 def run_once(points: int, toe_in_deg: float, board: bool, seed: list[int]) -> Run:
     """Evaluate one draw of a case."""
     tracked, test = draw(Case(points, toe_in_deg, board), np.random.default_rng(seed))
-    inliers = suspects(tracked).left_out(tracked)
+    inliers = find_outliers(tracked).corrected(tracked)
     chosen = leave_one_out(inliers).rectification
-    by_matches = rectification_of(*np.split(telling(tracked), 2, axis=1))
+    by_matches = rectification_of(*np.split(select_matches(tracked), 2, axis=1))
     error_px, raw_px, always_px = (_errors(tracked, test, by) for by in (chosen, None, by_matches))
     return Run(chosen is not None, by_matches is not None, error_px, raw_px, always_px)
 
@@ -171,7 +171,7 @@ def _turn(deg: Sequence[float], rng: np.random.Generator) -> NDArray:
 
 def _errors(tracked: FourViews, test: FourViews, by: Rectification | None) -> dict[str, float]:
     """By transfer, px rms of points that it was not fitted to."""
-    fitted = {name: fit(method, tracked, by) for name, method in TRANSFERS.items()}
+    fitted = {name: fit_transfer(method, tracked, by) for name, method in TRANSFERS.items()}
     errors = {name: one.recover(test.demo_left, test.demo_right) - test.own for name, one in fitted.items()}
     return {name: float(np.sqrt(np.square(px).sum(-1).mean() / 2)) for name, px in errors.items()}
 

@@ -5,8 +5,7 @@ from numpy.typing import NDArray
 
 from ...analysis.trajectory import Trajectory
 from ...drawing import svg
-from ...drawing.axes import Axes, decade_ticks, decades, log10
-from ...drawing.plots import figure, sentence, style_of
+from ...drawing.plots import Axes, decade_ticks, decades, figure, log10, sentence, style_of
 from ...simulation.scene import Scene
 from .fig10 import BEFORE, CONVERGED, RUNS, Fig10
 

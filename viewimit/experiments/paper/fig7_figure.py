@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from ...analysis.minima import MAX_RELATIVE_ERROR, RADII_DEG
 from ...drawing import relief, svg
-from ...drawing.axes import Axes, decade_ticks, decades, log10
 from ...drawing.labels import CHARACTER
-from ...drawing.plots import figure, sentence, style_of
+from ...drawing.plots import Axes, decade_ticks, decades, figure, log10, sentence, style_of
 from ...drawing.posture_plane import PosturePlane
 from ...drawing.theme import OBSERVED
 from ...estimation.transfers import TRANSFERS

@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...drawing import svg
-from ...drawing.axes import Axes, decade_ticks, decades, log10
-from ...drawing.plots import Style, figure, sentence, style_of
+from ...drawing.plots import Axes, Style, decade_ticks, decades, figure, log10, sentence, style_of
 from ...servo import SERVOS
 from ...simulation.scene import Scene
 from .fig9 import BESIDE, MOTIONS, PAPERS_LAWS, Fig9, Run

@@ -1,17 +1,22 @@
-"""What a servo may claim of the posture in which it rests: measured evidence that E rises in every direction from it.
+"""The convergence test: measured evidence that E rises in every direction from a posture.
 
-A small E is none: a joint that no point tells leaves E flat, and the predictions' own errors look like a curvature.
-About the best posture b E ≈ E_b + ½ dᵀHd, d = θ - b, H as predicted. For each eigenvector v of H, the flattest first, a
-posture really visited is evidence if v makes most of the rise that is predicted there, and at least RISEN of v's own
-was measured beyond what the others should make: more than noise makes or, without noise, than the share CONFLICTING of
-what the own images moved by. Where there is none a check motion along v asks; if E does not rise as it should, v is
-unobservable, and so is each joint that it turns. Of too few points E is next to 0 and rises all around at wrong
-postures as well: they allow no claim. Nor has a point a part in H that was seen too rarely to tell how its images move:
-what is not known of that looks like a curvature.
+A point is a strict local minimum if the gradient is 0 and the Hessian positive definite: the second-order sufficient
+conditions (Nocedal and Wright, Theorem 2.4). A small E shows neither. A joint that no point depends on leaves E flat,
+and errors of the predictions look like curvature. So the test asks for E as measured at visits.
 
-How far off each joint may be follows from H by s²H⁻¹/N, s² the noise of the images or what is left of E, if more, and
-by H⁻¹g, g the gradients that the noise of the own images makes, and those that another head would, as far as matches
-do not tell its fundamental matrix. Of H is taken off what such noise adds to it.
+About the posture E ≈ E₀ + ½ dᵀ H d. For each eigenvector v of H, the flattest first, a visit at offset d is evidence
+if v makes most of the rise predicted at d, and at least `min_rise` of v's own share was measured. The rise must also
+exceed what noise makes or, without noise, a share of the motion of the own images. If no visit tests direction v, a
+verification motion along v is requested. If E does not rise as predicted, v is unobservable, and so is each joint with
+a component in v. With too few points E is small and rises at wrong postures as well: they allow no claim.
+
+The covariance of the joint errors is σ² H⁻¹ / N, σ the image noise or what is left of E, if more. To it are added
+H⁻¹ g of the gradients g that the noise of the own images and other hypotheses about the stereo head make.
+
+References
+----------
+Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, Theorem 2.4.
+Šidák, Rectangular confidence regions for the means of multivariate normal distributions, JASA 1967.
 """
 
 from dataclasses import dataclass, replace
@@ -22,198 +27,216 @@ from numpy.typing import NDArray
 
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ..status import ServoStatus
-from .local_model import UNTOLD, Surroundings, enough_points
+from .local_model import LocalModel, min_points_identifiable
+from .options import DEFAULTS, TrustRegionOptions
 
-LEAST, NEAR = np.radians((1.0, 25.0))  # along a direction, and away from the best, of visits that are evidence
-CHECK, NOISY_CHECK = np.radians((2.0, 8.0))  # lengths of check motions
-NOISY_LEAST, NOISY_NEAR = np.radians((5.5, 15.0))  # where the slopes of the images must be told from their noise
-OWN_SHARE, RISEN = 0.6, 0.5  # of a predicted rise: what must be the direction's own, what of that must be measured
-ALIGNED = 0.95  # of its length: what must be along a direction, for a visit to have asked about that at least
-CONFLICTING = 1e-4  # of the squared motion of the own images: what must be left as conflict
-SURELY = 3.0  # standard deviations
-LEAST_CURVATURE = 1e-100  # px²/rad²: keeps squares of what a level E allows finite
-PART = 0.1  # of a direction of length 1: a joint that has less is not turned by it
-EQUAL = 1e-6  # of such a direction's parts, and rad: what differs by less may do so by rounding
+Array = NDArray[np.float64]
+LEAST_CURVATURE = 1e-100  # px²/rad²: keeps squares of its inverse finite
+ROUNDING = 1e-6  # of a unit vector's components, and rad: smaller differences may be rounding
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """spread: (m,) rad/px, what a pixel of noise turns each joint by; expected: (m,) rad, standard deviations of the
-    joint errors, inf of joints that are not told; told: (m,) bool; shown: whether E was seen to rise along every
-    direction; check: (m,) rad, a motion that would show more, all 0 if there is none to make; spent: whether E is as
-    small as where nothing is told; learnable: whether points that were seen rarely, or noise that is not averaged yet,
-    hide what should be told; untried: whether no visit went in some direction. A check may be worth making though all
-    is shown: where slopes are told badly."""
+    """Result of the convergence test at a posture."""
 
-    spread: NDArray
-    expected: NDArray
-    told: NDArray
-    shown: bool
-    check: NDArray
-    spent: bool
-    learnable: bool = False
-    untried: bool = False
+    std_per_px: Array  # (m,) rad/px, standard deviation of each joint by image noise of 1 px
+    std_error: Array  # (m,) rad, standard deviation of each joint error; inf for unobservable joints
+    observable: NDArray[np.bool_]  # (m,), joints
+    verified: bool  # whether E was measured to rise along every direction
+    verification_step: Array  # (m,) rad, a motion that would show more; 0: there is none to make
+    at_floor: bool  # whether E is as small as it would be if the joints were unobservable
+    needs_more_data: bool = False  # points seen rarely, or noise not averaged yet, hide what would be observable
+    unexplored_direction: bool = False  # whether no visit went in some direction
 
     def per_pixel(self, unit_px: float) -> "Certificate":
-        """Return the same, made in units of so many pixels, with its spread per pixel."""
-        return replace(self, spread=self.spread / unit_px)
+        """Convert one that was made in image units of so many pixels."""
+        return replace(self, std_per_px=self.std_per_px / unit_px)
 
     @property
-    def claim(self) -> ServoStatus:
-        """The status in which a servo may rest where E is small."""
-        if not self.told.all():
+    def status(self) -> ServoStatus:
+        """Status in which a servo may stop where E is small."""
+        if not self.observable.all():
             return ServoStatus.UNOBSERVABLE
-        return ServoStatus.CONVERGED if self.shown else ServoStatus.SETTLED
+        return ServoStatus.CONVERGED if self.verified else ServoStatus.SETTLED
 
     @property
-    def lost(self) -> bool:
-        """Whether nothing tells some joint, though E is small."""
-        return self.spent and not self.told.all()
+    def unobservable_at_minimum(self) -> bool:
+        """Whether E is small and some joint is unobservable."""
+        return self.at_floor and not self.observable.all()
 
     @property
-    def worst(self) -> float:
-        """rad: twice this holds the largest joint error as often as twice `expected` holds each (Šidák 1967)."""
-        each, together = NormalDist(), 2 * NormalDist().cdf(2.0) - 1
-        surely = each.inv_cdf((1 + together ** (1 / len(self.expected))) / 2)
-        return float(self.expected.max() * surely / 2)
+    def simultaneous_std_error(self) -> float:
+        """Standard error s [rad] such that 2 s bounds the largest joint error with the probability of 2 σ (Šidák)."""
+        normal = NormalDist()
+        together = 2 * normal.cdf(2.0) - 1
+        quantile = normal.inv_cdf((1 + together ** (1 / len(self.std_error))) / 2)
+        return float(self.std_error.max() * quantile / 2)
 
     @property
-    def untold(self) -> list[int]:
-        """Indices of the joints that nothing tells, the worst first."""
-        return [int(j) for j in np.argsort(-self.spread, kind="stable") if not self.told[j]]
+    def unobservable_joints(self) -> list[int]:
+        """Indices of the unobservable joints, the worst first."""
+        return [int(j) for j in np.argsort(-self.std_per_px, kind="stable") if not self.observable[j]]
 
-    def named(self, status: ServoStatus) -> list[int]:
-        """Of these, those that may be named where a servo rests: none, unless it names them itself, if only the visits
-        leave them open."""
-        return self.untold if status == ServoStatus.UNOBSERVABLE or not (self.learnable or self.untried) else []
-
-
-def certify(here: Surroundings) -> Certificate:
-    """From the visits that there are."""
-    inverse = _inverse(here.hessian)
-    spread = _spread(inverse, here.points)
-    told, check, again = spread < UNTOLD, np.zeros(len(spread)), np.zeros(len(spread))
-    shown = here.seen >= enough_points(len(spread))
-    for direction in _directions(here):
-        risen, level = _evidence(here, direction)
-        shown = shown and risen and not _untold(here, direction)
-        if level and not risen:
-            told = told & (np.abs(direction) <= PART)
-        elif not risen or _unclear(here, direction):
-            check = check if check.any() else _length(here, direction) * direction
-        elif _hides_more(here, direction, here.gradients, here.by_slopes):
-            again = again if again.any() else NOISY_NEAR * direction  # what is far tells slopes best
-    noise = max(here.noise_px, PREDICTION_TOL_PX, np.sqrt(2 * here.points * here.E / here.freedom))
-    spent = here.E < CONFLICTING * 0.5 * UNTOLD**2 * np.trace(here.slopes)
-    variance = (noise * spread) ** 2 + here.left**2 + _of_own_noise(here, inverse) + _of_the_head(here, inverse)
-    expected = np.where(told, np.sqrt(variance), np.inf)
-    learnable = not told.all() and bool((deviations(here.foreseen, here.points) < UNTOLD).all())
-    untried = bool(np.linalg.norm(here.away @ np.linalg.eigh(here.away.T @ here.away)[1][:, 0]) < LEAST)
-    check = check if check.any() else again
-    return Certificate(spread, expected, told, shown, check, bool(spent), learnable, untried)
+    def reportable_joints(self, status: ServoStatus) -> list[int]:
+        """Return the unobservable joints that may be named: none, if the visits alone leave the question open."""
+        open_question = self.needs_more_data or self.unexplored_direction
+        return self.unobservable_joints if status == ServoStatus.UNOBSERVABLE or not open_question else []
 
 
-def deviations(hessian: NDArray, points: int) -> NDArray:
-    """(m,) rad/px: standard deviations that residuals with noise of 1 px leave to each joint, √diag((JᵀJ)⁻¹)."""
-    return _spread(_inverse(hessian), points)
+def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certificate:
+    """Test the second-order sufficient conditions at the posture of a local model.
+
+    Parameters
+    ----------
+    model : LocalModel
+    options : TrustRegionOptions, optional
+
+    Returns
+    -------
+    Certificate
+    """
+    inverse = _inverse(model.hessian)
+    std_per_px = _std_per_px(inverse, model.n_points)
+    observable = std_per_px < options.max_std_per_px
+    wanted, useful = np.zeros(len(std_per_px)), np.zeros(len(std_per_px))  # verification steps
+    verified = model.n_visible >= min_points_identifiable(len(std_per_px))
+    for direction in _directions(model, options):
+        increased, flat = _test_increase(model, direction, options)
+        verified = verified and increased and not _curvature_insignificant(model, direction, options)
+        if flat and not increased:
+            observable = observable & (np.abs(direction) <= options.min_component)
+        elif not increased or _unclear(model, direction, options):
+            wanted = wanted if wanted.any() else _step_length(model, direction, options) * direction
+        elif _self_noise_dominates(model, direction, model.grad_samples_images, model.grad_samples_jacobian):
+            useful = useful if useful.any() else options.max_evidence_noisy * direction  # far visits fix slopes best
+    left = np.sqrt(2 * model.n_points * model.E / model.degrees_of_freedom)
+    noise = max(model.noise_px, PREDICTION_TOL_PX, left)
+    floor = options.min_conflict_share * 0.5 * options.max_std_per_px**2 * np.trace(model.image_gram)
+    of_noise, of_rig = _self_noise_variance(model, inverse), _rig_variance(model, inverse)
+    variance = (noise * std_per_px) ** 2 + model.newton_step**2 + of_noise + of_rig
+    identifiable = lambda: standard_deviations(model.hessian_all_points, model.n_points) < options.max_std_per_px
+    nearest = np.linalg.norm(model.offsets @ np.linalg.eigh(model.offsets.T @ model.offsets)[1][:, 0])
+    return Certificate(
+        std_per_px=std_per_px,
+        std_error=np.where(observable, np.sqrt(variance), np.inf),
+        observable=observable,
+        verified=verified,
+        verification_step=wanted if wanted.any() else useful,
+        at_floor=bool(model.E < floor),
+        needs_more_data=not observable.all() and bool(identifiable().all()),
+        unexplored_direction=bool(nearest < options.min_evidence),
+    )
 
 
-def curvature_directions(hessian: NDArray) -> NDArray:
-    """(m, m): its eigenvectors of length 1 as columns, the flattest first. Either sign would do: the joint that turns
-    most turns forwards, of those that turn as far the first."""
+def standard_deviations(hessian: Array, points: int) -> Array:
+    """Return the standard deviation of each joint by image noise of 1 px, √diag((JᵀJ)⁻¹): (m,) rad/px."""
+    return _std_per_px(_inverse(hessian), points)
+
+
+def curvature_directions(hessian: Array) -> Array:
+    """Return the unit eigenvectors of a Hessian as columns, the flattest first: (m, m).
+
+    The sign is fixed: the largest component, of equal ones the first, is positive.
+    """
     directions = np.linalg.eigh(hessian)[1]
-    parts = np.abs(directions)
-    leading = (parts >= parts.max(0) - EQUAL).argmax(0)
+    components = np.abs(directions)
+    leading = (components >= components.max(0) - ROUNDING).argmax(0)
     return directions * np.copysign(1.0, directions[leading, range(len(leading))])
 
 
-def _spread(inverse: NDArray, points: int) -> NDArray:
-    """As `deviations`, of the inverse of a hessian."""
+def _std_per_px(inverse: Array, points: int) -> Array:
     return np.sqrt(np.diag(inverse) / points)
 
 
-def _inverse(hessian: NDArray) -> NDArray:
-    """Of a matrix that may have no curvature in some directions: (m, m)."""
+def _inverse(hessian: Array) -> Array:
+    """Invert a Hessian that may have no curvature in some directions."""
     curvatures, directions = np.linalg.eigh(hessian)
     least = max(1e-12 * curvatures[-1], LEAST_CURVATURE)
     return (directions / np.maximum(curvatures, least)) @ directions.T
 
 
-def _of_the_head(here: Surroundings, inverse: NDArray) -> NDArray:
-    """(m,) rad², variances: how far what is not known of the head moves it. inverse: of the hessian."""
-    return ((here.head @ inverse) ** 2).sum(0)
+def _rig_variance(model: LocalModel, inverse: Array) -> Array:
+    """Return the variance of the minimum by what is not known of the stereo head: (m,) rad²."""
+    return ((model.grad_bias_per_rig @ inverse) ** 2).sum(0)
 
 
-def _of_own_noise(here: Surroundings, inverse: NDArray) -> NDArray:
-    """(m,) rad², variances: how far the noise of the own images moves the place where E is least."""
-    return sum(((gradients @ inverse) ** 2).mean(0) for gradients in (here.gradients, here.by_slopes))
+def _self_noise_variance(model: LocalModel, inverse: Array) -> Array:
+    """Return the variance of the minimum by the noise of the own images: (m,) rad²."""
+    samples = model.grad_samples_images, model.grad_samples_jacobian
+    return sum(((gradients @ inverse) ** 2).mean(0) for gradients in samples)
 
 
-def _unclear(here: Surroundings, v: NDArray) -> bool:
-    """Whether the noise of the own images hides more of a displacement along v than that of the demonstrator's does, or
-    as much as tells nothing."""
-    return _untold(here, v) or _hides_more(here, v, here.gradients)
+def _unclear(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
+    """Whether the curvature along v is insignificant, or the own images' noise hides more than the demonstrator's."""
+    return _curvature_insignificant(model, v, options) or _self_noise_dominates(model, v, model.grad_samples_images)
 
 
-def _untold(here: Surroundings, v: NDArray) -> bool:
-    """Whether the points tell nothing of a displacement along v, where there is noise."""
-    nothing = here.points * max(v @ here.hessian @ v, LEAST_CURVATURE) * UNTOLD**2 < 1
-    return bool(here.noise_px > 0 and nothing)
+def _curvature_insignificant(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
+    """Whether a displacement along v is unobservable under noise."""
+    flat = model.n_points * max(v @ model.hessian @ v, LEAST_CURVATURE) * options.max_std_per_px**2 < 1
+    return bool(model.noise_px > 0 and flat)
 
 
-def _hides_more(here: Surroundings, v: NDArray, *gradients: NDArray) -> bool:
-    """Whether what makes these gradients, (k, m) px²/rad each, and further postures average, hides more of a
-    displacement along v than the noise of the demonstrator's images does."""
-    if here.noise_px == 0:
+def _self_noise_dominates(model: LocalModel, v: Array, *samples: Array) -> bool:
+    """Whether noise that more visits would average hides more of a displacement along v than the demonstrator's noise.
+
+    samples: (k, m) px²/rad each, gradients that it makes.
+    """
+    if model.noise_px == 0:
         return False
-    curvature = max(v @ here.hessian @ v, LEAST_CURVATURE)
-    own = sum(((one @ v) ** 2).mean() for one in gradients) / curvature**2
-    return bool(own > here.noise_px**2 / (here.points * curvature))
+    curvature = max(v @ model.hessian @ v, LEAST_CURVATURE)
+    own = sum(((gradients @ v) ** 2).mean() for gradients in samples) / curvature**2
+    return bool(own > model.noise_px**2 / (model.n_points * curvature))
 
 
-def _directions(here: Surroundings) -> list[NDArray]:
-    """(m,) each of length 1: the eigenvectors, the flattest first; one that the limits bar both ways is replaced by
-    what they leave of both."""
-    found = []
-    for v in curvature_directions(here.hessian).T:
-        ways = [way.clip(here.low, here.high) for way in (CHECK * v, -CHECK * v)]
-        free = [way for way in ways if np.linalg.norm(way) > 0.99 * CHECK]
-        found += [v] if free else [way / np.linalg.norm(way) for way in ways if np.linalg.norm(way) > LEAST]
+def _directions(model: LocalModel, options: TrustRegionOptions) -> list[Array]:
+    """Return the unit eigenvectors, the flattest first; one barred both ways is replaced by what the limits leave."""
+    found, length = [], options.verification_step
+    for v in curvature_directions(model.hessian).T:
+        ways = [way.clip(model.lower, model.upper) for way in (length * v, -length * v)]
+        is_free = any(np.linalg.norm(way) > 0.99 * length for way in ways)
+        long_enough = [way for way in ways if np.linalg.norm(way) > options.min_evidence]
+        found += [v] if is_free else [way / np.linalg.norm(way) for way in long_enough]
     return found
 
 
-def _evidence(here: Surroundings, v: NDArray) -> tuple[bool, bool]:
-    """Whether a visit has shown E to rise along v, and whether one has shown that it does not."""
-    along = here.away @ v
-    predicted = 0.5 * np.einsum("ka,kab,kb->k", here.away, here.hessians, here.away)
-    own = 0.5 * along**2 * (here.hessians @ v @ v)
-    across = here.away - along[:, None] * v
-    apart = own + 0.5 * np.einsum("ka,kab,kb->k", across, here.hessians, across)  # of fewer points v is no eigenvector
-    mostly = own >= OWN_SHARE * np.maximum(predicted, apart)
-    fully = own >= 0.5 * (0.5 * along**2 * (v @ here.whole @ v))  # by as many points, nearly, as there are
-    aligned = np.abs(along) >= ALIGNED * np.linalg.norm(here.away, axis=-1)
-    least, most = (LEAST, NEAR) if here.noise_px == 0 else (NOISY_LEAST, NOISY_NEAR)
-    near = (np.abs(along) >= least) & (np.abs(here.away).max(-1) <= most) & np.isfinite(here.rise)
-    seen = _noise_of_rise(here)
-    if here.noise_px == 0:
-        seen = 0.5 * CONFLICTING * along**2 * (v @ here.slopes @ v)
-    risen = near & mostly & (here.rise >= np.maximum(predicted - (1 - RISEN) * np.minimum(own, predicted), seen))
-    level = near & aligned & fully & (here.rise < seen) & (RISEN * predicted >= _noise_of_rise(here))
-    return bool(risen.any()), bool(level.any())
+def _test_increase(model: LocalModel, v: Array, options: TrustRegionOptions) -> tuple[bool, bool]:
+    """Return whether a visit has shown that E rises along v, and whether one has shown that it does not."""
+    quadratic = lambda d: 0.5 * np.einsum("ka,kab,kb->k", d, model.hessians, d)
+    along = model.offsets @ v
+    across = model.offsets - along[:, None] * v
+    predicted, own = quadratic(model.offsets), 0.5 * along**2 * (model.hessians @ v @ v)
+    mostly = own >= options.min_own_share * np.maximum(predicted, own + quadratic(across))  # v is no eigenvector of
+    # the Hessian of fewer points, so the sum may be smaller than its parts
+    all_points = own >= 0.5 * (0.5 * along**2 * (v @ model.hessian_single @ v))
+    aligned = np.abs(along) >= options.min_alignment * np.linalg.norm(model.offsets, axis=-1)
+    nearest, farthest = options.min_evidence, options.max_evidence
+    significant = 0.5 * options.min_conflict_share * along**2 * (v @ model.image_gram @ v)
+    if model.noise_px > 0:
+        nearest, farthest = options.min_evidence_noisy, options.max_evidence_noisy
+        significant = _noise_of_increase(model, options)
+    near = (np.abs(along) >= nearest) & (np.abs(model.offsets).max(-1) <= farthest) & np.isfinite(model.increase)
+    expected = predicted - (1 - options.min_rise) * np.minimum(own, predicted)
+    increased = near & mostly & (model.increase >= np.maximum(expected, significant))
+    visible = options.min_rise * predicted >= _noise_of_increase(model, options)
+    flat = near & aligned & all_points & (model.increase < significant) & visible
+    return bool(increased.any()), bool(flat.any())
 
 
-def _length(here: Surroundings, v: NDArray) -> float:
-    """rad, of a check motion along v; 0 if noise would hide the rise, and one as long as may be has been made."""
-    if here.noise_px == 0:
-        return float(CHECK)
-    along = here.away @ v
-    needed = 1.1 * np.sqrt(2 * _noise_of_rise(here) / (RISEN * max(v @ here.whole @ v, 1e-12)))
-    made = (np.abs(along) >= NOISY_NEAR / 2) & (np.abs(here.away).max(-1) <= 2 * NOISY_NEAR)
-    if needed > NOISY_NEAR and made.any() and not _unclear(here, v):
+def _step_length(model: LocalModel, v: Array, options: TrustRegionOptions) -> float:
+    """Return the length of a verification step along v, rad; 0 if noise hides the rise even of the longest one."""
+    if model.noise_px == 0:
+        return options.verification_step
+    longest, along = options.max_evidence_noisy, model.offsets @ v
+    curvature = options.min_rise * max(v @ model.hessian_single @ v, 1e-12)
+    needed = 1.1 * np.sqrt(2 * _noise_of_increase(model, options) / curvature)
+    made = (np.abs(along) >= longest / 2) & (np.abs(model.offsets).max(-1) <= 2 * longest)
+    if needed > longest and made.any() and not _unclear(model, v, options):
         return 0.0
-    return float(np.clip(needed, NOISY_CHECK, NOISY_NEAR))
+    return float(np.clip(needed, options.verification_step_noisy, longest))
 
 
-def _noise_of_rise(here: Surroundings) -> float:
-    """px²: a rise that noise makes by itself, but hardly ever."""
-    return SURELY * here.noise_px**2 * float(np.sqrt(here.freedom)) / here.points
+def _noise_of_increase(model: LocalModel, options: TrustRegionOptions) -> float:
+    """Return a rise of E that noise makes only rarely, px²."""
+    sigma = np.sqrt(model.degrees_of_freedom) / model.n_points
+    return options.significance * model.noise_px**2 * float(sigma)

@@ -1,8 +1,8 @@
-"""Which of the demonstrator's points are taken for each other, one pair or two: found without a motion.
+"""Find swapped correspondences: which of the demonstrator's points are taken for each other, one pair or two.
 
-The images that a learner predicts at postures all over its range are held against the demonstrator's as they are and
-with pairs exchanged. An exchange that leaves far less conflict than none, each at its best posture, is likely; what is
-left of E once the learner has gone there decides.
+The image model predicts the own images over the whole range. E is evaluated with the demonstrator's points as they are
+and with pairs of them swapped, each hypothesis at its best posture. A swap that leaves far less E than none is likely.
+No motion is needed. The E that is left when the arm has gone there decides.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,89 +13,111 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
-from ...estimation.views import Pairs, exchange
+from ...estimation.views import Pairs, permute
 from ..least_squares import minimise
+from .options import DEFAULTS, TrustRegionOptions
 
-GRID, GRID_OF_TWO = 12, 8  # postures a joint, for one exchange and for two; with many joints as many at random
-PROMISING, REFINED = 6, 3  # first exchanges of two that are looked at; postures from which the least is searched
-TOGETHER = 24  # exchanges that are asked about in one batch
-DECISIVE = 0.1  # of the conflict without an exchange
+Array = NDArray[np.float64]
+BATCH_SIZE = 24  # hypotheses that are evaluated at once
 
 
-def exchanged(images: NDArray, pairs: Pairs) -> NDArray:
-    """(..., N, k) with the rows of each pair exchanged."""
-    return images[..., exchange(np.arange(images.shape[-2]), pairs), :] if pairs else images
+def swapped(images: Array, pairs: Pairs) -> Array:
+    """Swap the points of each pair: (..., N, k) → (..., N, k)."""
+    return images[..., permute(np.arange(images.shape[-2]), pairs), :] if pairs else images
 
 
 @dataclass(frozen=True)
-class PermutedResiduals:
-    """The conflict if the pairs of the demonstrator's points are exchanged, which is that of exchanged own ones."""
+class SwappedResiduals:
+    """Residuals with pairs of the demonstrator's points swapped: those of own points that are swapped instead."""
 
     residuals: ResidualFunction
     pairs: Pairs
 
     def __call__(
-        self, own: NDArray, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
-    ) -> NDArray:
+        self, own: Array, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
+    ) -> Array:
+        """Compute residuals, as `ResidualFunction`."""
         if noise_reference is not None and noise_reference.own is not None:
-            noise_reference = replace(noise_reference, own=exchanged(noise_reference.own, self.pairs))
-        return self.residuals(exchanged(own, self.pairs), transfer, noise_reference, rig)
+            noise_reference = replace(noise_reference, own=swapped(noise_reference.own, self.pairs))
+        return self.residuals(swapped(own, self.pairs), transfer, noise_reference, rig)
 
     def with_partially_visible(self) -> ResidualFunction:
-        return PermutedResiduals(self.residuals.with_partially_visible(), self.pairs)
+        """Include points that only one camera sees."""
+        return SwappedResiduals(self.residuals.with_partially_visible(), self.pairs)
 
 
-def with_exchanged(residuals: ResidualFunction, pairs: Pairs) -> ResidualFunction:
-    """The same if there are none."""
-    return PermutedResiduals(residuals, pairs) if pairs else residuals
+def with_swapped(residuals: ResidualFunction, pairs: Pairs) -> ResidualFunction:
+    """Return residuals with pairs of the demonstrator's points swapped."""
+    return SwappedResiduals(residuals, pairs) if pairs else residuals
 
 
-def likely_exchange(
-    predict: Callable[[NDArray], NDArray], residuals: ResidualFunction, low: NDArray, high: NDArray, small: float
+def find_swapped_matches(
+    predict: Callable[[Array], Array],
+    residuals: ResidualFunction,
+    lower: Array,
+    upper: Array,
+    objective_floor: float,
+    options: TrustRegionOptions = DEFAULTS,
 ) -> Pairs:
-    """None, one or two pairs. predict: displacements (..., m) rad → own images (..., N, 4) px, NaN of points that are
-    not known; low, high: (m,) rad; small: px², an E that explains itself."""
+    """Find the pairs of the demonstrator's points that are swapped.
 
-    def least(pairs: Pairs, postures: NDArray, E: NDArray) -> float:
-        """px², near the most promising postures."""
-        residual_at = lambda theta: residuals(exchanged(predict(theta), pairs))
-        return minimise(residual_at, postures[np.argsort(E)[:REFINED]], low, high).E
+    Parameters
+    ----------
+    predict : callable
+        Own images at displacements, (..., m) rad → (..., N, 4) px; NaN for points that it cannot predict.
+    residuals : ResidualFunction
+    lower, upper : (m,) arrays
+        Joint limits [rad].
+    objective_floor : float
+        E that needs no explanation [px²].
+    options : TrustRegionOptions, optional
 
-    def over(postures: NDArray, hypotheses: Sequence[Pairs]) -> NDArray:
-        """(hypotheses, postures) px²"""
+    Returns
+    -------
+    tuple of pairs
+        None, one or two pairs of indices.
+    """
+
+    def smallest(pairs: Pairs, postures: Array, E: Array) -> float:
+        """Refine the best postures of a hypothesis, and return E there."""
+        residual_at = lambda theta: residuals(swapped(predict(theta), pairs))
+        return minimise(residual_at, postures[np.argsort(E)[: options.match_refined]], lower, upper).E
+
+    def evaluate(postures: Array, hypotheses: Sequence[Pairs]) -> Array:
+        """Return E of all hypotheses at all postures, (hypotheses, postures) px²."""
         images = np.ascontiguousarray(predict(postures).transpose(1, 2, 0))  # postures last in memory
-        blocks = [hypotheses[k : k + TOGETHER] for k in range(0, len(hypotheses), TOGETHER)]
+        found = []
+        for k in range(0, len(hypotheses), BATCH_SIZE):
+            orders = [permute(np.arange(len(images)), pairs) for pairs in hypotheses[k : k + BATCH_SIZE]]
+            batch = np.stack([images[order] for order in orders], 2)
+            found.append(conflict(residuals(batch.transpose(2, 3, 0, 1))))
+        return np.concatenate(found)
 
-        def ask(block: Sequence[Pairs]) -> NDArray:
-            together = np.stack([images[exchange(np.arange(len(images)), pairs)] for pairs in block], 2)
-            return conflict(residuals(together.transpose(2, 3, 0, 1)))
-
-        return np.concatenate([ask(block) for block in blocks])
-
-    postures = _postures(low, high, GRID)
+    postures = _postures(lower, upper, options.match_grid)
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
-    without = least((), postures, over(postures, [()])[0]) if len(known) >= 2 else np.nan
-    if not small <= without < np.inf:
+    E_none = smallest((), postures, evaluate(postures, [()])[0]) if len(known) >= 2 else np.nan
+    if not objective_floor <= E_none < np.inf:
         return ()
     single: list[Pairs] = [(pair,) for pair in combinations(known, 2)]
-    E = over(postures, single)
+    E = evaluate(postures, single)
     order = np.argsort(E.min(1))
     one = single[order[0]]
-    E_one = least(one, postures, E[order[0]])
-    if E_one < small:
+    E_one = smallest(one, postures, E[order[0]])
+    if E_one < objective_floor:
         return one
-    postures = _postures(low, high, GRID_OF_TWO)
-    double = [(*single[k], *other) for k in order[:PROMISING] for other in single if not {*single[k][0]} & {*other[0]}]
-    E = over(postures, double)
+    postures = _postures(lower, upper, options.match_grid_two)
+    first = [single[k] for k in order[: options.match_first_pairs]]
+    double = [(*pair, *other) for pair in first for other in single if not {*pair[0]} & {*other[0]}]
+    E = evaluate(postures, double)
     k = int(E.min(1).argmin())
-    two, E_two = double[k], least(double[k], postures, E[k])
-    if E_two < DECISIVE * min(E_one, without):
+    two, E_two = double[k], smallest(double[k], postures, E[k])
+    if E_two < options.match_gain * min(E_one, E_none):
         return two
-    return one if E_one < DECISIVE * without else ()
+    return one if E_one < options.match_gain * E_none else ()
 
 
-def _postures(low: NDArray, high: NDArray, count: int) -> NDArray:
-    """(n, m) rad: a grid of `count` a joint, with many joints as many at random as with two."""
-    if len(low) > 2:
-        return np.random.default_rng(count).uniform(low, high, (count**2, len(low)))
-    return np.stack(np.meshgrid(*np.linspace(low, high, count).T, indexing="ij"), -1).reshape(-1, len(low))
+def _postures(lower: Array, upper: Array, count: int) -> Array:
+    """Return a grid of `count` postures per joint; for three joints or more, as many random ones as for two."""
+    if len(lower) > 2:
+        return np.random.default_rng(count).uniform(lower, upper, (count**2, len(lower)))
+    return np.stack(np.meshgrid(*np.linspace(lower, upper, count).T, indexing="ij"), -1).reshape(-1, len(lower))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.covariance import KinematicsCovariance
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ..least_squares import DIFFERENCE, aside
+from ..least_squares import FD_STEP, fd_steps
 from ..observation import Visit
 from .gaussian_process import GaussianProcessImages
 
@@ -199,12 +199,12 @@ def estimate_own_noise(
     """
     if isinstance(model, KinematicImages):
         return _kinematic_noise(model, residuals, place, degrees_of_freedom, seed)
-    images = model.predict(place + DIFFERENCE * aside(len(place)))
+    images = model.predict(place + FD_STEP * fd_steps(len(place)))
     noise = np.random.default_rng(seed).standard_normal((N_SAMPLES, *images[0].shape))
     e = residuals(np.concatenate([images, images[0] + noise_px * noise]))
     n_points = e.shape[-2]
     e = e.reshape(len(e), -1)
-    J, errors = (e[1 : len(images)] - e[0]) / DIFFERENCE, e[len(images) :] - e[0]
+    J, errors = (e[1 : len(images)] - e[0]) / FD_STEP, e[len(images) :] - e[0]
     mean_square = float((errors**2).sum()) / (N_SAMPLES * n_points)  # px², by the noise of one image
     jacobian_weights, image_weights = model.jacobian_weights(place), model.image_weights(place)
     gradients = np.linalg.norm(image_weights) * errors @ J.T
@@ -221,14 +221,14 @@ def _kinematic_noise(
     seed: int,
 ) -> OwnNoise:
     """As `estimate_own_noise`, where the noise of all visits together moves every image and every derivative."""
-    images = model.predict(place + DIFFERENCE * aside(len(place)))
+    images = model.predict(place + FD_STEP * fd_steps(len(place)))
     image_errors, jacobian_errors = model.posterior_samples(place, N_SAMPLES, seed)
-    stepped = DIFFERENCE * jacobian_errors.reshape(-1, *images[0].shape)
+    stepped = FD_STEP * jacobian_errors.reshape(-1, *images[0].shape)
     e = residuals(np.concatenate([images, images[0] + image_errors, images[0] + stepped]))
     n_points = e.shape[-2]
     e = e.reshape(len(e), -1)
     J, by_images, by_jacobian = np.split(e[1:] - e[0], [len(place), len(place) + N_SAMPLES])
-    J, by_jacobian = J / DIFFERENCE, by_jacobian.reshape(N_SAMPLES, len(place), -1) / DIFFERENCE
+    J, by_jacobian = J / FD_STEP, by_jacobian.reshape(N_SAMPLES, len(place), -1) / FD_STEP
     hessian_bias = np.einsum("dik,djk->ij", by_jacobian, by_jacobian) / (N_SAMPLES * n_points)
     return OwnNoise(hessian_bias, by_images @ J.T / n_points, by_jacobian @ e[0] / n_points, degrees_of_freedom)
 

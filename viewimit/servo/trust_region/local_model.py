@@ -1,4 +1,12 @@
-"""What a learner knows about a posture: how E should rise about it, and how it did at the postures visited."""
+"""The quadratic model of E about a posture: E(θ) = E₀ + ½ dᵀ H d, d = θ - θ₀, with what is known of its errors.
+
+H = J_uᵀ J_e' J_e J_u / N is the Gauss-Newton Hessian: J_u are the slopes of the own images, J_e those of the residuals.
+J_u is learned from noisy images. So H is debiased, and Monte Carlo draws of that noise give the error of the gradient.
+
+References
+----------
+Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, section 10.3 (Gauss-Newton).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,208 +15,223 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.residuals import conflict
-from ..least_squares import DIFFERENCE, Minimum, aside
+from ..least_squares import FD_STEP, Minimum, fd_steps
 from ..observation import Observation, Visit
 from .image_models import ImageModel, estimate_own_noise
+from .options import DEFAULTS, TrustRegionOptions
 
-UNTOLD = np.radians(20.0)  # a pixel: nothing tells a joint that costs as much
-LEARNED = 1.0 / UNTOLD  # px/rad: slopes as uncertain as this tell a joint that nothing tells
-ResidualOf = Callable[[NDArray], NDArray]  # own images (..., N, 4) px → (..., n, C) px
-FREE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
+Array = NDArray[np.float64]
+Residuals = Callable[[Array], Array]  # own images (..., N, 4) px → residuals (..., n, C) px
+AFFINE_MINIMAL_SAMPLE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
 
 
-def fitted_points(joints: int) -> float:
-    """So many the joints and a homography of space, of 15 numbers, fit by themselves: as rows match, each pair tells
-    three coordinates of a point."""
+def absorbed_points(joints: int) -> float:
+    """Return how many points the free parameters fit exactly, whatever the posture.
+
+    The parameters are the joints and a 3-D projective map (15). Each stereo match gives three coordinates, because its
+    row is the same in both images.
+    """
     return (15 + joints) / 3
 
 
-def enough_points(joints: int) -> int:
-    """So many contradict a wrong posture: more coordinates than a point's are left over that nothing fits."""
-    return int(fitted_points(joints) + 1) + 1
+def min_points_identifiable(joints: int) -> int:
+    """Return how many points contradict a wrong posture: one more than the free parameters fit."""
+    return int(absorbed_points(joints) + 1) + 1
 
 
-def freedom_of(points: int, joints: int) -> int:
-    """Residuals that the transfer and the joints do not fit by themselves."""
-    return max(4 * (points - FREE) - joints, 1)
+def degrees_of_freedom(points: int, joints: int) -> int:
+    """Return how many residuals neither the transfer nor the joints fit."""
+    return max(4 * (points - AFFINE_MINIMAL_SAMPLE) - joints, 1)
 
 
 @dataclass(frozen=True)
-class Surroundings:
-    """What is known about a posture: hessian: (m, m) px²/rad², of the predicted E, the mean over `points`; foreseen: if
-    those that were seen rarely moved as predicted, too, and the own images had no noise, the sum over all, by `points`;
-    E: px², there; seen: how many of them really were, at the best visit; left: (m,) rad, from there to where E should
-    be least; gradients: (k, m) px²/rad, of E there as k draws of the own images' noise have them; by_slopes: as draws
-    of their slopes' do; head: (k, m) px²/rad, by how much more it would be with each other head; slopes: (m, m)
-    px²/rad², by which E would rise if all motion of the own images were conflict; away: (n, m) rad, the visits from
-    there; rise: (n,) px², of the E measured at them, NaN where it cannot be compared, by points whose hessian is
-    hessians: (n, m, m), weighted as single images are; whole: (m, m), of all points and weighted the same way; low,
-    high: (m,) rad, what the limits leave; noise_px: of residuals, standard deviation."""
+class LocalModel:
+    """Quadratic model of E about a posture, and E as measured at the visits near it; m joints, n visits."""
 
-    hessian: NDArray
-    foreseen: NDArray
-    E: float
-    points: int
-    seen: int
-    left: NDArray
-    gradients: NDArray
-    by_slopes: NDArray
-    head: NDArray
-    slopes: NDArray
-    away: NDArray
-    rise: NDArray
-    hessians: NDArray
-    whole: NDArray
-    low: NDArray
-    high: NDArray
-    noise_px: float
+    hessian: Array  # (m, m) px²/rad², debiased, mean over the points
+    hessian_all_points: Array  # (m, m) px²/rad², with rarely seen points, as if own images had no noise
+    E: float  # px², at the best visit
+    n_points: int  # that determine E
+    n_visible: int  # of these, visible at the best visit
+    newton_step: Array  # (m,) rad, from the posture to the predicted minimum
+    grad_samples_images: Array  # (k, m) px²/rad, Monte Carlo draws: error of the gradient by the own images' noise
+    grad_samples_jacobian: Array  # (k, m) px²/rad, draws: its error by the noise of the images' slopes
+    grad_bias_per_rig: Array  # (k, m) px²/rad, its change with each other hypothesis about the stereo head
+    image_gram: Array  # (m, m) px²/rad², J_uᵀ J_u / N
+    offsets: Array  # (n, m) rad, of the visits from the posture
+    increase: Array  # (n,) px², of the measured E above the best visit; NaN where no common points allow it
+    hessians: Array  # (n, m, m) px²/rad², of the points that `increase` is measured with, for single images
+    hessian_single: Array  # (m, m) px²/rad², of all points, for single images
+    lower: Array  # (m,) rad, joint limits relative to the posture
+    upper: Array  # (m,) rad
+    noise_px: float  # standard deviation of a residual
 
     @property
-    def freedom(self) -> int:
-        return freedom_of(self.points, len(self.hessian))
+    def degrees_of_freedom(self) -> int:
+        """Residual degrees of freedom of E."""
+        return degrees_of_freedom(self.n_points, len(self.hessian))
 
 
 @dataclass(frozen=True)
-class Known:
-    """visits; best: index of the one with the smallest E; E: px², there; points: (N,) bool, by which it was measured
-    there; model: learned from the visits; seen: at the last; residual_of: own images (..., N, 4) px → (..., n, C) px,
-    by the transfer chosen, points NaN in them left out; measured: (n,) px², E of each visit by its own images, None
-    where it was not by these; others: as residual_of, of each other head that may be; residual_of_single: weighted for
-    single own images, as they were seen at the visits, None where residual_of is not weighted."""
+class EstimationData:
+    """What a local model is made from."""
 
     visits: tuple[Visit, ...]
-    best: int
-    E: float
-    points: NDArray
-    model: ImageModel
-    seen: Observation
-    residual_of: Callable[[NDArray], NDArray]
-    measured: NDArray | None = None
-    others: tuple[ResidualOf, ...] = ()
-    residual_of_single: ResidualOf | None = None
+    best: int  # index of the visit with the smallest E
+    E: float  # px², there
+    points: NDArray[np.bool_]  # (N,), that E was evaluated with there
+    model: ImageModel  # learned from the visits
+    observation: Observation  # at the last visit
+    residuals: Residuals  # by the chosen transfer; points that are NaN are left out
+    E_of_visits: Array | None = None  # (n,) px², by each visit's own images; None: residuals are whitened
+    residuals_per_rig: tuple[Residuals, ...] = ()  # for each other hypothesis about the stereo head
+    residuals_single: Residuals | None = None  # whitened for single own images; None: residuals are not whitened
 
     @property
-    def of_visits(self) -> ResidualOf:
-        """The residuals of own images as they were seen."""
-        return self.residual_of if self.residual_of_single is None else self.residual_of_single
+    def residuals_of_visits(self) -> Residuals:
+        """Residuals of own images as they were seen."""
+        return self.residuals if self.residuals_single is None else self.residuals_single
 
 
-def survey(known: Known, found: Minimum, place: NDArray) -> Surroundings:
-    """About a place, (m,) rad. found: the smallest E that is predicted."""
-    learned = known.model.jacobian_std(place) < LEARNED
-    hessian, foreseen, points = found.hessian, found.hessian, found.points
-    if not learned[known.points].all():
-        hessian, points = _hessian_by(known, known.points & learned, place)
-    whole = hessian
-    if known.residual_of_single is not None:
-        whole = _hessian(_of_points(known, known.residual_of_single, learned, place)(_images_about(known.model, place)))
-    rise, hessians = _rises(known, whole, place, learned)
-    gradients = by_slopes = np.zeros((1, len(place)))
-    if known.seen.noise_px > 0:
-        freedom, residual_of = freedom_of(points, len(place)), _of_points(known, known.residual_of, learned, place)
-        noise = estimate_own_noise(known.model, residual_of, place, known.seen.noise_px, freedom, known.seen.motion)
-        hessian, hessians = noise.debias_hessian(hessian), noise.debias_hessian(hessians)
-        whole = noise.debias_hessian(whole)
-        gradients, by_slopes = noise.grad_samples_images, noise.grad_samples_jacobian
-    return Surroundings(
+def local_model(
+    data: EstimationData, minimum: Minimum, place: Array, options: TrustRegionOptions = DEFAULTS
+) -> LocalModel:
+    """Make the quadratic model of E about a posture.
+
+    Parameters
+    ----------
+    data : EstimationData
+    minimum : Minimum
+        The smallest predicted E.
+    place : (m,) array
+        The posture [rad].
+    options : TrustRegionOptions, optional
+
+    Returns
+    -------
+    LocalModel
+
+    Notes
+    -----
+    A point whose slopes are more uncertain than 1 / `max_std_per_px` is left out: its errors would look like curvature.
+    """
+    learned = data.model.jacobian_std(place) < 1.0 / options.max_std_per_px
+    hessian, points = minimum.hessian, minimum.points
+    if not learned[data.points].all():
+        hessian, points = _hessian_of_points(data, data.points & learned, place)
+    single = hessian
+    if data.residuals_single is not None:
+        of_points = _restricted(data, data.residuals_single, learned, place)
+        single = _hessian(of_points(_images_about(data.model, place)))
+    increase, hessians = _increases(data, single, place, learned)
+    of_images = of_jacobian = np.zeros((1, len(place)))
+    if data.observation.noise_px > 0:
+        freedom = degrees_of_freedom(points, len(place))
+        residuals, seed = _restricted(data, data.residuals, learned, place), data.observation.motion
+        noise = estimate_own_noise(data.model, residuals, place, data.observation.noise_px, freedom, seed)
+        hessian, hessians, single = (noise.debias_hessian(one) for one in (hessian, hessians, single))
+        of_images, of_jacobian = noise.grad_samples_images, noise.grad_samples_jacobian
+    return LocalModel(
         hessian=hessian,
-        foreseen=foreseen * found.points / points,
-        E=known.E,
-        points=points,
-        seen=_really_seen(known, points),
-        left=found.theta - place,
-        gradients=gradients,
-        by_slopes=by_slopes,
-        head=_head_gradients(known, learned, place),
-        slopes=_image_slopes(known.model, place),
-        away=np.array([visit.displacement for visit in known.visits]) - place,
-        rise=rise,
+        hessian_all_points=minimum.hessian * minimum.points / points,
+        E=data.E,
+        n_points=points,
+        n_visible=_count_visible(data, points),
+        newton_step=minimum.theta - place,
+        grad_samples_images=of_images,
+        grad_samples_jacobian=of_jacobian,
+        grad_bias_per_rig=_grad_bias_per_rig(data, learned, place),
+        image_gram=_image_gram(data.model, place),
+        offsets=np.array([visit.displacement for visit in data.visits]) - place,
+        increase=increase,
         hessians=hessians,
-        whole=whole,
-        low=known.seen.lower - place,
-        high=known.seen.upper - place,
-        noise_px=known.seen.noise_px,
+        hessian_single=single,
+        lower=data.observation.lower - place,
+        upper=data.observation.upper - place,
+        noise_px=data.observation.noise_px,
     )
 
 
-def _hessian_by(known: Known, points: NDArray, place: NDArray) -> tuple[NDArray, int]:
-    """(m, m) px²/rad², of the E that these points, (N,) bool, should make about a place, 0 where they are too few for
-    any; and how many make it."""
-    e = known.residual_of(np.where(points[:, None], _images_about(known.model, place), np.nan))
+def _hessian_of_points(data: EstimationData, points: NDArray[np.bool_], place: Array) -> tuple[Array, int]:
+    """Return the Hessian that these points, (N,), predict, 0 where they are too few for any E, and their number."""
+    e = data.residuals(np.where(points[:, None], _images_about(data.model, place), np.nan))
     return (_hessian(e) if np.isfinite(e).all() else np.zeros((len(place),) * 2)), max(e.shape[-2], 1)
 
 
-def _images_about(model: ImageModel, place: NDArray) -> NDArray:
-    """(1 + m, N, 4) px, predicted at a place and a little aside by each joint."""
-    return model.predict(place + DIFFERENCE * aside(len(place)))
+def _images_about(model: ImageModel, place: Array) -> Array:
+    """Predict the images at a posture and one finite difference on by each joint: (1 + m, N, 4) px."""
+    return model.predict(place + FD_STEP * fd_steps(len(place)))
 
 
-def _of_points(known: Known, residual_of: ResidualOf, learned: NDArray, place: NDArray) -> ResidualOf:
-    """The residuals of the points by which E was measured that are learned, (N,) bool, alone: others may be predicted
-    anywhere. Of all, if these are too few for any."""
-    points = known.points & learned
-    of_these = lambda own: residual_of(np.where(points[:, None], own, np.nan))
-    enough = points.all() or np.isfinite(of_these(known.model.predict(place))).all()
-    return of_these if enough else residual_of
+def _restricted(data: EstimationData, residuals: Residuals, learned: NDArray[np.bool_], place: Array) -> Residuals:
+    """Return residuals of the points that E was evaluated with and whose slopes are learned; of all, if too few."""
+    points = data.points & learned
+    of_these = lambda own: residuals(np.where(points[:, None], own, np.nan))
+    enough = points.all() or np.isfinite(of_these(data.model.predict(place))).all()
+    return of_these if enough else residuals
 
 
-def _head_gradients(known: Known, learned: NDArray, place: NDArray) -> NDArray:
-    """(k, m) px²/rad, as `Surroundings.head`."""
-    if not known.others:
+def _grad_bias_per_rig(data: EstimationData, learned: NDArray[np.bool_], place: Array) -> Array:
+    """Return how the gradient of E changes with each other hypothesis about the stereo head: (k, m) px²/rad."""
+    if not data.residuals_per_rig:
         return np.zeros((0, len(place)))
-    about = _images_about(known.model, place)
-    heads = known.residual_of, *known.others
-    by_head = [_gradient(_of_points(known, of_head, learned, place)(about)) for of_head in heads]
-    return np.array([gradient - by_head[0] for gradient in by_head[1:]])
+    about = _images_about(data.model, place)
+    rigs = data.residuals, *data.residuals_per_rig
+    gradients = [_gradient(_restricted(data, residuals, learned, place)(about)) for residuals in rigs]
+    return np.array([gradient - gradients[0] for gradient in gradients[1:]])
 
 
-def _gradient(e: NDArray) -> NDArray:
-    """(m,) px²/rad, of E, as `_hessian`."""
-    return (e[1:] - e[0]).reshape(len(e) - 1, -1) @ e[0].ravel() / (DIFFERENCE * e.shape[-2])
+def _gradient(e: Array) -> Array:
+    """Return the gradient of E, (m,) px²/rad, from residuals (1 + m, n, C) px at `_images_about`."""
+    return (e[1:] - e[0]).reshape(len(e) - 1, -1) @ e[0].ravel() / (FD_STEP * e.shape[-2])
 
 
-def _hessian(e: NDArray) -> NDArray:
-    """(m, m) px²/rad², Gauss and Newton's, of residuals (1 + m, n, C) px of such images."""
-    J = (e[1:] - e[0]).reshape(len(e) - 1, -1) / DIFFERENCE
+def _hessian(e: Array) -> Array:
+    """Return the Gauss-Newton Hessian of E, (m, m) px²/rad², from residuals (1 + m, n, C) px at `_images_about`."""
+    J = (e[1:] - e[0]).reshape(len(e) - 1, -1) / FD_STEP
     return J @ J.T / e.shape[-2]
 
 
-def _rises(known: Known, hessian: NDArray, place: NDArray, learned: NDArray) -> tuple[NDArray, NDArray]:
-    """(n,) px²: E measured at every visit above that at the best one, by the points really seen in both and learned,
-    (N,) bool; (n, m, m) px²/rad²: the hessian of these points."""
-    own, seen, residual_of = _visited(known), known.model.seen, known.of_visits
+def _increases(data: EstimationData, hessian: Array, place: Array, learned: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Measure how much E is larger at every visit than at the best one, with the points seen and learned at both.
+
+    Returns (n,) px², and (n, m, m) px²/rad², the Hessians of these points.
+    """
+    own, seen, residuals = _images_of_visits(data), data.model.seen, data.residuals_of_visits
     hessians = np.repeat(hessian[None], len(own), 0)
     if seen.all():
-        E = conflict(residual_of(own)) if known.measured is None else known.measured
-        with np.errstate(invalid="ignore"):  # two that nothing tells
-            return E - E[known.best], hessians
-    rises = np.full(len(own), np.nan)
-    about = _images_about(known.model, place)
-    for k, both in enumerate(seen & seen[known.best] & learned):
-        images = np.concatenate([own[[known.best, k]], about])
-        e = residual_of(np.where(both[:, None], images, np.nan))
+        E = conflict(residuals(own)) if data.E_of_visits is None else data.E_of_visits
+        with np.errstate(invalid="ignore"):  # inf - inf: too few points at both
+            return E - E[data.best], hessians
+    increases = np.full(len(own), np.nan)
+    about = _images_about(data.model, place)
+    for k, both in enumerate(seen & seen[data.best] & learned):
+        images = np.concatenate([own[[data.best, k]], about])
+        e = residuals(np.where(both[:, None], images, np.nan))
         here, there = conflict(e[:2])
         if np.isfinite(there):
-            rises[k], hessians[k] = there - here, _hessian(e[2:])
-    return rises, hessians
+            increases[k], hessians[k] = there - here, _hessian(e[2:])
+    return increases, hessians
 
 
-def _really_seen(known: Known, points: int) -> int:
-    """How many points tell E at the best visit without being predicted; as many as `points`, where all are seen at
-    every visit: then none is seen because the posture is a wrong one."""
-    if known.model.seen.all():
+def _count_visible(data: EstimationData, points: int) -> int:
+    """Count the points that determine E at the best visit without being predicted.
+
+    If all are seen at every visit it is `points`: none is then seen only because the posture is wrong.
+    """
+    if data.model.seen.all():
         return points
-    best, seen = _visited(known)[known.best], known.model.seen[known.best]
-    return known.of_visits(np.where(seen[:, None], best, np.nan)).shape[-2]
+    best, seen = _images_of_visits(data)[data.best], data.model.seen[data.best]
+    return data.residuals_of_visits(np.where(seen[:, None], best, np.nan)).shape[-2]
 
 
-def _visited(known: Known) -> NDArray:
-    """(n, N, 4) px"""
-    return known.model.impute(np.array([visit.own for visit in known.visits]))
+def _images_of_visits(data: EstimationData) -> Array:
+    """Return the images of all visits, hidden points predicted where that is safe: (n, N, 4) px."""
+    return data.model.impute(np.array([visit.own for visit in data.visits]))
 
 
-def _image_slopes(model: ImageModel, place: NDArray) -> NDArray:
-    """(m, m) px²/rad², as `Surroundings.slopes`, of the points that the model knows."""
+def _image_gram(model: ImageModel, place: Array) -> Array:
+    """Return J_uᵀ J_u / N of the points that the model knows, (m, m) px²/rad²."""
     slopes = model.jacobian(place)[:, np.isfinite(model.at_centre).all(-1)]
     points = max(slopes.shape[1], 1)
     slopes = slopes.reshape(len(place), -1)

@@ -1,6 +1,7 @@
-"""What the trust region remembers from one motion to the next."""
+"""What the trust region remembers from one motion to the next, and how a look is recorded in it."""
 
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,144 +14,231 @@ from ..status import ServoStatus
 from .convergence import Certificate
 from .image_models import observations_of
 from .localisation import contradicts_command, localise
+from .options import TrustRegionOptions
 
-FIRST_RADIUS, LAST_RADIUS = np.radians((25.0, 12.0))
-CERTAIN = np.radians(0.3)  # a displacement that E may leave room for where a servo claims to have arrived
-EVERYWHERE = float(np.inf)  # of a learner that has been all over its range
-KEPT = 60  # visits
-CLOSE = 1e-9  # rad, between two times at one posture
-ALL_OF = 0.9  # share of the region, from which a motion has made use of all of it
-MOST_FAILURES = 2
-PHASES = ((None, FIRST_RADIUS), ("linear", FIRST_RADIUS), (None, LAST_RADIUS))  # transfer, None: the chosen one
-ASKED = 1, 2, 3, 5, 8, 13, 21, 34, 55  # visits, more than joints, at which kinematics are looked for
+
+class Phase(str, Enum):
+    """What the trust region does at a look."""
+
+    PROBE = "probe"
+    MATCH = "match"
+    DESCEND = "descend"
+    VERIFY = "verify"
+    SEARCH = "search"
+    REST = "rest"
 
 
 @dataclass(frozen=True)
-class TrustState:
-    """visits: the last of them is where the arm is. goal: (m,) rad, on the way to a restart or back to the best, where
-    the status becomes `ending`.
+class Region:
+    """The trust region about the best posture, as of Nocedal and Wright, Algorithm 4.1."""
 
-    promised: decrease of E predicted for the motion just made, None if it was not made for that. slight: motions that
-    kept such a promise, but lowered E by next to nothing, since one that did not. certificate: of the best posture,
-    None before E was small anywhere. moved: the demonstrator has, since the last motion; chasing: and before that one
-    as well, so that a motion aside would only leave the learner behind. exchanged: of the demonstrator's points, as it
-    seems; asked: how often that was asked. rehearsed: what was seen before, as long as it holds: it takes the place of
-    probes, and with it the whole range is the first region. needed: points by which E must be told at a posture for
-    that to be the best, as those of another did not tell all joints. strayed: (m,) rad, from where the arm stands by
-    its images to where it was sent, None as long as these agree; still: it stayed where it was, though it was sent
-    elsewhere. limited: where it stalled, E should be least where a joint cannot be sent on. lines: points that one
-    camera alone sees are asked, as the others do not tell every joint. kinematics: that explain all that is known of
-    the own images, if any do: then they are foretold everywhere. unit_px: pixels of one unit, which all images and E
-    are in here.
-    """
+    radius: float  # rad per joint; inf: the whole range
+    predicted_reduction: float | None = None  # px² of E, for the step just made; None: it was made for something else
+    n_rejected: int = 0  # short steps in a row that did not reduce E
 
-    visits: tuple[Visit, ...]
-    probes: tuple[int, ...]
-    radius: float = float(FIRST_RADIUS)
-    phase: int = 0
-    promised: float | None = None
-    goal: NDArray | None = None
-    ending: ServoStatus | None = None
-    restarts: int = 0
-    checks: int = 0
-    failures: int = 0
-    slight: int = 0
+
+@dataclass(frozen=True)
+class Search:
+    """How far the search for a smaller E has come. A restart begins it again."""
+
+    rung: int = 0  # index into `TrustRegionOptions.ladder`
+    n_restarts: int = 0
+    n_verifications: int = 0  # verification motions since the last restart
+    min_points: int = 0  # that must determine E at the best posture, as fewer left a joint unobservable
+    partial_points: bool = False  # whether points that one camera alone sees are used
+
+
+@dataclass(frozen=True)
+class Destination:
+    """A posture that several motions lead to: where a restart begins, or where the arm is to rest."""
+
+    displacement: NDArray[np.float64] | None = None  # (m,) rad; None: the last motion to it was made, or there is none
+    status: ServoStatus | None = None  # to report on arrival; None: look around there
+    at_joint_limit: bool = False  # whether the predicted minimum is at a joint limit
+
+
+@dataclass(frozen=True)
+class Matching:
+    """Correspondences of the demonstrator's points that seem to be swapped."""
+
+    pairs: Pairs = ()  # indices of the points
+    n_attempts: int = 0  # searches made
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """An arm that is not where it was sent: it has backlash, moves in steps, or meets an obstacle."""
+
+    offset: NDArray[np.float64]  # (m,) rad, where it was sent, minus where it is by its images
+    stuck: bool = False  # whether the last motion did not move it
+
+
+@dataclass(frozen=True)
+class TrustRegionState:
+    """The state of `TrustRegion`. All images, noise and E in it are in units of `unit_px`."""
+
+    visits: tuple[Visit, ...]  # postures and images; the arm is at the last
+    joints_to_probe: tuple[int, ...]  # indices
+    region: Region
+    unit_px: float  # pixels per image unit
+    phase: Phase = Phase.MATCH  # in which the last motion was made
+    search: Search = Search()
+    destination: Destination = Destination()
+    matching: Matching = Matching()
     status: ServoStatus = ServoStatus.MOVING
-    probe: bool = False
-    certificate: Certificate | None = None
-    moved: bool = False
-    chasing: bool = False
-    exchanged: Pairs = ()
-    asked: int = 0
-    rehearsed: tuple[Visit, ...] = ()
-    needed: int = 0
-    strayed: NDArray | None = None
-    still: bool = False
-    limited: bool = False
-    lines: bool = False
-    kinematics: ProjectiveKinematics | None = None
-    unit_px: float = 1.0
+    certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
+    target_moved: tuple[bool, bool] = (False, False)  # the demonstrator, since the last motion, and before that one
+    calibration: tuple[Visit, ...] = ()  # visits of an earlier rehearsal, while they agree with the images
+    kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
+    mismatch: Mismatch | None = None  # None: the arm is where it was sent
 
     @property
-    def foresees(self) -> bool:
-        """Whether its images are foretold over the whole range."""
-        return bool(self.rehearsed) or self.kinematics is not None
+    def probe(self) -> bool:
+        """Whether the last motion was made to learn, not to arrive."""
+        return self.phase in (Phase.PROBE, Phase.VERIFY)
 
     @property
-    def reach(self) -> float:
-        """rad, a joint, from the best posture to where the predicted E is asked for."""
-        return EVERYWHERE if self.kinematics is not None else self.radius
+    def exchanged(self) -> Pairs:
+        """Pairs of the demonstrator's points that are to be swapped back."""
+        return self.matching.pairs
+
+    @property
+    def rehearsed(self) -> tuple[Visit, ...]:
+        """The calibration in use."""
+        return self.calibration
 
     @property
     def known(self) -> tuple[Visit, ...]:
-        """All that the images are predicted from, what was rehearsed first."""
-        return (*self.rehearsed, *self.visits)
+        """All visits that images are predicted from, the calibration first."""
+        return (*self.calibration, *self.visits)
+
+    @property
+    def has_global_model(self) -> bool:
+        """Whether images are predicted over the whole range."""
+        return bool(self.calibration) or self.kinematics is not None
+
+    @property
+    def effective_radius(self) -> float:
+        """Radius of the subproblem, rad per joint."""
+        return np.inf if self.kinematics is not None else self.region.radius
+
+    @property
+    def is_tracking(self) -> bool:
+        """Whether the demonstrator moved before each of the last two motions."""
+        return all(self.target_moved)
 
 
-def visit_of(seen: Observation) -> Visit:
-    return Visit.of(seen.displacement, seen.own, seen.seen)
+def initial_state(observation: Observation, unit_px: float, options: TrustRegionOptions) -> TrustRegionState:
+    """Return the state before the first motion. observation: in image units."""
+    probes = () if observation.rehearsed else tuple(range(len(observation.displacement)))
+    region = first_region(observation.rehearsed, options)
+    return TrustRegionState((visit_of(observation),), probes, region, unit_px, calibration=observation.rehearsed)
 
 
-def arrived(state: TrustState, seen: Observation) -> tuple[TrustState, Observation]:
-    """Remember what is seen here, once a posture, and whether the demonstrator has moved on the way → and what is seen,
-    told from where the arm stands."""
-    state, here = replace(state, moved=False, chasing=state.moved, still=False), visit_of(seen)
-    if state.strayed is not None:
-        return _by_images(state, seen, state.strayed)
-    again = np.array_equal(state.visits[-1].displacement, seen.displacement)
-    after = replace(state, visits=(*state.visits[: -1 if again else None], here)[-KEPT:])
+def first_region(calibration: tuple[Visit, ...], options: TrustRegionOptions) -> Region:
+    """Return the region of a new search; after a rehearsal it is the whole range."""
+    return Region(np.inf if calibration else options.first_radius)
+
+
+def visit_of(observation: Observation) -> Visit:
+    """Return the visit that an observation shows."""
+    return Visit.of(observation.displacement, observation.own, observation.seen)
+
+
+def record_visit(
+    state: TrustRegionState, observation: Observation, options: TrustRegionOptions
+) -> tuple[TrustRegionState, Observation]:
+    """Add the posture and its images to the state.
+
+    Parameters
+    ----------
+    state : TrustRegionState
+    observation : Observation
+        In image units; displacements as commanded.
+    options : TrustRegionOptions
+
+    Returns
+    -------
+    state, observation
+        The observation's displacement and limits are relative to where the arm is by its images.
+    """
+    state, here = replace(state, target_moved=(False, state.target_moved[0])), visit_of(observation)
+    if state.mismatch is not None:
+        return _localise_from_images(state, state.mismatch, observation, options)
+    again = np.array_equal(state.visits[-1].displacement, observation.displacement)
+    after = replace(state, visits=(*state.visits[: -1 if again else None], here)[-options.max_visits :])
     if again and len(after.visits) > 1:
-        return after, seen
-    after = _with_kinematics(after, seen)
-    if not again and after.kinematics is None and contradicts_command(state.known, here, seen.noise_px):
-        return _disobeyed(state, here), seen
-    return after, seen
+        return after, observation
+    after = _with_kinematics(after, observation, options)
+    if not again and after.kinematics is None and contradicts_command(state.known, here, observation.noise_px):
+        return _on_mismatch(state, here, options), observation
+    return after, observation
 
 
-def _with_kinematics(state: TrustState, seen: Observation) -> TrustState:
-    """That explain all visits, if any do; as long as none do they are looked for now and then."""
-    since = len(state.visits) - (0 if state.rehearsed else len(seen.displacement))
-    if state.kinematics is None and since not in ASKED:
+def _with_kinematics(
+    state: TrustRegionState, observation: Observation, options: TrustRegionOptions
+) -> TrustRegionState:
+    """Fit kinematics that explain all visits: at some visits until one fits, then at each."""
+    since = len(state.visits) - (0 if state.calibration else len(observation.displacement))
+    if state.kinematics is None and since not in options.fit_kinematics_at:
         return state
-    found = fit_kinematics(observations_of(state.known), seen.noise_px, seen.rectification, state.kinematics)
+    found = fit_kinematics(
+        observations_of(state.known), observation.noise_px, observation.rectification, state.kinematics
+    )
     return replace(state, kinematics=found)
 
 
-def _disobeyed(state: TrustState, here: Visit) -> TrustState:
-    """Of an arm that does not stand where it was sent: it probes anew, and its images alone tell its postures."""
+def _on_mismatch(state: TrustRegionState, here: Visit, options: TrustRegionOptions) -> TrustRegionState:
+    """Begin again with probes: the displacements commanded so far are not those of the images."""
     joints = len(here.displacement)
-    anew = TrustState(
-        (here,), tuple(range(joints)), restarts=state.restarts, strayed=np.zeros(joints), unit_px=state.unit_px
+    return TrustRegionState(
+        (here,),
+        tuple(range(joints)),
+        first_region((), options),
+        state.unit_px,
+        search=Search(n_restarts=state.search.n_restarts),
+        matching=state.matching,
+        target_moved=(False, state.target_moved[1]),
+        mismatch=Mismatch(np.zeros(joints)),
     )
-    return replace(anew, chasing=state.chasing, exchanged=state.exchanged, asked=state.asked)
 
 
-def _by_images(state: TrustState, seen: Observation, strayed: NDArray) -> tuple[TrustState, Observation]:
-    """As `arrived`. A motion that was to lower E, but led to where the arm has been, has nothing more to gain, unless
-    it was only as long as the region allowed: for an arm that moves in steps that may be too short."""
-    last, sent = state.visits[-1].displacement, visit_of(seen.displaced(strayed))
-    if np.abs(sent.displacement - last).max() < CLOSE:
+def _localise_from_images(
+    state: TrustRegionState, mismatch: Mismatch, observation: Observation, options: TrustRegionOptions
+) -> tuple[TrustRegionState, Observation]:
+    """Record a visit where the arm is by its images.
+
+    A step that led to a posture visited before gains nothing more. If the arm did not move at all and the region
+    limited the step, the step may have been too short for an arm that moves in steps: then the region grows.
+    """
+    last, sent = state.visits[-1].displacement, visit_of(observation.displaced(mismatch.offset))
+    if np.abs(sent.displacement - last).max() < options.same_posture:
         here, been = replace(sent, displacement=last), False
     else:
-        here, been = localise(state.known, sent, seen.noise_px)
-    still = been and np.array_equal(here.displacement, last)
-    if been and state.promised is not None:
-        barred = still and np.abs(sent.displacement - last).max() > ALL_OF * state.radius
-        told = {"radius": 2 * state.radius} if barred else {"failures": MOST_FAILURES}
-        state = replace(state, promised=None, **told)
+        here, been = localise(state.known, sent, observation.noise_px)
+    stuck = been and np.array_equal(here.displacement, last)
+    region = state.region
+    if been and region.predicted_reduction is not None:
+        region = replace(region, predicted_reduction=None)
+        if stuck and np.abs(sent.displacement - last).max() > options.full_step_barred * region.radius:
+            region = replace(region, radius=2 * region.radius)
+        else:
+            region = replace(region, n_rejected=options.max_rejections)
     before = state.visits[:-1] if np.array_equal(here.displacement, last) else state.visits
-    state = replace(state, visits=(*before, here)[-KEPT:], still=still)
-    strayed = seen.displacement - here.displacement
-    return replace(state, strayed=strayed), replace(seen.displaced(strayed), displacement=here.displacement)
+    offset = observation.displacement - here.displacement
+    state = replace(
+        state,
+        visits=(*before, here)[-options.max_visits :],
+        region=region,
+        mismatch=Mismatch(offset, stuck),
+    )
+    return state, replace(observation.displaced(offset), displacement=here.displacement)
 
 
-def first_radius(rehearsed: tuple[Visit, ...]) -> float:
-    """rad"""
-    return EVERYWHERE if rehearsed else float(FIRST_RADIUS)
-
-
-def without_rehearsal(state: TrustState) -> TrustState:
-    """Head, base or points are not where they were: what was seen since is all that is known."""
+def without_calibration(state: TrustRegionState, options: TrustRegionOptions) -> TrustRegionState:
+    """Forget a rehearsal that the images contradict: points, base or cameras have moved since."""
     visits, joints = state.visits, len(state.visits[0].displacement)
     probes = tuple(range(joints)) if len(visits) <= joints else ()
-    return TrustState(visits, probes, chasing=state.chasing, unit_px=state.unit_px)
+    return TrustRegionState(
+        visits, probes, first_region((), options), state.unit_px, target_moved=(False, state.target_moved[1])
+    )

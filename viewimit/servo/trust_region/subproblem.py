@@ -1,4 +1,13 @@
-"""What a learner measures at the postures visited, and expects of those it has not visited."""
+"""Evaluate E at all visits, and solve the trust-region subproblem: minimise the predicted E inside the region.
+
+The image model predicts the learner's own image points at any posture. The transfer turns predicted points into
+residuals, and residuals give E. So E can be evaluated at postures that the arm has not visited, without moving it.
+
+References
+----------
+Conn, Gould and Toint, Trust-Region Methods, SIAM 2000, chapter 6.
+Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, Algorithm 4.1.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,200 +19,272 @@ from numpy.typing import NDArray
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
 from ..least_squares import Minimum, minimise
 from ..observation import Observation
-from .convergence import Certificate, certify
+from .convergence import Certificate, certify, curvature_directions
 from .image_models import ImageData, ImageModel
-from .local_model import UNTOLD, Known, enough_points, fitted_points, survey
+from .local_model import EstimationData, absorbed_points, local_model, min_points_identifiable
+from .options import TrustRegionOptions
 
-GRID, SCATTERED, POLISHED = 7, 48, 3  # candidates a joint, with many joints in all; those that are refined
-EQUAL = 1e-6  # share of E: what differs by less, as where a joint moves no point, may do so by rounding
-OWN_SHARE = 0.1  # of the variance of a single own image, that kinematics leave of it
-WELL_TOLD = (
-    1.0  # px, standard deviation up to which a point that is not seen is as good as one that is, where E is large
-)
+SAME_E = 1e-6  # relative: values of E that differ by less may do so by rounding, as where a joint moves no point
 
 
 @dataclass(frozen=True)
-class Measured:
-    """E: px², of each visit, (n,); points: that may have told it, (n, N) bool; count: (n,), how many did; best: the
-    visit where it is least; noise_reference: of the residuals by their noise, or None where there is none."""
+class VisitObjectives:
+    """E at all visits."""
 
-    E: NDArray
-    points: NDArray
-    count: NDArray
-    best: int
-    noise_reference: NoiseReference | None = None
+    E: NDArray[np.float64]  # (n,) px²
+    points: NDArray[np.bool_]  # (n, N): points that E was evaluated with
+    count: NDArray[np.int_]  # (n,): how many of them have a residual
+    best: int  # index of the visit to plan from
+    noise_reference: NoiseReference | None = None  # of whitened residuals; None without noise
 
 
 @dataclass(frozen=True)
-class Outlook:
-    """E: px², at the best posture visited; model: of the images about it; found: where the predicted E is least;
-    certify: a posture (m,) rad → its certificate, None by another transfer than the chosen one, and where too few
-    points are foretold for any E."""
+class StepPlan:
+    """Solution of the subproblem."""
 
-    E: float
-    model: ImageModel
-    found: Minimum
-    certify: Callable[[NDArray], Certificate] | None
-
-    @property
-    def step(self) -> float:
-        """rad, a joint, from the best posture visited to where E should be least."""
-        return float(np.abs(self.found.theta - self.model.centre).max())
+    E: float  # px², at the best visit
+    n_points: int  # that determine it
+    model: ImageModel  # predicts images, about the best visit
+    minimum: Minimum  # of the predicted E inside the region
+    noise_reference: NoiseReference | None  # of whitened residuals; None without noise
+    certify: Callable[[NDArray[np.float64]], Certificate] | None  # convergence test at a posture; None if E is
+    # another transfer's, or of too few predicted points
+    options: TrustRegionOptions
 
     @property
-    def doubt(self) -> float:
-        """rad, at the best posture visited."""
-        return doubt(self.E, self.found)
+    def step_length(self) -> float:
+        """Largest joint displacement from the best visit to the minimum, rad."""
+        return float(np.abs(self.minimum.theta - self.model.centre).max())
 
     @property
-    def doubt_there(self) -> float:
-        """rad, where E should be least."""
-        return doubt(self.found.E, self.found)
+    def max_displacement(self) -> float:
+        """Largest displacement from the minimum that E at the best visit allows, rad."""
+        return max_displacement(self.E, self.minimum, self.options)
+
+    @property
+    def max_displacement_at_minimum(self) -> float:
+        """Largest displacement that the predicted E leaves possible, rad."""
+        return max_displacement(self.minimum.E, self.minimum, self.options)
+
+    @property
+    def flattest_direction(self) -> NDArray[np.float64]:
+        """(m,) unit vector along which the predicted E rises least."""
+        return curvature_directions(self.minimum.hessian)[:, 0]
 
 
-def measure(learned: ImageData, residuals: ResidualFunction, transfer: str | None, needed: int = 0) -> Measured:
-    """E at all postures visited, noise averaged over them. transfer: another than the chosen one; needed: points that
-    must tell E at the best of them, if any has so many.
+def evaluate_visits(
+    images: ImageData,
+    residuals: ResidualFunction,
+    transfer: str | None,
+    min_points: int,
+    options: TrustRegionOptions,
+) -> VisitObjectives:
+    """Evaluate E at all visits, with the noise of their images averaged by the image model.
 
-    Points that are not seen lead on where E is large. Where it is not, they must be told as well as noise lets those be
-    that are.
+    Parameters
+    ----------
+    images : ImageData
+        All visits and what they show of the own images.
+    residuals : ResidualFunction
+    transfer : str or None
+        Another transfer than the chosen one.
+    min_points : int
+        Number of points that must determine E at the best visit, if any visit has as many.
+    options : TrustRegionOptions
+
+    Returns
+    -------
+    VisitObjectives
+
+    Notes
+    -----
+    Hidden points are replaced by predictions. Where E is large, a prediction std of `max_prediction_std_px` will do.
+    Near the minimum it must not exceed the image noise.
     """
-    measured = _measure_by(WELL_TOLD, learned, residuals, transfer, needed)
-    noise_px = learned.noise_px
-    strictly = 0 < noise_px < WELL_TOLD and not all(visit.seen.all() for visit in learned.visits)
-    if strictly and measured.E[measured.best] < WELL_TOLD**2:
-        return _measure_by(noise_px, learned, residuals, transfer, needed)
-    return measured
+    loose, noise_px = options.max_prediction_std_px, images.noise_px
+    found = _evaluate(loose, images, residuals, transfer, min_points, options)
+    hidden = not all(visit.seen.all() for visit in images.visits)
+    if 0 < noise_px < loose and hidden and found.E[found.best] < loose**2:
+        return _evaluate(noise_px, images, residuals, transfer, min_points, options)
+    return found
 
 
-def _measure_by(
-    most: float, learned: ImageData, residuals: ResidualFunction, transfer: str | None, needed: int
-) -> Measured:
-    """As `measure`; most: px, standard deviation up to which a point that is not seen is as good as one that is."""
-    own, known = _completed(learned, most)
-    asked = own, known, len(learned.visits[0].displacement), needed
-    if learned.noise_px == 0 or transfer is not None:
-        return _measure(*asked, lambda images: residuals(images, transfer))
-    measured = _measure(*asked, lambda images: residuals(images, transfer, NoiseReference()))
-    noise_reference = NoiseReference(own[measured.best], _own_share(learned, measured.best))
-    return replace(
-        _measure(*asked, lambda images: residuals(images, transfer, noise_reference)), noise_reference=noise_reference
+def _evaluate(
+    max_std_px: float,
+    images: ImageData,
+    residuals: ResidualFunction,
+    transfer: str | None,
+    min_points: int,
+    options: TrustRegionOptions,
+) -> VisitObjectives:
+    """Evaluate E with predicted points up to a standard deviation; with noise, first unweighted, then whitened."""
+    own, known = _impute(images, max_std_px)
+    joints = len(images.visits[0].displacement)
+    evaluate = lambda **weighted: _objectives(
+        own, known, joints, min_points, partial(residuals, transfer=transfer, **weighted)
     )
+    if images.noise_px == 0 or transfer is not None:
+        return evaluate()
+    best = evaluate(noise_reference=NoiseReference()).best
+    reference = NoiseReference(own[best], _variance_ratio(images, best, options))
+    return replace(evaluate(noise_reference=reference), noise_reference=reference)
 
 
-def _own_share(learned: ImageData, best: int) -> float:
-    """The variance of the own images that are compared, as a share of that of a single image.
+def _variance_ratio(images: ImageData, best: int, options: TrustRegionOptions) -> float:
+    """Return the variance of the compared own images, relative to a single image.
 
-    Kinematics average the noise of many visits. Without them, and where a point that rests has the same image to the
-    last bit at other visits, nothing does: images are rounded then, always alike.
+    Kinematics average the noise of many visits. Nothing does without them, nor if images repeat to the last bit at
+    other postures: then coordinates are rounded, always alike.
     """
-    return 1.0 if learned.kinematics is None or _repeats(learned, best) else OWN_SHARE
+    return 1.0 if images.kinematics is None or _repeats(images, best) else options.averaged_variance
 
 
-def _repeats(learned: ImageData, best: int) -> bool:
-    """Whether some point has the very image of one visit at another posture."""
-    here, others = learned.visits[best], [visit for k, visit in enumerate(learned.visits) if k != best]
+def _repeats(images: ImageData, best: int) -> bool:
+    """Whether some point has exactly the same image at another posture."""
+    here, others = images.visits[best], [visit for k, visit in enumerate(images.visits) if k != best]
     apart = (visit for visit in others if (visit.displacement != here.displacement).any())
     return any(bool((visit.own == here.own).all(-1).any()) for visit in apart)
 
 
-def look_out(
-    learned: ImageData,
-    measured: Measured,
-    radius: float,
-    seen: Observation,
-    residuals: ResidualFunction,
-    transfer: str | None,
-) -> Outlook:
-    """Within so many rad of the best posture visited. seen: at the last visit."""
-    best, noise_reference = measured.best, measured.noise_reference
-    model = learned.fit(best)
-    asked = model.restrict(measured.points[best])
-    found = _search(model, radius, seen, lambda theta: residuals(asked.predict(theta), transfer, noise_reference))
-    E = float(measured.E[best])
-    if transfer is not None or not np.isfinite(found.E):
-        return Outlook(E, model, found, None)
-    residual_of = partial(residuals, transfer=None, noise_reference=noise_reference)
-    of_single = (
-        None
-        if noise_reference is None
-        else partial(residuals, transfer=None, noise_reference=replace(noise_reference, own_variance_ratio=1.0))
-    )
-    others = tuple(partial(residual_of, rig=k) for k in range(1, seen.heads + 1))
-    by_own = measured.E if noise_reference is None else None
-    known = Known(
-        tuple(learned.visits), best, E, measured.points[best], model, seen, residual_of, by_own, others, of_single
-    )
-    return Outlook(E, model, found, lambda place: certify(survey(known, found, place)))
+def _impute(images: ImageData, max_std_px: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the images of all visits and which points are known in them.
 
-
-def doubt(E: float, found: Minimum) -> float:
-    """How far off, rad, a displacement can be that makes E, by E ≈ δθᵀQδθ, along what is told at all."""
-    curvatures = np.linalg.eigvalsh(found.hessian)
-    told = curvatures[curvatures * found.points > UNTOLD**-2]
-    return float(np.sqrt(2 * E / max(told[0] if len(told) else curvatures[0], 1e-12)))
-
-
-def _completed(learned: ImageData, most: float) -> tuple[NDArray, NDArray]:
-    """Of all visits, as they tell of each other: images (n, N, 4) px, their noise averaged, points not seen completed;
-    and which points are known there, (n, N) bool: that were seen, or are told well, to `most` px."""
-    visits, noise_px = learned.visits, learned.noise_px
+    Returns (n, N, 4) px with hidden points predicted and noise averaged, and (n, N) bool of points that were seen, or
+    are predicted to `max_std_px`.
+    """
+    visits, noise_px = images.visits, images.noise_px
     own = np.array([visit.own for visit in visits])
     seen = np.all([visit.seen for visit in visits], -1)
-    unseen = np.isnan(own)
-    if noise_px == 0 and not unseen.any():
+    hidden = np.isnan(own)
+    if noise_px == 0 and not hidden.any():
         return own, seen
-    model = learned.fit()
+    model = images.fit()
     displacement = np.array([visit.displacement for visit in visits])
-    told = model.predict(displacement)
-    known = seen if seen.all() else seen | (model.prediction_std(displacement) < most)
-    return (told if noise_px > 0 else np.where(unseen, told, own)), known
+    predicted = model.predict(displacement)
+    known = seen if seen.all() else seen | (model.prediction_std(displacement) < max_std_px)
+    return (predicted if noise_px > 0 else np.where(hidden, predicted, own)), known
 
 
-def _measure(
-    own: NDArray, known: NDArray, joints: int, needed: int, residual_of: Callable[[NDArray], NDArray]
-) -> Measured:
-    """Each by the points that are known there, if they contradict a wrong posture; else by all, however badly they are
-    told. Of fewer points E is smaller by itself, as so many of them fit any posture: that is made up for."""
+def _objectives(
+    own: NDArray[np.float64],
+    known: NDArray[np.bool_],
+    joints: int,
+    min_points: int,
+    residuals: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+) -> VisitObjectives:
+    """Evaluate E with the known points if they are enough to be identifiable, otherwise with all points.
+
+    The best visit is chosen by E n / (n - n_absorbed), since fewer points leave fewer residual degrees of freedom.
+    """
     if known.all():
-        e = residual_of(own)
+        e = residuals(own)
         E = conflict(e)
-        return Measured(E, known, np.full(len(E), e.shape[-2]), last_least(E))
-    enough = enough_points(joints)
+        return VisitObjectives(E, known, np.full(len(E), e.shape[-2]), argmin_last(E))
+    enough = min_points_identifiable(joints)
     points, E, count = known.copy(), np.empty(len(own)), np.empty(len(own), int)
     for k, (images, these) in enumerate(zip(own, points)):
-        e = residual_of(np.where(these[:, None], images, np.nan))
+        e = residuals(np.where(these[:, None], images, np.nan))
         if e.shape[-2] < enough:
-            e, these[:] = residual_of(images), True
+            e, these[:] = residuals(images), True
         E[k], count[k] = conflict(e), e.shape[-2]
-    worth = E * count / np.maximum(count - fitted_points(joints), 1)
-    if (count >= needed).any():
-        worth[count < needed] = np.inf
-    return Measured(E, points, count, last_least(worth))
+    comparable = E * count / np.maximum(count - absorbed_points(joints), 1)
+    if (count >= min_points).any():
+        comparable[count < min_points] = np.inf
+    return VisitObjectives(E, points, count, argmin_last(comparable))
 
 
-def last_least(E: NDArray) -> int:
-    """Index of the least of (n,) px², of equal ones the last: it is nearer to where the arm is."""
-    return int(np.flatnonzero(E <= E.min() * (1 + EQUAL))[-1])
+def argmin_last(E: NDArray[np.float64]) -> int:
+    """Return the index of the smallest of (n,) values, of equal ones the last: it is nearer to where the arm is."""
+    return int(np.flatnonzero(E <= E.min() * (1 + SAME_E))[-1])
 
 
-def _search(model: ImageModel, radius: float, seen: Observation, residual_at) -> Minimum:
-    """argmin of the predicted E within the region and the limits: the best of many candidates, refined."""
-    low, high = np.maximum(seen.lower, model.centre - radius), np.minimum(seen.upper, model.centre + radius)
-    m = len(low)
-    if m <= 2:
-        share = _grid(m)
-        scattered = (1 - share) * low + share * high
+def solve_subproblem(
+    images: ImageData,
+    visited: VisitObjectives,
+    radius: float,
+    observation: Observation,
+    residuals: ResidualFunction,
+    transfer: str | None,
+    options: TrustRegionOptions,
+) -> StepPlan:
+    """Minimise the predicted E over |θ - centre| <= radius inside the joint limits.
+
+    Parameters
+    ----------
+    images : ImageData
+        Predicts the own images from all visits.
+    visited : VisitObjectives
+        E at the visits; the centre is the best of them.
+    radius : float
+        Trust radius per joint [rad]; inf once the kinematics are known.
+    observation : Observation
+        The last one: joint limits, noise, rig hypotheses.
+    residuals : ResidualFunction
+    transfer : str or None
+        Another transfer than the chosen one.
+    options : TrustRegionOptions
+
+    Returns
+    -------
+    StepPlan
+    """
+    best, reference = visited.best, visited.noise_reference
+    E, points, model = float(visited.E[best]), visited.points[best], images.fit(best)
+    predict = model.restrict(points).predict
+    minimum = _search(
+        model.centre, radius, observation, lambda theta: residuals(predict(theta), transfer, reference), options
+    )
+    plan = StepPlan(E, int(visited.count[best]), model, minimum, reference, None, options)
+    if transfer is not None or not np.isfinite(minimum.E):
+        return plan
+    whitened = partial(residuals, transfer=None, noise_reference=reference)
+    data = EstimationData(
+        visits=tuple(images.visits),
+        best=best,
+        E=E,
+        points=points,
+        model=model,
+        observation=observation,
+        residuals=whitened,
+        E_of_visits=visited.E if reference is None else None,
+        residuals_per_rig=tuple(partial(whitened, rig=k) for k in range(1, observation.heads + 1)),
+        residuals_single=None
+        if reference is None
+        else partial(residuals, transfer=None, noise_reference=replace(reference, own_variance_ratio=1.0)),
+    )
+    return replace(plan, certify=lambda place: certify(local_model(data, minimum, place, options), options))
+
+
+def max_displacement(E: float, minimum: Minimum, options: TrustRegionOptions) -> float:
+    """Return the largest semi-axis of the level set ½ dᵀ H d = E, rad, along observable directions."""
+    curvatures = np.linalg.eigvalsh(minimum.hessian)
+    observable = curvatures[curvatures * minimum.points > options.max_std_per_px**-2]
+    return float(np.sqrt(2 * E / max(observable[0] if len(observable) else curvatures[0], 1e-12)))
+
+
+def _search(
+    centre: NDArray[np.float64],
+    radius: float,
+    observation: Observation,
+    residual_at: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    options: TrustRegionOptions,
+) -> Minimum:
+    """Refine the best of many candidates by bounded least squares; E has several local minima."""
+    low, high = np.maximum(observation.lower, centre - radius), np.minimum(observation.upper, centre + radius)
+    joints = len(low)
+    if joints <= 2:
+        share = _unit_grid(joints, options.grid)
+        candidates = (1 - share) * low + share * high
     else:
-        scattered = np.random.default_rng(seen.motion).uniform(low, high, (SCATTERED, m))
-    E = conflict(residual_at(scattered))
-    starts = np.concatenate([model.centre[None], scattered[np.argsort(E)[:POLISHED]]])
+        candidates = np.random.default_rng(observation.motion).uniform(low, high, (options.samples, joints))
+    E = conflict(residual_at(candidates))
+    starts = np.concatenate([centre[None], candidates[np.argsort(E)[: options.refined]]])
     found = minimise(residual_at, starts, low, high)
-    return replace(found, theta=found.theta + found.left)  # what is claimed to be left of errors rests on the place
+    return replace(found, theta=found.theta + found.newton_step)  # expected errors are about the minimum itself
 
 
 @cache
-def _grid(joints: int) -> NDArray:
-    """(GRID**m, m): shares of each joint's range, evenly from 0 to 1."""
-    axes = np.meshgrid(*[np.linspace(0, 1, GRID)] * joints, indexing="ij")
+def _unit_grid(joints: int, count: int) -> NDArray[np.float64]:
+    """Return an even grid over [0, 1] per joint, (count**joints, joints)."""
+    axes = np.meshgrid(*[np.linspace(0, 1, count)] * joints, indexing="ij")
     return np.stack(axes, -1).reshape(-1, joints)

@@ -1,10 +1,9 @@
-// The player: which moment is shown, how it goes on, and what keys and hands do.
-const $ = id => document.getElementById(id);
-const unpacked = id => {
-  const bytes = Uint8Array.from(atob($(id).textContent), c => c.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")));
-};
-const fault = why => { $("fault").textContent = why; $("fault").hidden = false; };
+// @ts-nocheck
+/** The player of a replay: which moment is shown, how it goes on, and what keys and hands do. */
+import {Arm, transform} from "../engine/kinematics.js";
+import {byId as $, fault, unpacked} from "./page.js";
+import {openSpace} from "./space.js";
+
 const PANELS = ["claims", "conflict", "angles", "path"], GLIDES = 0.75;  // share of a motion's time
 const HIT = 14;  // units of a drawing, about a point
 
@@ -12,9 +11,13 @@ const begin = (run, meshes) => {
   const last = run.motions.length - 1, moments = run.space.moments, shownHTML = {}, still = matchMedia(
     "(prefers-reduced-motion:reduce)");
   let now = 0, playing = false, since = 0, view = null, chosen = run.panels.points.indexOf(run.chosen);
-  try { view = spaceOn($("space"), $("labels"), run.space, meshes); } catch (error) { console.warn(error); }
+  try { view = openSpace($("space"), $("labels"), run.space, meshes); } catch (error) { console.warn(error); }
+  view?.setStage(run.space.stage);
   if (!view) $("labels").textContent = "This browser draws no WebGL: all but the 3-D view is here.";
 
+  const {chain, bases, points: body} = run.space;
+  const framesOf = (who, angles) => new Arm(chain, [], bases[who]).frames(angles);
+  const pointsOn = frames => body.local.map((p, i) => transform(frames[body.link[i]], p));
   const put = (id, html) => {
     if (shownHTML[id] !== html) $(id).innerHTML = shownHTML[id] = html;
   };
@@ -22,8 +25,10 @@ const begin = (run, meshes) => {
   const pose = share => {
     if (!view) return;
     const from = moments[now], to = moments[Math.min(now + 1, last)], eased = share * share * (3 - 2 * share);
-    const between = arm => from[arm].map((angle, k) => angle + eased * (to[arm][k] - angle));
-    view.show({learner: between("learner"), demonstrator: from.demonstrator, moment: from, rays: $("rays").checked});
+    const learner = from.learner.map((angle, k) => angle + eased * (to.learner[k] - angle));
+    const frames = {learner: framesOf("learner", learner), demonstrator: framesOf("demonstrator", from.demonstrator)};
+    const points = Object.fromEntries(Object.entries(frames).map(([who, placed]) => [who, pointsOn(placed)]));
+    view.show({frames, points, plates: from.plates, recovered: from.recovered, rays: $("rays").checked});
   };
   const show = k => {
     now = Math.max(0, Math.min(last, k));
@@ -146,6 +151,7 @@ const begin = (run, meshes) => {
   });
   const asked = run.motions.indexOf(Number(location.hash.slice(1) || "0"));  // replay.html#12
   show(Math.max(asked, 0));
+  globalThis.replay = {framesOf, moments};
 };
 
 if (typeof DecompressionStream === "undefined") fault("This replay needs a browser of 2023 or later.");

@@ -7,17 +7,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.landscape import Landscape
-from ..estimation.transfers import TRANSFERS
-from ..loop.snapshot import Snapshot
-from ..servo import SERVOS, ServoStatus
-from ..simulation.scene import Scene
-from . import svg
-from .axes import Axes, decade_ticks, decades, log10
-from .plots import Style
-from .posture_plane import PosturePlane
-from .small_landscape import WIDTH as COLUMN
-from .small_landscape import draw_small, small_plane
+from viewimit.analysis.landscape import Landscape
+from viewimit.drawing import svg
+from viewimit.drawing.landscape import WIDTH as COLUMN
+from viewimit.drawing.landscape import draw_small, small_plane
+from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.snapshot import Snapshot
+from viewimit.servo import SERVOS, ServoStatus
+from viewimit.simulation.scene import Scene
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP
@@ -32,7 +31,17 @@ LEAST_DEG = 1e-3  # of the axis of errors
 LIMIT = 240  # vertices of a curve or path
 ONE_DIGIT_TO = 100  # of the figures beneath, so that they do not meet
 OF = ("own", "opponent")  # their classes
-STATES = {ServoStatus.READY: "is at the start", ServoStatus.MOVING: "is still moving"}
+STATES = {  # after "the learner"
+    ServoStatus.READY: "is at the start",
+    ServoStatus.REHEARSING: "is still moving",
+    ServoStatus.MOVING: "is still moving",
+    ServoStatus.CONVERGED: "converged",
+    ServoStatus.SETTLED: "rests",
+    ServoStatus.UNOBSERVABLE: "cannot tell all joints",
+    ServoStatus.NO_PROGRESS: "stalled",
+    ServoStatus.TOO_FEW_POINTS: "stopped",
+    ServoStatus.MAX_MOTIONS: "stopped",
+}
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
 WHY = (
     "Choose the opponent's transfer and servo above, then begin:",
@@ -207,7 +216,7 @@ def _rests(snapshot: Snapshot) -> bool:
 
 
 def _state(snapshot: Snapshot) -> str:
-    return STATES.get(snapshot.status, snapshot.status)
+    return STATES[snapshot.status]
 
 
 def _motions(count: int) -> str:

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from . import svg
-from .axes import Axes, linear_ticks
-from .labels import Labels
-from .theme import HEAD, RECOVERED
+from .. import svg
+from ..labels import Labels
+from ..plots import Axes, linear_ticks
+from ..theme import HEAD, RECOVERED
 
 WIDTH, HEIGHT = 420, 330  # px of one view
 LEFT, TOP, RIGHT, BOTTOM = 44, 24, 8, 24  # px around its plot

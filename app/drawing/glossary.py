@@ -1,0 +1,59 @@
+"""The glossary on the page: every "?", the cards with links to examples, and the numbers' values on their scales."""
+
+import math
+from collections.abc import Iterable, Mapping
+
+from viewimit.drawing import svg
+from viewimit.drawing.glossary import ask, cards, describe_entry, glossary
+
+from .links import link, sink
+
+
+def asks(keys: Iterable[str]) -> str:
+    """Build a line of symbols, each with its "?"."""
+    items = "".join(f"<span>{svg.escape(glossary()[key].symbol)} {ask(key)}</span>" for key in keys)
+    return f'<div class="vi-asked">{items}</div>'
+
+
+def beside(key: str) -> str:
+    """Build a "?" at the label of the control that follows, where it takes no room."""
+    return f'<div class="vi-at-label">{ask(key)}</div>'
+
+
+def linked_cards(address: str | None) -> str:
+    """Build all cards with links to their examples. address: prefix of the links, None for no links."""
+    if address is None:
+        return cards()
+    back = link(address, "restore/0", "Give it back: what was here before", "Give it back")
+    restore = f'<span class="vi-show vi-give-back">{back}</span>'  # hidden until the example is shown
+    return cards(lambda key: _show(address, key) + restore) + sink()
+
+
+def listed(address: str | None = None) -> str:
+    """Build all entries for the help. address: prefix of the links to examples, None for no links."""
+    return "".join(
+        f'<div class="vi-entry">{_show(address, key)}{describe_entry(entry)}</div>' for key, entry in glossary().items()
+    )
+
+
+def current_values(values: Mapping[str, float], shown: str | None = None) -> str:
+    """Build a style that marks the present values on the cards' scales, so that open cards stay as they are.
+
+    values: by key; NaN is left out. shown: the entry whose card offers to restore the session before its example.
+    """
+    rules = [] if shown is None else [f"#vi-word-{shown} .vi-give-back{{display:block}}"]
+    for key, value in values.items():
+        scale = glossary()[key].scale
+        if scale is not None and math.isfinite(value):
+            words = f"now {svg.short(value)}{scale.unit}"
+            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--told:"{words}"}}')
+    return f"<style>{''.join(rules)}</style>"
+
+
+def _show(address: str | None, key: str) -> str:
+    """Build the link to an entry's example."""
+    if address is None:
+        return ""
+    entry = glossary()[key]
+    words = "Show me a bad one" if entry.bad else "Show me"
+    return f'<span class="vi-show">{link(address, f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'

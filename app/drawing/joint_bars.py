@@ -1,0 +1,126 @@
+"""Bars of joints beside the sliders: the learner's posture, and what body points tell about each joint."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.analysis.observability import PointInformation, Proposal, unobservable_joints
+from viewimit.analysis.self_assessment import Assessment
+from viewimit.drawing import svg
+from viewimit.drawing.observability import describe_costs, draw_bars
+from viewimit.estimation.transfers.registry import FLATNESS
+from viewimit.geometry.affine import MIN_POINTS
+from viewimit.servo.trust_region.options import MAX_STD_PER_PX
+from viewimit.simulation.scene import Scene
+
+WIDTH, NARROW, HEIGHT, INSET = 150, 74, 22, 8  # px of a posture bar, in one column and in two
+MIN_IN_COLUMNS = 4  # joints that stand in two columns, so that they fit beside the demonstrator's sliders
+POINTS_WIDTH, ROW = 250, 19  # px of the drawing of body points, and per joint
+MAX_NAMED = 3  # joints of which a sentence names all
+
+
+def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray, assessment: Assessment | None = None) -> str:
+    """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap.
+
+    Parameters
+    ----------
+    scene
+        Gives the joints and their limits.
+    theta, theta_demo
+        Postures of both arms, (m,) rad; the learner does not know theta_demo.
+    assessment
+        What the learner knows of its joints: an unobservable one has a hatched band.
+    """
+    rows, columns = [], len(theta) >= MIN_IN_COLUMNS
+    band = np.zeros(len(theta))
+    if assessment is not None:
+        band[assessment.unobservable] = np.maximum(assessment.std_per_px[assessment.unobservable], MAX_STD_PER_PX)
+    width = NARROW if columns else WIDTH
+    limits = zip(scene.lower.tolist(), scene.upper.tolist())
+    for k, (joint, own, demo, (low, high)) in enumerate(
+        zip(scene.moving_joints, theta.tolist(), theta_demo.tolist(), limits)
+    ):
+        place = lambda angle, low=low, high=high: INSET + (width - 2 * INSET) * (angle - low) / (high - low)
+        x, mark, y = place(own), place(demo), HEIGHT / 2
+        rows.append(
+            f'<div class="vi-bar"><span>{svg.joint_symbol(joint)}</span><svg viewBox="0 0 {width} {HEIGHT}">'
+            f'<line x1="{INSET}" x2="{width - INSET}" y1="{y}" y2="{y}" class="vi-bar-rail"/>'
+            f"{_band(place(max(own - band[k], low)), place(min(own + band[k], high))) if band[k] else ''}"
+            f'<line x1="{x:.1f}" x2="{mark:.1f}" y1="{y}" y2="{y}" class="vi-bar-gap"/>'
+            f'<path d="M{mark:.1f} {y - 5.5}l5.5 5.5l-5.5 5.5l-5.5 -5.5z" class="vi-bar-demonstrator"/>'
+            f'<circle cx="{x:.1f}" cy="{y}" r="5" class="vi-bar-learner"/></svg><b>{svg.degrees(own)}</b></div>'
+        )
+    return f'<div class="vi-bars{" vi-many" if columns else ""}">{"".join(rows)}</div>'
+
+
+def _band(left: float, right: float) -> str:
+    """Draw a hatched band between two px, by strokes, because a pattern would need an id of its own on the page."""
+    strokes = "".join(f"M{x:.1f} {HEIGHT - 4}l4-14" for x in np.arange(left, right - 4, 5))
+    edge = f'<rect x="{left:.1f}" y="3.5" width="{right - left:.1f}" height="{HEIGHT - 7}" rx="3"/>'
+    return f'<g class="vi-bar-untold">{edge}<path d="{strokes}"/></g>'
+
+
+def draw_body_points(
+    joints: Sequence[int], information: PointInformation, proposal: Proposal | None, searching: bool
+) -> str:
+    """Draw what the body points tell, while they are edited: their number, flatness, and a bar per joint.
+
+    Parameters
+    ----------
+    joints
+        Numbers of the moving joints, from 1.
+    information
+        What the present points tell.
+    proposal
+        The best further point, if it is known.
+    searching
+        Whether it is being computed.
+    """
+    lines = [f"<b>{_count(information)}</b>{_flatness(information)}"]
+    spread = information.std_per_px
+    if spread is not None:
+        height = ROW * len(joints)
+        bars = draw_bars(joints, spread, POINTS_WIDTH, ROW)
+        lines.append(f'1 px of noise costs<svg class="vi" viewBox="0 0 {POINTS_WIDTH} {height}">{bars}</svg>')
+    words = _next_point(joints, proposal, searching)
+    return "".join(f"<div>{line}</div>" for line in (*lines, svg.escape(words)) if line)
+
+
+def describe_body_points(
+    joints: Sequence[int], information: PointInformation, proposal: Proposal | None, searching: bool
+) -> str:
+    """Say the same in a sentence or two; parameters as for `draw_body_points`."""
+    if information.std_per_px is None:
+        words = f"{_count(information)}; a transfer needs {MIN_POINTS}."
+    else:
+        words = f"{_count(information)}; {_worst_costs(joints, information.std_per_px)}{_flatness(information)}."
+    return f"{words} {_next_point(joints, proposal, searching) or 'Click an arm to place one.'}"
+
+
+def _count(information: PointInformation) -> str:
+    count, seen = information.count, information.visible
+    return f"{count} points" if seen == count else f"{count} points, {seen} seen in all images"
+
+
+def _flatness(information: PointInformation) -> str:
+    return f"; {FLATNESS} {svg.number(information.flatness, 0)}" if np.isfinite(information.flatness) else ""
+
+
+def _next_point(joints: Sequence[int], proposal: Proposal | None, searching: bool) -> str:
+    if searching:
+        return "Looking for the best next point …"
+    if proposal is None:
+        return ""
+    after = proposal.after.std_per_px
+    return "The hollow one tells most" + ("." if after is None else f": {_worst_costs(joints, after)}.")
+
+
+def _worst_costs(joints: Sequence[int], spread: NDArray) -> str:
+    """Describe all of few joints; of many, the costliest and the unobservable ones. spread: (m,) rad/px."""
+    if len(joints) <= MAX_NAMED:
+        return describe_costs(joints, spread)
+    unobservable = unobservable_joints(spread)
+    worst = [k for k in np.argsort(-spread) if k not in unobservable][:1]
+    chosen = [*worst, *sorted(unobservable)]
+    return describe_costs([joints[k] for k in chosen], spread[chosen]).replace("costs", "costs at most", 1)

@@ -1,0 +1,232 @@
+"""Layers over the library's drawings: links on image points, postures and motions, and marks of what is previewed.
+
+A layer stays while the drawing below it changes, so that a click is not lost when the arm moves. A style moves its
+parts to the present places.
+"""
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.drawing import svg
+from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
+from viewimit.drawing.images.panel import LEGEND_SIZE, METRICS_SIZE
+from viewimit.drawing.images.planes import SIZES, Window, Windows, placed
+from viewimit.drawing.plots import Axes
+from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.estimation.views import FourViews
+from viewimit.loop.snapshot import Snapshot
+from viewimit.simulation.scene import Scene
+
+from .links import link, sink
+
+MORE, LESS = "M1-4h3v3M-1 4h-3v-3M4-4l-3 3M-4 4l3-3", "M4-1h-3v-3M-4 1h3v3M1-1l3-3M-1 1l-3 3"  # icons, 12 px
+HIT, HALO = 12, 11  # px, radii of a point's link and of its mark
+MIN_HIT = 1.5  # px, radius of the link of a crowded point
+FIRST_IMAGE = 2  # among the panels that can be enlarged: the images follow two others
+PROPOSED = 4.5  # px, radius
+NUMBER_DROP = 4  # px from a point's centre down to the foot of its number
+CELL_DEG, STOP_DEG = 5.0, 45.0  # postures per cell of the landscape, and per stop of the Tab key
+AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
+
+
+# Links on the points of the four images
+
+
+def point_links(address: str, count: int, whole: bool) -> str:
+    """Build links over the four images, whole or not. Tab stops at the points of L, as the other images repeat them.
+
+    Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point.
+    """
+    planes = []
+    for k, (view, size) in enumerate(SIZES[whole].items()):
+        around = "".join(_link(address, view, i, "vi-around") for i in range(count))
+        nearest = "".join(_link(address, view, i, "vi-nearest", stop=view == "L") for i in range(count))
+        large = link(address, f"large/{FIRST_IMAGE + k}", f"image {view}, large or not", _corners(size[0]))
+        planes.append(_drawing(f"vi-at-{view}", size, around + nearest + large))
+    construct = link(address, "construction/0", "Build up how the point is recovered", "▸ Build it up <kbd>C</kbd>")
+    planes += [f'<p class="vi-how">{construct}</p>']
+    planes += [_drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
+    kind = f"vi-images{' vi-whole' if whole else ''}"
+    return (
+        f'<div class="vi-over vi-links"><div class="vi-panel vi-four"><div class="{kind}" role="group"'
+        f' aria-label="Points to choose">{"".join(planes)}</div></div></div>{sink()}'
+    )
+
+
+def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
+    """Draw a ring in each of the four images where a proposed point would be. views: of this one point."""
+    images = np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).transpose(1, 0, 2)
+    places, planes = placed(images, windows[whole], "lrLR"), []
+    for view, size in SIZES[whole].items():
+        x, y = places["lrLR".index(view), 0].tolist()
+        ring = f'<circle class="vi-proposed" cx="{x:.1f}" cy="{y:.1f}" r="{PROPOSED}"/>' if views.usable[0] else ""
+        planes.append(_drawing(f"vi-at-{view}", size, ring))
+    planes += ['<p class="vi-how"></p>', _drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
+    kind = f"vi-images{' vi-whole' if whole else ''}"
+    return f'<div class="vi-over"><div class="vi-panel vi-four"><div class="{kind}">{"".join(planes)}</div></div></div>'
+
+
+def _drawing(kind: str, size: tuple[int, int], inside: str = "") -> str:
+    """Build the layer over the drawing of the same class; only its links receive clicks."""
+    return f'<svg class="vi {kind}" viewBox="0 0 {size[0]} {size[1]}">{inside}</svg>'
+
+
+def _corners(width: int) -> str:
+    """Draw the icon for enlarging at the top of an image of this width, px."""
+    square = '<rect x="-8" y="-8" width="16" height="16" rx="3"/>'
+    return f'<g class="vi-larger" transform="translate({width / 2:g} 10)">{square}<path d="{MORE}"/></g>'
+
+
+def _link(address: str, view: str, i: int, kind: str, stop: bool = False) -> str:
+    name = svg.point_name(i)
+    shown = f'<circle class="vi-touched" r="{HALO}"/><text class="vi-b vi-mid" y="{NUMBER_DROP}">{name}</text>'
+    inside = f'<g class="vi-at-{view}{i}"><circle class="{kind}" r="{HIT}"/>{shown}</g>'
+    return link(address, f"point/{i}", f"point {name}", inside, stop)
+
+
+def point_places(demo: NDArray, own: NDArray, visible: NDArray, windows: Windows, whole: bool) -> str:
+    """Build a style that moves links to their points and hides those of invisible ones. Arrays as in `FourViews`."""
+    shown = windows[whole]
+    rules = _resting_rules(demo.tobytes(), visible[:, :2].tobytes(), (shown["l"], shown["r"]), whole)
+    return f"<style>{rules}{_rules(own, visible[:, 2:], shown, whole, 'LR')}</style>"
+
+
+@lru_cache(64)  # the demonstrator mostly rests while the learner moves
+def _resting_rules(demo: bytes, visible: bytes, windows: tuple[Window, Window], whole: bool) -> str:
+    points, seen = np.frombuffer(demo).reshape(-1, 4), np.frombuffer(visible, bool).reshape(-1, 2)
+    return _rules(points, seen, dict(zip("lr", windows)), whole, "lr")
+
+
+def _rules(images: NDArray, visible: NDArray, windows: Mapping[str, Window], whole: bool, pair: str) -> str:
+    """Write the rules of a body's points in a pair of views. images: (N, 4) px; visible: (N, 2)."""
+    points = placed(images.reshape(-1, 2, 2).transpose(1, 0, 2), windows, pair)
+    inside = ((points >= 0) & (points <= _SIZES[whole, pair])).all(-1) & visible.T
+    numbers, hidden = np.concatenate([points, _free_radii(points, inside)[..., None]], -1), ""
+    if not inside.all():
+        numbers[~inside] = 0
+        hidden = "".join([f".vi-at-{pair[k]}{i}{{display:none}}" for k, i in np.argwhere(~inside).tolist()])
+    return svg.filled(_form(len(images), pair), numbers) + hidden
+
+
+_SIZES = {
+    (whole, pair): np.array([sizes[view] for view in pair])[:, None]
+    for whole, sizes in SIZES.items()
+    for pair in ("lr", "LR")
+}
+
+
+@lru_cache(16)
+def _form(count: int, pair: str) -> str:
+    """Write the rules of `count` points with a %s for each x, y and radius; one format is faster than many."""
+    rule = ".vi-at-{0}{1}{{transform:translate(%spx,%spx)}}.vi-at-{0}{1} .vi-nearest{{r:%spx}}"
+    return "".join(rule.format(view, i) for view in pair for i in range(count))
+
+
+def _free_radii(points: NDArray, there: NDArray) -> NDArray:
+    """Return half the distance to the nearest other visible point, so that no circles meet. (2, N, 2) → (2, N) px."""
+    places = points.view(complex)[..., 0]
+    apart = np.abs(places[:, :, None] - places[:, None]) + _to_itself(points.shape[1])
+    if not there.all():
+        apart = np.where(there[:, None], apart, np.inf)
+    return np.minimum(np.maximum(apart.min(-1, initial=np.inf) / 2, MIN_HIT), HIT)
+
+
+@lru_cache(16)
+def _to_itself(count: int) -> NDArray:
+    """Return a (count, count) matrix whose diagonal is infinite: no point is its own neighbour."""
+    return np.diag(np.full(count, np.inf))
+
+
+# Links on the landscape: a cell for each posture, which is exact at every size; a place in a picture needs a script
+
+
+def posture_links(address: str, scene: Scene) -> str:
+    """Build links over a landscape, a cell per posture; "" without two moving joints."""
+    plane = PosturePlane(scene)
+    if not plane.has_plane:
+        return ""
+    (ups, rows), (acrosses, columns) = (_cells(low, high) for low, high in scene.range_deg)
+    x = plane.place(np.stack([np.full_like(columns, scene.range_deg[0][0]), columns], -1))[:, 0]
+    y = plane.place(np.stack([rows, np.full_like(rows, scene.range_deg[1][0])], -1))[:, 1]
+    stops: list[str] = []
+    others: list[str] = []
+    for i, up in enumerate(ups):
+        for k, across in enumerate(acrosses):
+            cell = f'<path d="M{x[k]:.1f} {y[i]:.1f}H{x[k + 1]:.1f}V{y[i + 1]:.1f}H{x[k]:.1f}z"/>'
+            stop = up % STOP_DEG == 0 and across % STOP_DEG == 0
+            one = link(address, f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
+            (stops if stop else others).append(one)
+    group = f'<g role="group" aria-label="Postures for the learner">{"".join(others + stops)}</g>'
+    return plane.wrap(group, "vi-over vi-links vi-cells") + sink()
+
+
+def describe_posture(scene: Scene, angles_deg: tuple[float, ...]) -> str:
+    """Write a posture in words."""
+    return ", ".join(
+        f"{svg.joint_symbol(joint)} {svg.number(angle, 0)}°" for joint, angle in zip(scene.moving_joints, angles_deg)
+    )
+
+
+def _cells(low: float, high: float) -> tuple[NDArray, NDArray]:
+    """Return the multiples of CELL_DEG in a range, (k,), and the borders of their cells, (k + 1,), degrees."""
+    middles = CELL_DEG * np.arange(np.ceil(low / CELL_DEG), np.floor(high / CELL_DEG) + 1)
+    return middles, np.array([low, *(middles[1:] - CELL_DEG / 2), high])
+
+
+def draw_see_through(scene: Scene, moment: Snapshot) -> str:
+    """Draw a cross hair on the landscape at a previewed posture."""
+    plane = PosturePlane(scene)
+    if not plane.has_plane:
+        return ""
+    x, y = plane.place(np.degrees(moment.theta)).tolist()
+    hair = (
+        f"M{x - ARM:.1f} {y:.1f}h{ARM - 3}m6 0h{ARM - 3}M{x:.1f} {y - ARM:.1f}v{ARM - 3}m0 6v{ARM - 3}"
+        + svg.circles(np.array([[x, y]]), AIM)
+    )
+    return plane.wrap(f'<path class="vi-aim-case" d="{hair}"/><path class="vi-aim" d="{hair}"/>', "vi-over")
+
+
+def describe_see_through(scene: Scene, moment: Snapshot) -> str:
+    """Say what is seen at a previewed posture, and that the arm has not moved."""
+    posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else "this posture"
+    E = f"E {svg.short(moment.E)} px²" if np.isfinite(moment.E) else "too few points are seen for an E"
+    return f"({posture}): {E}; nothing has moved."
+
+
+# Links on the curves: a cell around each motion
+
+
+def moment_links(address: str, last: int, width: int = 424) -> str:
+    """Build links over both plots: a cell around each motion that the axis has room for; Tab stops at numbered ones.
+
+    The HTML stays the same until the axis changes, so that a click is not lost when the arm moves. last: motion.
+    """
+    left, top, right, bottom = box = plot_box(width)
+    end, every = axis_end(last), _motions_per_link(last)
+    axes, motions = Axes(box, (0.0, float(end)), (0.0, 1.0)), np.arange(0, end + 1, every)
+    edges = axes.x_px(np.append(motions - every / 2, motions[-1] + every / 2))
+    edges[0], edges[-1] = left - 4, right + 4
+    cells = "".join(
+        link(
+            address,
+            f"moment/{motion}",
+            f"after {motion} motions",
+            f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
+            stop=motion % (end // 4) == 0,
+        )
+        for k, motion in enumerate(motions.tolist())
+    )
+    group = f'<g class="vi-moments">{cells}</g>'
+    return f'<div class="vi-panel vi-links">{arrange_plots(width, group, group)}</div>'
+
+
+def hide_later_moments(last: int) -> str:
+    """Build a style that hides the links to motions after the last."""
+    return f"<style>.vi-moments a:nth-child(n+{last // _motions_per_link(last) + 2}){{display:none}}</style>"
+
+
+def _motions_per_link(last: int) -> int:
+    return -(-axis_end(last) // MAX_VERTICES)

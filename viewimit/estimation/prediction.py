@@ -1,0 +1,254 @@
+"""Residuals of own images that a servo predicts, and the velocity of the demonstrator's images meanwhile."""
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.affine import MIN_POINTS, image_unit
+from ..geometry.handedness import Handedness, principal_axes
+from ..geometry.rectification import AFFINE_FREEDOM, Rectification, affine_squares, level
+from .noise import DemonstratorResiduals, affine_whitening
+from .rectification import fit_transfer
+from .residuals import NoiseReference, ResidualFunction
+from .transfers.registry import TRANSFERS, TransferMethod
+from .transfers.transfer import FittedTransfer
+from .views import FourViews, unique_matches
+
+VELOCITY_LOOKS = 3  # two displacements
+AT_REST = np.zeros(())
+HOMOGRAPHY_MIN_POINTS = 8  # five determine a homography of space; more are needed to show their noise
+AFFINE_RMS = 1.5  # rms distance from an affine geometry, over the noise, of matches that fit one
+MIN_NOISE = 1e-3  # image units, in place of a smaller noise
+
+
+def target_velocity(looks: Sequence[FourViews]) -> NDArray[np.float64]:
+    """Predict how far the demonstrator's points move in the next motion.
+
+    Parameters
+    ----------
+    looks : sequence of FourViews
+        The last VELOCITY_LOOKS, the present one last.
+
+    Returns
+    -------
+    (N, 4) array or ()
+        Last displacement [px] if the one before points the same way; one jump is no velocity. 0 for points that were
+        not visible in all looks, and () for a demonstrator at rest.
+    """
+    demo = [views.demo for views in looks]
+    if len(demo) < VELOCITY_LOOKS or demo[1] is demo[2]:  # the same array: it was not even looked at again
+        return AT_REST
+    visible = np.all([views.visible[:, :2].all(-1) for views in looks], axis=0)
+    before, last = np.where(visible[:, None], np.diff(demo, axis=0), 0.0)
+    return last if np.vdot(before, last) > 0 else AT_REST
+
+
+class PredictedResiduals:
+    """A `ResidualFunction`: residuals of own images against the demonstrator of one look.
+
+    Residuals are whitened as `DemonstratorResiduals` if the head's geometry is known, and otherwise as affine cameras
+    propagate noise. Own images that fit only a mirror image of the demonstrator have further columns: what a fit that
+    may not reflect would leave. Behind a demonstrator that moves and is seen with noise, the transfer of the last
+    convergence is used (Section 5.4): fitted anew at postures far apart, it would add its own noise to theirs.
+
+    Parameters
+    ----------
+    views : FourViews
+        The look, N points.
+    method : TransferMethod
+        The chosen transfer.
+    rectification : Rectification, optional
+        Of all images; None for images as they are.
+    noise_px : float
+        Standard deviation of an image coordinate [px].
+    velocity : (N, 4) array or ()
+        Displacement of the demonstrator's points until the next look [px], `target_velocity`.
+    converged : FittedTransfer, optional
+        The transfer at the last convergence.
+    past : sequence of FourViews
+        Looks whose matches determine the head's geometry, besides this one.
+    computed : iterable of pairs of arrays
+        Own images (N, 4) px and their residuals, computed before from the same demonstrator, transfer and
+        rectification. It is read when first needed: a servo asks about all its visits at every motion.
+    """
+
+    def __init__(
+        self,
+        views: FourViews,
+        method: TransferMethod,
+        rectification: Rectification | None = None,
+        *,
+        noise_px: float = 0.0,
+        velocity: NDArray[np.float64] = AT_REST,
+        converged: FittedTransfer | None = None,
+        past: Sequence[FourViews] = (),
+        computed: Iterable[tuple[NDArray[np.float64], NDArray[np.float64]]] = (),
+    ):
+        self.views, self.method, self.rectification, self.noise_px = views, method, rectification, noise_px
+        self.demo = views.demo + velocity
+        self._in_both = np.asarray(views.visible[:, :2].all(-1))
+        self._velocity, self._past = velocity, past
+        self._converged = converged if noise_px > 0 and velocity.any() else None
+        self._computed = () if velocity.any() else computed
+        self._affine_weights: dict[tuple[bytes, float, bytes], NDArray[np.float64]] = {}
+        self._rigs: dict[int, ResidualFunction] = {}
+        self._handedness: dict[bytes, Handedness | None] = {}
+
+    def __call__(
+        self,
+        own: NDArray[np.float64],
+        transfer: str | None = None,
+        noise_reference: NoiseReference | None = None,
+        rig: int = 0,
+    ) -> NDArray[np.float64]:
+        """Compute the residuals, see `ResidualFunction`."""
+        if rig:
+            return self._of_rig(rig)(own, transfer, noise_reference)
+        finite, in_both = np.isfinite(own), self._in_both
+        known = in_both if finite.all() else in_both & finite.all(-1).reshape(-1, len(in_both)).all(0)
+        count = np.count_nonzero(known)
+        if count < MIN_POINTS:  # nothing can be predicted for such images: they are to be avoided
+            return np.full((*own.shape[:-2], 1, 4), np.inf)
+        views = FourViews(self.demo, own, self.views.visible)
+        views = views if count == len(known) else views.select(known)
+        e, mirrored = self._residual(views, known, transfer, noise_reference), self.mirror_residual(views.own, known)
+        return e if mirrored is None else np.concatenate([e, mirrored], -1)
+
+    def with_partially_visible(self) -> ResidualFunction:
+        return PartialPointResiduals(self)
+
+    def mirror_residual(self, own: NDArray[np.float64], points: NDArray[np.bool_]) -> NDArray[np.float64] | None:
+        """Compute `Handedness.mirror_residual` of own images (..., n, 4) px of the points (N,) bool, which both cameras
+        see."""
+        key = points.tobytes()
+        if key not in self._handedness:
+            axes = principal_axes(self._rectified(np.concatenate(self.views.matches)))
+            self._handedness[key] = Handedness.of(self._rectified(self.demo[points]), axes, self.noise_px)
+        handedness = self._handedness[key]
+        return None if handedness is None else handedness.mirror_residual(self._rectified(own))
+
+    @cached_property
+    def head(self) -> Rectification | None:
+        """Geometry of the stereo head: the rectification if images ask for it, otherwise that of the affine geometry
+        that all matches fit; None if they fit none."""
+        if self.rectification is not None:
+            return self.rectification
+        matches = unique_matches([*self._past, self.views])
+        left, right = matches[:, :2], matches[:, 2:]
+        max_rms = AFFINE_RMS * max(self.noise_px, MIN_NOISE * image_unit(matches))
+        fits = affine_squares(left, right) < (len(left) - AFFINE_FREEDOM) * max_rms**2
+        return level(left, right) if fits else None
+
+    def _residual(
+        self,
+        views: FourViews,
+        known: NDArray[np.bool_],
+        transfer: str | None,
+        reference: NoiseReference | None,
+    ) -> NDArray[np.float64]:
+        """(..., n, C) px of views of the known points, (N,) bool."""
+        if transfer is None and reference is None:
+            computed = self._look_up(views.own) if views.own.ndim == 3 else None
+            if computed is not None:
+                return computed
+        if reference is not None and transfer is None and self._converged is None and self._by_homography is not None:
+            if len(views.demo) >= HOMOGRAPHY_MIN_POINTS:
+                return self._by_homography.of(views, known, reference).residual(views)
+        if transfer or self._converged is None:
+            fitted = fit_transfer(TRANSFERS[transfer] if transfer else self.method, views, self.rectification)
+        else:
+            fitted = self._converged
+        e = fitted.residual(views)
+        if reference is None or reference.own is None or fitted.is_whitened:
+            return e
+        return e @ self._affine_weight(views.with_own(reference.own[known]), reference.own_variance_ratio)
+
+    @cached_property
+    def _residual_cache(self) -> dict[bytes, NDArray[np.float64]]:
+        return {_cache_key(own): e for own, e in self._computed}
+
+    def _look_up(self, own: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """Residuals (n, N, 4) px of own images (n, N, 4) px; None if those of one were not computed before."""
+        found: list[NDArray[np.float64]] = []
+        for image in own:
+            e = self._residual_cache.get(_cache_key(image))
+            if e is None:
+                return None
+            found.append(e)
+        return np.array(found) if found else None
+
+    @cached_property
+    def _by_homography(self) -> DemonstratorResiduals | None:
+        """None if the transfer is no homography of space, or the head's geometry is unknown."""
+        if not self.method.homography_of_space or self.head is None:
+            return None
+        return DemonstratorResiduals(self.head, self.noise_px)
+
+    def _affine_weight(self, views: FourViews, own_variance_ratio: float) -> NDArray[np.float64]:
+        key = views.own.tobytes(), own_variance_ratio, views.demo.tobytes()
+        if key not in self._affine_weights:
+            self._affine_weights[key] = affine_whitening(views, own_variance_ratio)
+        return self._affine_weights[key]
+
+    def _rectified(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        return images if self.rectification is None else self.rectification.apply(images)
+
+    def _of_rig(self, rig: int) -> ResidualFunction:
+        if rig not in self._rigs:
+            assert self.rectification is not None
+            self._rigs[rig] = PredictedResiduals(
+                self.views,
+                self.method,
+                self.rectification.others[rig - 1],
+                noise_px=self.noise_px,
+                velocity=self._velocity,
+                converged=self._converged,
+            )
+        return self._rigs[rig]
+
+
+class PartialPointResiduals:
+    """Residuals of all points of which at least one camera sees the demonstrator.
+
+    Matches of points that both cameras see can be tested for outliers; the image of a point that one camera alone sees
+    cannot. So these points are used last. Other transfers than the chosen one use the points that both cameras see.
+    """
+
+    def __init__(self, complete: PredictedResiduals):
+        self._complete, self._visible = complete, complete.views.visible
+        head = complete.rectification or level(*np.split(np.concatenate(complete.views.matches), 2, axis=1))
+        self._by_rig = [DemonstratorResiduals(one, complete.noise_px) for one in (head, *head.others)]
+
+    def __call__(
+        self,
+        own: NDArray[np.float64],
+        transfer: str | None = None,
+        noise_reference: NoiseReference | None = None,
+        rig: int = 0,
+    ) -> NDArray[np.float64]:
+        """Compute the residuals, see `ResidualFunction`."""
+        if transfer is not None:
+            return self._complete(own, transfer, noise_reference, rig)
+        visible = self._visible[:, :2]
+        known = visible.any(1) & np.isfinite(own).all(-1).reshape(-1, len(visible)).all(0)
+        in_both = known & visible.all(1)
+        if np.count_nonzero(in_both) < MIN_POINTS:
+            return np.full((*own.shape[:-2], 1, 4), np.inf)
+        views = FourViews(self._complete.demo, own, self._visible).select(known)
+        e = self._by_rig[rig].of(views, known, noise_reference).residual(views)
+        mirrored = self._complete.mirror_residual(own[..., in_both, :], in_both)
+        if mirrored is None:
+            return e
+        columns = np.zeros((*e.shape[:-1], mirrored.shape[-1]))
+        columns[..., in_both[known], :] = mirrored
+        return np.concatenate([e, columns], -1)
+
+    def with_partially_visible(self) -> ResidualFunction:
+        return self
+
+
+def _cache_key(own: NDArray[np.float64]) -> bytes:
+    """Equal for images that differ by rounding only, as those that a servo keeps in units of its own."""
+    return own.astype(np.float32).tobytes()

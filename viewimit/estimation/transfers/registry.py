@@ -1,0 +1,183 @@
+"""The transfers by name, and what is said about each: title, prose, LaTeX and storage.
+
+The mathematics of a transfer is in its own module. Only `fit` is required of an entry; all other fields have defaults.
+"""
+
+from collections import UserDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..equations import HOLE, Equation, column, each, matrix, number, short
+from ..views import FourViews
+from . import epipolar, linear, projective, rank3
+from .epipolar import EpipolarTransfer
+from .linear import AffineTransfer, LinearTransfer
+from .projective import ProjectiveTransfer
+from .rank3 import Rank3Transfer
+from .transfer import FittedTransfer, TransferFunction, fit_function
+
+PROJECTIVE_MIN_POINTS = 8  # 32 coordinates for the 19 parameters of the projective transfer
+FLATNESS = "σ₁/σ₃"  # of the centred [l r]
+FLAT = "the points nearly lie in a plane, E may mislead"
+
+Equations = Callable[[Any, NDArray[np.float64], NDArray[np.float64], str], tuple[Equation, ...]]
+
+
+@dataclass(kw_only=True)
+class TransferMethod:
+    """A transfer with everything that is said about it. Calling it with `FourViews` calls `fit`."""
+
+    fit: Callable[[FourViews], FittedTransfer]  # views of points visible in all four, (..., N, 4) px, N ≥ 5
+    title: str = ""  # in dropdowns; by default the name of `fit`
+    assumes: str = ""  # one sentence: when it is exact
+    limitations: str = ""  # one sentence: where it fails
+    stored: tuple[type, ...] = ()  # dataclasses of a fitted transfer, nested ones too, of arrays, scalars and strings
+    equations: Equations = lambda fitted, demo, own, name: ()  # how one point, (4,) px in [l r] and [L R], is recovered
+    crosses_lines: bool = False  # whether a point is recovered at the intersection of its epipolar lines
+    condition_name: str = FLATNESS  # what `condition` is
+    degenerate_message: str = FLAT  # shown if `condition` is too large
+    conflict_equation: Callable[[float], Equation] | None = None  # E px² → what replaces Eq. (6), if anything
+    homography_of_space: bool = False  # whether rectified views are related by one, so `HomographyResiduals` apply
+
+    def __post_init__(self) -> None:
+        self.title = self.title or name_of(self.fit)
+
+    def __call__(self, views: FourViews) -> FittedTransfer:
+        """Fit the transfer. Raises ValueError for coordinates that are not finite."""
+        if not (np.isfinite(views.demo).all() and np.isfinite(views.own).all()):
+            raise ValueError("a transfer needs points that are seen in all four views: take FourViews.used")
+        return self.fit(views)
+
+
+def name_of(function: Callable) -> str:
+    """Return the name of a function, or of a callable's class."""
+    return getattr(function, "__name__", type(function).__name__)
+
+
+def transfer_method(given: TransferMethod | TransferFunction) -> TransferMethod:
+    """Return a `TransferMethod` unchanged, or make one of a plain function of one posture's views.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
+    if isinstance(given, TransferMethod):
+        return given
+    if not callable(given):
+        raise TypeError(f"a transfer is a function of FourViews or a TransferMethod, got {given!r}")
+    title = name_of(given)
+    return TransferMethod(title=title, fit=lambda views: fit_function(given, title, views))
+
+
+class Transfers(UserDict[str, TransferMethod]):
+    """Transfers by name. Assign a `TransferMethod` or a plain function; TypeError for anything else."""
+
+    def __setitem__(self, name: str, given: TransferMethod | TransferFunction) -> None:
+        super().__setitem__(name, transfer_method(given))
+
+
+def default_transfer(points: int) -> str:
+    """Return the name of the best transfer for this number of points."""
+    return "projective" if points >= PROJECTIVE_MIN_POINTS else "epipolar"
+
+
+def _epipolar_equations(
+    fitted: EpipolarTransfer, demo: NDArray[np.float64], own: NDArray[np.float64], name: str
+) -> tuple[Equation, ...]:
+    A, B = epipolar.linear_system(fitted.f.reshape(4, 5, 1))
+    centred = demo - fitted.demo_mean
+    solution = fitted.matrix @ centred
+    return (
+        Equation(
+            "(4)",
+            f"point {name} recovered, px about the centroids: so f₃₃ = 0",
+            rf"𝐀\,{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=-𝐁𝐜_{{{HOLE}}}:\;{matrix(5, 4)}{column(4)}\approx{column(5)}",
+            (name, name, *each(A[0], 2), *each(solution, 1), *each(-B[0] @ centred, 1)),
+            wide=True,
+        ),
+    )
+
+
+def _affine_equations(
+    fitted: AffineTransfer | Rank3Transfer, demo: NDArray[np.float64], own: NDArray[np.float64], name: str
+) -> tuple[Equation, ...]:
+    """One 4 x 4 map of points about their centroids, in place of Eq. (4)."""
+    centred = demo - fitted.demo_mean
+    recovered = fitted.own_mean + fitted.matrix @ centred
+    return (
+        Equation(
+            "",
+            f"in place of (4), point {name}: centroid + map · (c − its centroid), px",
+            rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}={column(4)}+{matrix(4, 4)}{column(4)}={column(4)}",
+            (name, *each(fitted.own_mean, 0), *each(fitted.matrix, 2), *each(centred, 1), *each(recovered, 1)),
+            wide=True,
+        ),
+    )
+
+
+def _projective_equations(
+    fitted: ProjectiveTransfer, demo: NDArray[np.float64], own: NDArray[np.float64], name: str
+) -> tuple[Equation, ...]:
+    u = (demo - fitted.demo_mean) @ fitted.basis
+    shape = fitted.coefficients[0] + u @ fitted.coefficients[1:]
+    recovered = fitted.recover(demo[None, :2], demo[None, 2:])[0]
+    latex = (
+        rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=\bar{{𝐲}}+\frac{{𝐚_0+𝐀^{{\top}}𝐮_{{{HOLE}}}}}{{1+𝐩\cdot 𝐮_{{{HOLE}}}}}"
+        rf"={column(4)}+{column(4)}\big/{HOLE}={column(4)}"
+    )
+    depth = number(float(1 + u @ fitted.p), 3)
+    numbers = (name, name, name, *each(fitted.own_mean, 0), *each(shape, 1), depth, *each(recovered, 1))
+    return (Equation("", f"in place of (4), point {name}: one depth for L and R, px", latex, numbers, wide=True),)
+
+
+def _rank3_conflict(E: float) -> Equation:
+    latex = rf"E=\frac{{1}}{{2N}}\sum_{{k=1}}^{{5}}\lambda_k(𝐖)={HOLE}"
+    return Equation("", "in place of (6): what all four images leave beyond rank 3", latex, (short(E),))
+
+
+TRANSFERS = Transfers(
+    {
+        "epipolar": TransferMethod(
+            title="Epipolar (paper)",
+            assumes="Affine cameras: each point is where the epipolar lines of its images in l and r cross.",
+            limitations="Lines nearly parallel, and depth in the views: the minimum is degrees off the demonstrator.",
+            fit=epipolar.fit,
+            stored=(EpipolarTransfer,),
+            equations=_epipolar_equations,
+            crosses_lines=True,
+            condition_name="cond A",
+            degenerate_message="epipolar lines nearly parallel, E may mislead",
+        ),
+        "linear": TransferMethod(
+            title="Linear combination",
+            assumes="Affine cameras: each own image is an affine function of the demonstrator's shape.",
+            limitations="Depth in the views, as for the epipolar one. No lines are crossed, so none can be parallel.",
+            fit=linear.fit,
+            stored=(LinearTransfer,),
+            equations=_affine_equations,
+        ),
+        "rank3": TransferMethod(
+            title="Rank 3, all views",
+            assumes="Affine cameras, and equal noise in all four images, which are fitted at once.",
+            limitations="Depth in the views: the largest bias of all without noise; the steadiest under much of it.",
+            fit=rank3.fit,
+            stored=(Rank3Transfer,),
+            equations=_affine_equations,
+            conflict_equation=_rank3_conflict,
+        ),
+        "projective": TransferMethod(
+            title="Projective combination",
+            assumes="Parallel optical axes, or rectified images: both of a pair have one depth. Then it is exact.",
+            limitations="Lenses that distort, and much noise: the demonstrator's is amplified, so average its frames.",
+            fit=projective.fit,
+            stored=(ProjectiveTransfer,),
+            equations=_projective_equations,
+            homography_of_space=True,
+        ),
+    }
+)

@@ -1,0 +1,92 @@
+"""All constants that tune the trust-region servo.
+
+Angles are joint displacements in radians. Image quantities are in px of images that are scaled by their own size (see
+`observation.in_units`), so none depends on the resolution of a camera. Most are multiples of the measured noise. Where
+a source gives a value, it is named. The others are orders of magnitude that follow from the reason beside them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+def _deg(angle: float) -> float:
+    return float(np.radians(angle))
+
+
+@dataclass(frozen=True)
+class TrustRegionOptions:
+    """Tuning of `TrustRegion`, its subproblem, its local model and its convergence test."""
+
+    # Region and steps
+    first_radius: float = _deg(25.0)  # rad: a probe of 15° predicts images about this far
+    max_radius: float = _deg(45.0)  # rad
+    min_radius: float = _deg(0.5)  # rad: below it a rejected step counts towards max_rejections
+    shrink_below: float = 0.25  # actual over predicted reduction; Nocedal and Wright, Algorithm 4.1
+    grow_above: float = 0.6  # actual over predicted reduction; they have 0.75
+    shrink_factor: float = 0.4  # of the step made; they have 0.25 of the radius
+    grow_factor: float = 2.0  # of the radius; as they have it
+    full_step: float = 0.8  # share of the radius, from which a step counts as limited by the region
+    max_rejections: int = 2  # steps in a row that did not reduce E, after which the model is no use here
+    max_step: float = _deg(45.0)  # rad per motion, as long as images are known near the visits only
+    xtol: float = _deg(0.1)  # rad: shorter steps are not worth a motion
+    min_step: float = _deg(0.01)  # rad: shorter steps are no motion, even if they would settle a doubt
+    xtol_converged: float = _deg(0.3)  # rad: displacement that E may leave possible where the servo stops
+    xtol_verify: float = _deg(5.0)  # rad: where E leaves more possible, a verification motion is no use yet
+    arrival_tolerance: float = 0.1  # of the expected error: how near the arm must return to its best posture
+    max_visits: int = 60  # that are remembered; a prediction costs their number cubed
+    same_posture: float = 1e-9  # rad: rounding of two motions to one posture
+
+    # Search strategy: (transfer, None for the chosen one; first radius) tried in turn before a restart
+    ladder: tuple[tuple[str | None, float], ...] = (
+        (None, _deg(25.0)),
+        ("linear", _deg(25.0)),  # its E has other local minima
+        (None, _deg(12.0)),
+    )
+    restart_candidates: int = 200  # random postures, of which the one farthest from all visits is taken
+
+    # Kinematics and an arm that is not where it was sent
+    fit_kinematics_at: tuple[int, ...] = (1, 2, 3, 5, 8, 13, 21, 34, 55)  # visits beyond the joints; fits are costly
+    full_step_barred: float = 0.9  # share of the radius, from which an arm that did not move needs a longer step
+
+    # Correspondences
+    match_at: tuple[int, ...] = (1, 5, 10, 16, 24)  # visits beyond the joints; the first needs kinematics
+    floor_image_share: float = 1e-3  # of the mean square extent of the own image: E that is small
+    floor_noise_ratio: float = 25.0  # times the noise variance: E that is small
+    match_grid: int = 12  # postures per joint, for one swapped pair
+    match_grid_two: int = 8  # postures per joint, for two swapped pairs: there are many more hypotheses
+    match_first_pairs: int = 6  # best single pairs that are extended by a second one
+    match_refined: int = 3  # best postures that are refined by least squares
+    match_gain: float = 0.1  # of E without a swap: what a swap must leave, to be accepted where E is not small
+
+    # Subproblem
+    grid: int = 7  # candidates per joint, for one or two joints
+    samples: int = 48  # random candidates, for three joints or more: about as many as 7 x 7
+    refined: int = 3  # best candidates that are refined by least squares
+    max_prediction_std_px: float = 1.0  # px: std up to which a predicted point serves as a seen one, while E is large
+    averaged_variance: float = 0.1  # of a single own image: what kinematics leave of its noise
+
+    # Local model
+    max_std_per_px: float = _deg(20.0)  # rad/px: a joint that noise of 1 px turns by more is unobservable
+
+    # Convergence test
+    noise_sigmas: float = 3.0  # standard deviations of E above its mean, up to which E is noise
+    noise_slack: float = 1.2  # times the noise, which is measured itself
+    max_verifications: int = 3  # motions per joint, from one restart to the next
+    overshoot_below: float = _deg(5.0)  # rad: a last step shorter than that may go beyond its target, to verify
+    verification_step: float = _deg(2.0)  # rad, without noise
+    verification_step_noisy: float = _deg(8.0)  # rad, the shortest with noise
+    min_evidence: float = _deg(1.0)  # rad along a direction, for a visit to be evidence
+    max_evidence: float = _deg(25.0)  # rad per joint: farther visits are beyond the quadratic model
+    min_evidence_noisy: float = _deg(5.5)  # rad: image slopes must stand out from noise
+    max_evidence_noisy: float = _deg(15.0)  # rad, also the longest verification motion
+    min_own_share: float = 0.6  # of a predicted rise: what the direction must make of it, not the others
+    min_rise: float = 0.5  # of the direction's predicted rise: what must be measured
+    min_alignment: float = 0.95  # cosine, from which a visit that shows no rise speaks against a direction
+    min_conflict_share: float = 1e-4  # of the mean square motion of own images: what must remain as conflict
+    significance: float = 3.0  # standard deviations of a measured rise
+    min_component: float = 0.1  # of a unit direction: smaller components do not turn their joint
+
+
+DEFAULTS = TrustRegionOptions()
+MAX_STD_PER_PX = DEFAULTS.max_std_per_px  # rad/px, by default
